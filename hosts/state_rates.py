@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic.added.state import SPEED, SPEED_ENDING
 from tirefmu.symbolic.quantities import AT_ONCE
 from tirefmu.tires import Tire
 from tirefmu.tires.code import Code
@@ -53,7 +54,13 @@ def state_rates(
         lines = at_given if tire.book.is_direct(state) or state.follows_a_path else at_acting
         target, rate, _, _ = state.line_names
         u, r = lines[target], lines[rate]
-        if state.settles:
+        if state.oscillates:
+            decay, derivative = np.zeros_like(u), row[f"{name}{SPEED_ENDING}"]
+        elif state.kind == SPEED:
+            position = tire.book.states[name.removesuffix(SPEED_ENDING)]
+            target, frequency = (lines[line] for line in position.line_names[:2])
+            decay, derivative = r, frequency**2 * (target - row[position.name]) - r * x
+        elif state.settles:
             decay, derivative = r, r * (u - x)
         elif state.follows_a_path:
             decay = np.abs(u) * r

@@ -1,7 +1,8 @@
 """The laws by which states change over a step, each declared once and printed for NumPy, C and CasADi.
 
-A state x follows a target u at a rate r, x' = r (u - x), or adds up a flow, x' = g, or follows a path without regard to
-time. A law is the exact solution over a step if the target and the rate are as stated, whatever the size of the step.
+A state x follows a target u at a rate r, x' = r (u - x), or adds up a flow, x' = g, or oscillates about a target, or
+follows a path without regard to time. A law is the exact solution over a step if the target and the rate are as stated,
+whatever the size of the step.
 `tirefmu.symbolic.printers.laws` prints a law as a function of its arguments.
 """
 
@@ -50,6 +51,12 @@ def _law(define: Callable[..., sp.Expr]) -> Law:
     arguments = define.__code__.co_varnames[1 : define.__code__.co_argcount]
     lines = Chapter(define.__name__)
     result = define(lines, *sp.symbols(arguments, real=True))
+    used = set(result.free_symbols)  # compilers report lines that are not
+    for line in reversed(lines.equations.copy()):
+        if line.symbol in used:
+            used |= line.expression.free_symbols
+        else:
+            lines.equations.remove(line)
     return Law(define.__name__, " ".join((define.__doc__ or "").split()), arguments, lines, result)
 
 
@@ -76,17 +83,27 @@ def lag(eq: Chapter, x: sp.Expr, u: sp.Expr, u_end: sp.Expr, way: sp.Expr) -> sp
 
 def lag_curved(eq: Chapter, x: sp.Expr, u: sp.Expr, u_half: sp.Expr, u_end: sp.Expr, way: sp.Expr) -> sp.Expr:
     """Lag x' = r (u - x) with a target on the parabola through u, u_half and u_end; way is r times the step."""
+    slope, bend = _parabola(eq, u, u_half, u_end)
+    return sp.exp(-way) * x + _followed(eq, "", u, slope, bend, way)
+
+
+def _parabola(eq: Chapter, u: sp.Expr, u_half: sp.Expr, u_end: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Return slope and bend of the target u + slope s + bend s^2, where s is the share of the step."""
     slope = eq("law", "slope", 4 * u_half - 3 * u - u_end, named=False)
-    bend = eq("law", "bend", 2 * (u - 2 * u_half + u_end), named=False)
-    share = _share(eq, "lag", way)
+    return slope, eq("law", "bend", 2 * (u - 2 * u_half + u_end), named=False)
+
+
+def _followed(eq: Chapter, name: str, u: sp.Expr, slope: sp.Expr, bend: sp.Expr, way: sp.Expr) -> sp.Expr:
+    """Return the end of a lag that starts at 0; `name` begins the names of its lines."""
+    share = _share(eq, f"{name}lag", way)
     # The moments of r e^{-r (1 - s)} over the step; a difference of nearly equal numbers is replaced by its series.
-    small = eq("law", "small", where(way < sp.Rational(1, 20), way, 0), named=False)
+    small = eq("law", f"{name}small", where(way < sp.Rational(1, 20), way, 0), named=False)
     series1 = _series(small, 2)
     series2 = _series(small, 3)
-    large = eq("law", "large", where(way < sp.Rational(1, 20), 1, way), named=False)
-    first = eq("law", "first", where(way < sp.Rational(1, 20), series1, 1 - share), named=False)
-    second = eq("law", "second", where(way < sp.Rational(1, 20), series2, 1 - 2 * first / large), named=False)
-    return sp.exp(-way) * x - u * expm1(-way) + slope * first + bend * second
+    large = eq("law", f"{name}large", where(way < sp.Rational(1, 20), 1, way), named=False)
+    first = eq("law", f"{name}first", where(way < sp.Rational(1, 20), series1, 1 - share), named=False)
+    second = eq("law", f"{name}second", where(way < sp.Rational(1, 20), series2, 1 - 2 * first / large), named=False)
+    return slope * first + bend * second - u * expm1(-way)
 
 
 def sum_curved(eq: Chapter, x: sp.Expr, g: sp.Expr, g_half: sp.Expr, g_end: sp.Expr, h: sp.Expr) -> sp.Expr:
@@ -97,6 +114,92 @@ def sum_curved(eq: Chapter, x: sp.Expr, g: sp.Expr, g_half: sp.Expr, g_end: sp.E
 def sum_linear(eq: Chapter, x: sp.Expr, g: sp.Expr, g_end: sp.Expr, h: sp.Expr) -> sp.Expr:
     """Sum x' = g with a flow that is linear from g to g_end over a step h."""
     return x + h * (g + g_end) / 2
+
+
+# fmt: off
+def oscillator(
+    eq: Chapter, x: sp.Expr, v: sp.Expr, u: sp.Expr, u_half: sp.Expr, u_end: sp.Expr, way: sp.Expr, loss: sp.Expr,
+    h: sp.Expr,
+) -> sp.Expr:
+    """Oscillator x'' = w^2 (u - x) - d x' with a target on the parabola through u, u_half and u_end over a step h.
+
+    v is x' at the start, way is w h, loss is d h.
+    """
+    return _oscillation(eq, x, v, u, u_half, u_end, way, loss, h)[0]
+
+
+def oscillator_speed(
+    eq: Chapter, x: sp.Expr, v: sp.Expr, u: sp.Expr, u_half: sp.Expr, u_end: sp.Expr, way: sp.Expr, loss: sp.Expr,
+    h: sp.Expr,
+) -> sp.Expr:
+    """Speed x' at the end of the same step of an oscillator."""
+    change = _oscillation(eq, x, v, u, u_half, u_end, way, loss, h)[1]
+    step = eq("law", "step", where(h > 0, h, 1), named=False)
+    return v + change / step
+
+
+# fmt: on
+#: Up to this way and loss, an oscillation is its Taylor series; above this ratio of loss to way, it is two lags.
+SHORT, WIDE, TERMS = sp.Rational(1, 2), sp.Rational(5, 2), 15
+
+
+def _oscillation(
+    eq: Chapter, x: sp.Expr, v: sp.Expr, u: sp.Expr, u_half: sp.Expr, u_end: sp.Expr, way: sp.Expr, loss: sp.Expr,
+    h: sp.Expr,
+) -> tuple[sp.Expr, sp.Expr]:  # fmt: skip
+    """Return the value at the end of a step, and the change of the speed times h.
+
+    With the share s of the step, x'' = way^2 (u(s) - x) - loss x'. Each of three ways to solve this is exact where the
+    others subtract nearly equal numbers.
+    """
+    slope, bend = _parabola(eq, u, u_half, u_end)
+    start = eq("law", "start", v * h, named=False)
+    short = sp.And(way < SHORT, loss < SHORT)
+    wide = loss > WIDE * way
+    # Short steps: the Taylor series.
+    a = eq("law", "short_way", where(short, way, 0), named=False)
+    b = eq("law", "short_loss", where(short, loss, 0), named=False)
+    series, target = [x, start], [u, slope, bend]
+    for k in range(TERMS - 1):
+        force = a**2 * ((target[k] if k < 3 else 0) - series[k]) - b * (k + 1) * series[k + 1]
+        series.append(eq("law", f"term{k + 2}", force / ((k + 1) * (k + 2)), named=False))
+    near = x + start + sum(reversed(series[2:]), sp.Integer(0))
+    near_change = sum((k * series[k] for k in range(TERMS, 1, -1)), sp.Integer(0))
+    # The matrix exponential; the shares are those of the slower and the faster exponential, or of the sine.
+    square = eq("law", "square_of_difference", (loss / 2 - way) * (loss / 2 + way), named=False)
+    aperiodic = square > 0
+    above = eq("law", "above", where(aperiodic, square, 0), named=False)
+    below = eq("law", "below", where(aperiodic, 0, -square), named=False)
+    half, turn = (eq("law", name, sp.sqrt(one), named=False) for name, one in (("half", above), ("turn", below)))
+    fast = eq("law", "fast", loss / 2 + half, named=False)
+    faster = eq("law", "faster", where(aperiodic, fast, 1), named=False)
+    slow = eq("law", "slow", where(aperiodic, way**2 / faster, loss / 2), named=False)
+    share = _share(eq, "difference", 2 * half)
+    angle = eq("law", "angle", where(turn > 0, turn, 1), named=False)
+    sine = eq("law", "sine", where(turn > 0, sp.sin(angle) / angle, 1), named=False)
+    decay = eq("law", "decay", sp.exp(-slow), named=False)
+    of_speed = eq("law", "of_speed", decay * where(aperiodic, share, sine), named=False)
+    cosine = eq("law", "cosine", decay * sp.cos(turn), named=False)
+    stay = eq("law", "stay", where(aperiodic, decay * (1 + slow * share), cosine + loss / 2 * of_speed), named=False)
+    keep = eq("law", "keep", where(aperiodic, decay * (sp.exp(-2 * half) - slow * share),
+                                   cosine - loss / 2 * of_speed), named=False)  # fmt: skip
+    # Long steps: the target is followed by a parabola, from which the difference fades.
+    divisor = eq("law", "divisor", where(sp.Or(short, wide), 1, way**2), named=False)
+    behind = eq("law", "behind", slope - 2 * loss * bend / divisor, named=False)
+    middle = eq("law", "middle", u - (2 * bend + loss * behind) / divisor, named=False)
+    dx = eq("law", "dx", x - middle, named=False)
+    dv = eq("law", "dv", start - behind, named=False)
+    far = middle + behind + bend + stay * dx + of_speed * dv
+    far_change = 2 * bend + (keep - 1) * dv - way**2 * of_speed * dx
+    # Much damping: two lags with different rates.
+    difference = eq("law", "difference", where(wide, 2 * half, 1), named=False)
+    late = eq("law", "late", _followed(eq, "slow_", u, slope, bend, slow), named=False)
+    early = eq("law", "early", _followed(eq, "fast_", u, slope, bend, fast), named=False)
+    apart = stay * x + of_speed * start + (fast * late - slow * early) / difference
+    apart_change = (keep - 1) * start - way**2 * of_speed * x + way**2 * (early - late) / difference
+    ends = (near, apart, far), (near_change, apart_change, far_change)
+    end, change = (where(short, one, where(wide, another, third)) for one, another, third in ends)
+    return end, change
 
 
 def dahl(eq: Chapter, z: sp.Expr, s: sp.Expr, s_end: sp.Expr, width: sp.Expr) -> sp.Expr:
@@ -126,5 +229,6 @@ def dahl_size(
 
 #: Every law by name.
 LAWS: dict[str, Law] = {
-    each.__name__: _law(each) for each in (lag, lag_curved, sum_linear, sum_curved, dahl, dahl_size)
+    each.__name__: _law(each)
+    for each in (lag, lag_curved, sum_linear, sum_curved, oscillator, oscillator_speed, dahl, dahl_size)
 }

@@ -25,6 +25,7 @@ from tirefmu.symbolic.model import Model
 
 from .code import Code
 from .code.modules import state_laws
+from .oscillator import Oscillation, Part
 from .transient import Course, followed, recursion
 
 FloatArray = npt.NDArray[np.float64]
@@ -81,7 +82,9 @@ class Simulation:
         self.states = [state for name, state in self.book.states.items() if name in self.names]
         self.h = np.diff(self.t)
         for state in self.states:
-            if self.book.is_direct(state):
+            if state.oscillates:
+                self._courses |= self._oscillation(state)
+            elif self.book.is_direct(state) and state.name not in self._courses:
                 self._courses[state.name] = self._course(state, self._given)
         for state in self.states:
             if state.follows_a_path:
@@ -153,6 +156,14 @@ class Simulation:
         if state.settles:
             return followed(self.t, target, rate, start if state.start else target, hold=self.hold)
         return _Sum(target, self.h, start, self.hold)
+
+    def _oscillation(self, state: State) -> dict[str, Part]:
+        """Return the courses of position and speed of an oscillator."""
+        target, frequency, start = self._of(state)
+        speed = self.book.states[state.speed_name]
+        _, damping, _ = self._of(speed)
+        whole = Oscillation(target, frequency, damping, self.h, start if state.start else target, self.hold)
+        return {state.name: Part(whole, 0), speed.name: Part(whole, 1)}
 
     def _hysteresis(self, state: State) -> _Course:
         _, rate, start = self._of(state)
@@ -319,7 +330,7 @@ class _Path:
         return self._law(self.value[interval], interval, [lag.between(interval, share) for lag in self.lags])
 
 
-_Course = Course | _Sum | _Path
+_Course = Course | _Sum | _Path | Part
 
 
 def _integrated(state: State, drive: FloatArray, rate: FloatArray, h: FloatArray, x: float) -> FloatArray:

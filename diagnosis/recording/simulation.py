@@ -78,7 +78,9 @@ class Simulator:
             if not self.tire.has.isdisjoint(effect.name for effect, _ in owners):
                 continue
             read = {one for effect, _ in owners for state in effect.states for one in state.reads}
-            own = [each.name for effect, _ in owners for each in effect.declarations if each.name not in read]
+            acting = {one for effect, _ in owners for act in effect.acts for one in act.reads}
+            declared = [each.name for effect, _ in owners for each in effect.declarations]
+            own = [each for each in declared if each in acting or each not in read]
             yield name, np.array([self.index[one] for one in own])
 
     def _step(self, name: str) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from importlib.resources import files
 from math import inf, isfinite
 
+from tirefmu.symbolic.added.state import SPEED
 from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.printers.definitions import comment
 from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES
@@ -334,7 +335,9 @@ def _indices(shown: Interface) -> Iterable[str]:
 def _memory(shown: Interface) -> list[str]:
     """Return the entries of the table of the states of effects, as declared in memory.c."""
     book, names = shown.tire.book, [state.name for state in shown.memory]
-    prefix, laws = book.name.upper(), {"accumulation": "SUM", "hysteresis": "PATH"}
+    prefix, laws = book.name.upper(), {
+        "accumulation": "SUM", "hysteresis": "PATH", "oscillator": "POSITION", SPEED: "SPEED",
+    }  # fmt: skip
     entries = []
     for state in shown.memory:
         lags = [str(names.index(name)) for name in state.drive] if state.follows_a_path else []

@@ -18,8 +18,9 @@
 #define CONVERGED 1e-14
 
 /* By state: the index of its input, its first line in the results of `drives`, its kind, whether it is direct, whether
-   it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities. */
-typedef enum { BALANCE, SUM, PATH } Law;
+   it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities.  The speed of an
+   oscillator is the state behind its position; both are direct. */
+typedef enum { BALANCE, SUM, PATH, POSITION, SPEED } Law;
 typedef struct {
     int input, line;
     Law law;
@@ -41,6 +42,8 @@ unsigned memory_velocity(size_t i) { return (unsigned) TABLE[i].velocity; }
 int memory_input(size_t i) { return TABLE[i].input; }
 
 static int is_driven(size_t i) { return !memory_is_direct(i); }
+
+static int settles(size_t i) { return TABLE[i].law != SUM && TABLE[i].law != PATH; }
 
 static double target(const double lines[], size_t i) { return lines[TABLE[i].line]; }
 
@@ -70,14 +73,14 @@ static void settle(const State *state, const double inputs[N_INPUTS], double mem
 
     memcpy(filled, inputs, sizeof filled);
     for (i = 0; i < N_MEMORY; i++)
-        if (TABLE[i].law == BALANCE && !TABLE[i].started)
+        if (settles(i) && !TABLE[i].started)
             memory[i] = 0.0;
     for (k = 0; moving && k < 2 * MOST_ITERATIONS; k++) {
         put(memory, filled);
         find_lines(state, filled, lines);
         moving = 0;
         for (i = 0; i < N_MEMORY; i++) {
-            if (TABLE[i].law != BALANCE || TABLE[i].started)
+            if (!settles(i) || TABLE[i].started)
                 continue;
             before = memory[i];
             memory[i] = k == 0 ? target(lines, i) : 0.5 * (before + target(lines, i));
@@ -111,7 +114,11 @@ static void follow_inputs(const double lines[], const double start[N_MEMORY], do
 
     for (i = 0; i < N_MEMORY; i++) {
         const double u = target(lines, i);
-        if (TABLE[i].direct)
+        if (TABLE[i].law == POSITION) {
+            const double x = start[i], v = start[i + 1], way = rate(lines, i) * h, loss = rate(lines, i + 1) * h;
+            memory[i] = state_oscillator(x, v, u, u, u, way, loss, h);
+            memory[i + 1] = state_oscillator_speed(x, v, u, u, u, way, loss, h);
+        } else if (TABLE[i].direct && TABLE[i].law != SPEED)
             memory[i] = TABLE[i].law == SUM ? state_sum_linear(start[i], u, u, h)
                                             : state_lag(start[i], u, u, h > 0.0 ? rate(lines, i) * h : 0.0);
     }
@@ -226,7 +233,7 @@ static double fastest(State *state, const double lines[])
         if (slips_lag(state, i))
             found = fmax(found, state->contact.rolling / slips_length(state, i, &origin));
     for (i = 0; i < N_MEMORY; i++)
-        if (TABLE[i].law == BALANCE && isfinite(rate(lines, i)))
+        if (settles(i) && isfinite(rate(lines, i)))
             found = fmax(found, rate(lines, i));
     return found;
 }
@@ -264,9 +271,17 @@ void memory_rates(State *state, double rates[N_MEMORY], double velocities[N_MEMO
         const double u = target(lines, i), r = rate(lines, i), x = given[TABLE[i].input];
 
         velocities[i] = TABLE[i].law == PATH ? u : 0.0;
-        rates[i] = TABLE[i].law == SUM    ? u
-                   : TABLE[i].law == PATH ? ((u > 0.0) - (u < 0.0) - x) * fabs(u) * r
-                                          : r * (u - x);
+        rates[i] = r * (u - x);
+        if (TABLE[i].law == SUM) {
+            rates[i] = u;
+        } else if (TABLE[i].law == PATH) {
+            rates[i] = ((u > 0.0) - (u < 0.0) - x) * fabs(u) * r;
+        } else if (TABLE[i].law == POSITION) {
+            rates[i] = given[TABLE[i + 1].input];
+        } else if (TABLE[i].law == SPEED) {
+            const double frequency = rate(lines, i - 1);
+            rates[i] = frequency * frequency * (target(lines, i - 1) - given[TABLE[i - 1].input]) - r * x;
+        }
         if (!state_has_begun(state))
             rates[i] = velocities[i] = 0.0;
     }

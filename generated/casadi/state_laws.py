@@ -41,6 +41,129 @@ def sum_curved(x, g, g_half, g_end, h):
     return x + 0.16666666666666666*h*(g + g_end + 4*g_half)
 
 
+def oscillator(x, v, u, u_half, u_end, way, loss, h):
+    """Oscillator x'' = w^2 (u - x) - d x' with a target on the parabola through u, u_half and u_end over a
+    step h. v is x' at the start, way is w h, loss is d h.
+    """
+    slope = -u_end - 3*u + 4*u_half
+    bend = -4*u_half + 2*u + 2*u_end
+    start = h*v
+    short_way = ca.if_else(ca.logic_and(loss < 0.5, way < 0.5), way, 0)
+    short_loss = ca.if_else(ca.logic_and(loss < 0.5, way < 0.5), loss, 0)
+    term2 = 0.5*short_way**2*(u - x) - 0.5*short_loss*start
+    term3 = -0.3333333333333333*short_loss*term2 + 0.16666666666666666*short_way**2*(slope - start)
+    term4 = -0.25*short_loss*term3 + 0.08333333333333333*short_way**2*(bend - term2)
+    term5 = -0.2*short_loss*term4 - 0.05*term3*short_way**2
+    term6 = -0.16666666666666666*short_loss*term5 - 0.03333333333333333*term4*short_way**2
+    term7 = -0.14285714285714285*short_loss*term6 - 0.023809523809523808*term5*short_way**2
+    term8 = -0.125*short_loss*term7 - 0.017857142857142856*term6*short_way**2
+    term9 = -0.1111111111111111*short_loss*term8 - 0.013888888888888888*term7*short_way**2
+    term10 = -0.1*short_loss*term9 - 0.011111111111111112*term8*short_way**2
+    term11 = -0.09090909090909091*short_loss*term10 - 0.00909090909090909*term9*short_way**2
+    term12 = -0.08333333333333333*short_loss*term11 - 0.007575757575757576*term10*short_way**2
+    term13 = -0.07692307692307693*short_loss*term12 - 0.00641025641025641*term11*short_way**2
+    term14 = -0.07142857142857142*short_loss*term13 - 0.005494505494505495*term12*short_way**2
+    term15 = -0.06666666666666667*short_loss*term14 - 0.004761904761904762*term13*short_way**2
+    square_of_difference = (way + 0.5*loss)*(0.5*loss - way)
+    above = ca.if_else(square_of_difference > 0, square_of_difference, 0)
+    below = ca.if_else(square_of_difference > 0, 0, -square_of_difference)
+    half = ca.sqrt(above)
+    turn = ca.sqrt(below)
+    fast = half + 0.5*loss
+    faster = ca.if_else(square_of_difference > 0, fast, 1)
+    slow = ca.if_else(square_of_difference > 0, way**2/faster, 0.5*loss)
+    difference_way = ca.if_else(half > 0, 2*half, 1)
+    difference_share = ca.if_else(half > 0, -ca.expm1(-difference_way)/difference_way, 1)
+    angle = ca.if_else(turn > 0, turn, 1)
+    sine = ca.if_else(turn > 0, ca.sin(angle)/angle, 1)
+    decay = ca.exp(-slow)
+    of_speed = decay*ca.if_else(square_of_difference > 0, difference_share, sine)
+    cosine = decay*ca.cos(turn)
+    stay = ca.if_else(square_of_difference > 0, decay*(1 + difference_share*slow), cosine + 0.5*loss*of_speed)
+    divisor = ca.if_else(ca.logic_or(loss > 2.5*way, ca.logic_and(loss < 0.5, way < 0.5)), 1, way**2)
+    behind = slope - 2*bend*loss/divisor
+    middle = u - (2*bend + behind*loss)/divisor
+    dx = x - middle
+    dv = start - behind
+    difference = ca.if_else(loss > 2.5*way, 2*half, 1)
+    slow_lag_way = ca.if_else(slow > 0, slow, 1)
+    slow_lag_share = ca.if_else(slow > 0, -ca.expm1(-slow_lag_way)/slow_lag_way, 1)
+    slow_small = ca.if_else(slow < 0.05, slow, 0)
+    slow_large = ca.if_else(slow < 0.05, 1, slow)
+    slow_first = ca.if_else(slow < 0.05, 0.5*slow_small*(1 - 0.3333333333333333*slow_small*(1 - 0.25*slow_small*(1 - 0.2*slow_small*(1 - 0.16666666666666666*slow_small*(1 - 0.14285714285714285*slow_small))))), 1 - slow_lag_share)
+    slow_second = ca.if_else(slow < 0.05, 0.3333333333333333*slow_small*(1 - 0.25*slow_small*(1 - 0.2*slow_small*(1 - 0.16666666666666666*slow_small*(1 - 0.14285714285714285*slow_small*(1 - 0.125*slow_small))))), 1 - 2*slow_first/slow_large)
+    late = bend*slow_second + slope*slow_first - u*ca.expm1(-slow)
+    fast_lag_way = ca.if_else(fast > 0, fast, 1)
+    fast_lag_share = ca.if_else(fast > 0, -ca.expm1(-fast_lag_way)/fast_lag_way, 1)
+    fast_small = ca.if_else(fast < 0.05, fast, 0)
+    fast_large = ca.if_else(fast < 0.05, 1, fast)
+    fast_first = ca.if_else(fast < 0.05, 0.5*fast_small*(1 - 0.3333333333333333*fast_small*(1 - 0.25*fast_small*(1 - 0.2*fast_small*(1 - 0.16666666666666666*fast_small*(1 - 0.14285714285714285*fast_small))))), 1 - fast_lag_share)
+    fast_second = ca.if_else(fast < 0.05, 0.3333333333333333*fast_small*(1 - 0.25*fast_small*(1 - 0.2*fast_small*(1 - 0.16666666666666666*fast_small*(1 - 0.14285714285714285*fast_small*(1 - 0.125*fast_small))))), 1 - 2*fast_first/fast_large)
+    early = bend*fast_second + fast_first*slope - u*ca.expm1(-fast)
+    return ca.if_else(ca.logic_and(loss < 0.5, way < 0.5), start + term10 + term11 + term12 + term13 + term14 + term15 + term2 + term3 + term4 + term5 + term6 + term7 + term8 + term9 + x, ca.if_else(loss > 2.5*way, of_speed*start + stay*x + (fast*late - early*slow)/difference, behind + bend + middle + dv*of_speed + dx*stay))
+
+
+def oscillator_speed(x, v, u, u_half, u_end, way, loss, h):
+    """Speed x' at the end of the same step of an oscillator."""
+    slope = -u_end - 3*u + 4*u_half
+    bend = -4*u_half + 2*u + 2*u_end
+    start = h*v
+    short_way = ca.if_else(ca.logic_and(loss < 0.5, way < 0.5), way, 0)
+    short_loss = ca.if_else(ca.logic_and(loss < 0.5, way < 0.5), loss, 0)
+    term2 = 0.5*short_way**2*(u - x) - 0.5*short_loss*start
+    term3 = -0.3333333333333333*short_loss*term2 + 0.16666666666666666*short_way**2*(slope - start)
+    term4 = -0.25*short_loss*term3 + 0.08333333333333333*short_way**2*(bend - term2)
+    term5 = -0.2*short_loss*term4 - 0.05*term3*short_way**2
+    term6 = -0.16666666666666666*short_loss*term5 - 0.03333333333333333*term4*short_way**2
+    term7 = -0.14285714285714285*short_loss*term6 - 0.023809523809523808*term5*short_way**2
+    term8 = -0.125*short_loss*term7 - 0.017857142857142856*term6*short_way**2
+    term9 = -0.1111111111111111*short_loss*term8 - 0.013888888888888888*term7*short_way**2
+    term10 = -0.1*short_loss*term9 - 0.011111111111111112*term8*short_way**2
+    term11 = -0.09090909090909091*short_loss*term10 - 0.00909090909090909*term9*short_way**2
+    term12 = -0.08333333333333333*short_loss*term11 - 0.007575757575757576*term10*short_way**2
+    term13 = -0.07692307692307693*short_loss*term12 - 0.00641025641025641*term11*short_way**2
+    term14 = -0.07142857142857142*short_loss*term13 - 0.005494505494505495*term12*short_way**2
+    term15 = -0.06666666666666667*short_loss*term14 - 0.004761904761904762*term13*short_way**2
+    square_of_difference = (way + 0.5*loss)*(0.5*loss - way)
+    above = ca.if_else(square_of_difference > 0, square_of_difference, 0)
+    below = ca.if_else(square_of_difference > 0, 0, -square_of_difference)
+    half = ca.sqrt(above)
+    turn = ca.sqrt(below)
+    fast = half + 0.5*loss
+    faster = ca.if_else(square_of_difference > 0, fast, 1)
+    slow = ca.if_else(square_of_difference > 0, way**2/faster, 0.5*loss)
+    difference_way = ca.if_else(half > 0, 2*half, 1)
+    difference_share = ca.if_else(half > 0, -ca.expm1(-difference_way)/difference_way, 1)
+    angle = ca.if_else(turn > 0, turn, 1)
+    sine = ca.if_else(turn > 0, ca.sin(angle)/angle, 1)
+    decay = ca.exp(-slow)
+    of_speed = decay*ca.if_else(square_of_difference > 0, difference_share, sine)
+    cosine = decay*ca.cos(turn)
+    keep = ca.if_else(square_of_difference > 0, decay*(-difference_share*slow + ca.exp(-2*half)), cosine - 0.5*loss*of_speed)
+    divisor = ca.if_else(ca.logic_or(loss > 2.5*way, ca.logic_and(loss < 0.5, way < 0.5)), 1, way**2)
+    behind = slope - 2*bend*loss/divisor
+    middle = u - (2*bend + behind*loss)/divisor
+    dx = x - middle
+    dv = start - behind
+    difference = ca.if_else(loss > 2.5*way, 2*half, 1)
+    slow_lag_way = ca.if_else(slow > 0, slow, 1)
+    slow_lag_share = ca.if_else(slow > 0, -ca.expm1(-slow_lag_way)/slow_lag_way, 1)
+    slow_small = ca.if_else(slow < 0.05, slow, 0)
+    slow_large = ca.if_else(slow < 0.05, 1, slow)
+    slow_first = ca.if_else(slow < 0.05, 0.5*slow_small*(1 - 0.3333333333333333*slow_small*(1 - 0.25*slow_small*(1 - 0.2*slow_small*(1 - 0.16666666666666666*slow_small*(1 - 0.14285714285714285*slow_small))))), 1 - slow_lag_share)
+    slow_second = ca.if_else(slow < 0.05, 0.3333333333333333*slow_small*(1 - 0.25*slow_small*(1 - 0.2*slow_small*(1 - 0.16666666666666666*slow_small*(1 - 0.14285714285714285*slow_small*(1 - 0.125*slow_small))))), 1 - 2*slow_first/slow_large)
+    late = bend*slow_second + slope*slow_first - u*ca.expm1(-slow)
+    fast_lag_way = ca.if_else(fast > 0, fast, 1)
+    fast_lag_share = ca.if_else(fast > 0, -ca.expm1(-fast_lag_way)/fast_lag_way, 1)
+    fast_small = ca.if_else(fast < 0.05, fast, 0)
+    fast_large = ca.if_else(fast < 0.05, 1, fast)
+    fast_first = ca.if_else(fast < 0.05, 0.5*fast_small*(1 - 0.3333333333333333*fast_small*(1 - 0.25*fast_small*(1 - 0.2*fast_small*(1 - 0.16666666666666666*fast_small*(1 - 0.14285714285714285*fast_small))))), 1 - fast_lag_share)
+    fast_second = ca.if_else(fast < 0.05, 0.3333333333333333*fast_small*(1 - 0.25*fast_small*(1 - 0.2*fast_small*(1 - 0.16666666666666666*fast_small*(1 - 0.14285714285714285*fast_small*(1 - 0.125*fast_small))))), 1 - 2*fast_first/fast_large)
+    early = bend*fast_second + fast_first*slope - u*ca.expm1(-fast)
+    step = ca.if_else(h > 0, h, 1)
+    return v + ca.if_else(ca.logic_and(loss < 0.5, way < 0.5), 2*term2 + 3*term3 + 4*term4 + 5*term5 + 6*term6 + 7*term7 + 8*term8 + 9*term9 + 10*term10 + 11*term11 + 12*term12 + 13*term13 + 14*term14 + 15*term15, ca.if_else(loss > 2.5*way, start*(-1 + keep) + way**2*(early - late)/difference - of_speed*x*way**2, 2*bend + dv*(-1 + keep) - dx*of_speed*way**2))/step
+
+
 def dahl(z, s, s_end, width):
     """Dahl's law dz = (sgn(ds) - z) |ds| / width along a path that goes from s to s_end without turning
     back.

@@ -10,7 +10,7 @@ from ..errors import EffectError, nearest
 from ..escaping import quoted
 from ..reserved import no_coefficient, no_effect, no_state
 from .effect import AddedEffect
-from .state import KINDS, State
+from .state import KINDS, SPEED, State, with_speeds
 
 #: Upper limits, in characters and in numbers of items.
 LONGEST_FILE, LONGEST_TEXT, LONGEST_UNIT = 100_000, 600, 40
@@ -98,15 +98,21 @@ def _state_objections(states: Sequence[State], read: frozenset[str]) -> Iterator
     """Yield why states are not valid together; `read` are the names that the acts of their effect read."""
     if len(states) > MOST_STATES:
         yield f"an effect has at most {MOST_STATES} states, not {len(states)}"
+    if tuple(with_speeds(state for state in states if state.kind != SPEED)) != tuple(states):
+        yield "the speed of an oscillator is a state behind it"
+    used = read.union(*(state.reads for state in states))
+    for state in states:
+        if state.oscillates and used.isdisjoint((state.name, state.speed_name)):
+            yield f"state {state.name} is declared but not used"
     lags = {state.name for state in states if state.kind == "lag"}
     for i, state in enumerate(states):
         if reason := no_state(state.name):
             yield f"state {quoted(state.name)} {reason}"
-        if state.kind not in KINDS:
+        if state.kind not in (*KINDS, SPEED):
             yield f"state {state.name}: unknown kind {quoted(state.kind)}"
         for name in state.drive if state.follows_a_path else ():
             if name not in lags:
                 yield f"state {state.name}: drive {quoted(name)} is no lag of this effect{nearest(name, lags)}"
         used = read.union(*(other.reads for other in (*states[:i], *states[i + 1 :])))
-        if state.name not in used:
+        if state.name not in used and not (state.oscillates or state.kind == SPEED):
             yield f"state {state.name} is declared but not used"

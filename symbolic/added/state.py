@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, replace
 
 from .formula_names import names_in
 
@@ -12,8 +12,11 @@ KINDS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...]]] = {
     "lag": ((("rate", "length"),), ("start",)),
     "heat": ((("rate",),), ("ambient", "start")),
     "accumulation": ((), ("start",)),
+    "oscillator": ((("frequency",), ("damping",)), ("start",)),
     "hysteresis": ((("width",),), ("start",)),
 }
+#: The kind of the second state of an oscillator, which no file declares, and the ending of its name.
+SPEED, SPEED_ENDING = "speed", "_speed"
 #: The power that sliding turns into heat, W: formulas of states may read it like a named quantity.
 SLIDING_POWER = "sliding_power"
 #: Endings of the names of the lines that a state adds to a model: target or flow, rate, start, derivative.
@@ -29,15 +32,17 @@ class State:
     name, description, unit : str
     kind : str
         "lag": x' = rate (drive - x), with the rate |V|/length if a length is given. "heat": x' = drive - rate (x -
-        ambient). "accumulation": x' = drive. "hysteresis": dx = (sgn(ds) - x) |ds|/width, where s is the lag that the
-        drive names, or the size sqrt(a^2 + b^2) of two lags.
+        ambient). "accumulation": x' = drive. "oscillator": x'' = frequency^2 (drive - x) - damping x', whose formulas
+        read inputs alone; x' is a state of its own behind this one, of kind "speed" with the same formulas
+        (`with_speeds`). "hysteresis": dx = (sgn(ds) - x) |ds|/width, where s is the lag that the drive names, or the
+        size sqrt(a^2 + b^2) of two lags.
     drive : tuple of str
         A formula; of a hysteresis the names of one or two lags.
-    rate, length, width, ambient : str
+    rate, length, width, ambient, frequency, damping : str
         Formulas; empty if the kind does not have them.
     start : str
-        A formula of coefficients for the value at the start of a recording. If empty, a lag and a heat balance start in
-        equilibrium with the first row, and other states at 0.
+        A formula of coefficients for the value at the start of a recording. If empty, a lag, a heat balance and an
+        oscillator start in equilibrium with the first row, and other states at 0.
 
     Examples
     --------
@@ -53,6 +58,8 @@ class State:
     length: str = ""
     width: str = ""
     ambient: str = ""
+    frequency: str = ""
+    damping: str = ""
     start: str = ""
     description: str = ""
     unit: str = "1"
@@ -65,7 +72,17 @@ class State:
     @property
     def settles(self) -> bool:
         """Whether it has an equilibrium at constant inputs."""
-        return self.kind in ("lag", "heat")
+        return self.kind in ("lag", "heat", "oscillator", SPEED)
+
+    @property
+    def oscillates(self) -> bool:
+        """Whether it has the position of an oscillator; the state behind it is the speed."""
+        return self.kind == "oscillator"
+
+    @property
+    def speed_name(self) -> str:
+        """The name of the speed of an oscillator."""
+        return f"{self.name}{SPEED_ENDING}"
 
     @property
     def follows_a_path(self) -> bool:
@@ -76,7 +93,7 @@ class State:
         """Yield key and text of each formula; the drive of a hysteresis is none."""
         if not self.follows_a_path:
             yield "drive", self.drive[0]
-        for key in ("rate", "length", "width", "ambient", "start"):
+        for key in ("rate", "length", "width", "ambient", "frequency", "damping", "start"):
             if text := getattr(self, key):
                 yield key, text
 
@@ -90,3 +107,20 @@ class State:
     def reads_only(self, inputs: Collection[str], coefficients: Collection[str]) -> bool:
         """Return whether it depends on inputs and coefficients alone, not on forces, quantities or other states."""
         return self.reads <= {*inputs, *coefficients}
+
+
+def with_speeds(states: Iterable[State]) -> Iterator[State]:
+    """Yield states, and the speed of each oscillator behind it.
+
+    Examples
+    --------
+    >>> swing = State("swing", "oscillator", ("Fy",), frequency="200", damping="20", unit="N")
+    >>> [(state.name, state.kind, state.unit) for state in with_speeds([swing])]
+    [('swing', 'oscillator', 'N'), ('swing_speed', 'speed', 'N/s')]
+    """
+    for state in states:
+        yield state
+        if state.oscillates:
+            unit = f"{state.unit}/s" if state.unit != "1" else "1/s"
+            what = f"rate of change of {state.description or state.name}"
+            yield replace(state, name=state.speed_name, kind=SPEED, start="", unit=unit, description=what)

@@ -9,10 +9,10 @@ from ..errors import EffectError, nearest
 from ..escaping import quoted, toml_string
 from ..reserved import no_state
 from .detection_file import known_keys
-from .state import KINDS, State
+from .state import KINDS, SPEED, State, with_speeds
 
 #: Keys of the table of a state, in the order in which they are written.
-KEYS = ("kind", "drive", "rate", "length", "width", "ambient", "start", "unit", "description")
+KEYS = ("kind", "drive", "rate", "length", "width", "ambient", "frequency", "damping", "start", "unit", "description")
 
 
 def read_states(tables: object, source: str) -> tuple[State, ...]:
@@ -28,6 +28,7 @@ def read_states(tables: object, source: str) -> tuple[State, ...]:
     Returns
     -------
     tuple of State
+        The speed of an oscillator is a state behind it.
 
     Raises
     ------
@@ -42,7 +43,11 @@ def read_states(tables: object, source: str) -> tuple[State, ...]:
     """
     if not isinstance(tables, dict):
         raise EffectError(f"{source}: states is not a table of states: [states.NAME]")
-    return tuple(_state(name, table, f"{source}: [states.{name[:80]}]") for name, table in tables.items())
+    states = [_state(name, table, f"{source}: [states.{name[:80]}]") for name, table in tables.items()]
+    found = tuple(with_speeds(states))
+    for speed in (state for state in found if state.kind == SPEED and state.name in tables):
+        raise EffectError(f"{source}: [states.{speed.name}] has the name of the speed of an oscillator")
+    return found
 
 
 def _state(name: str, table: object, location: str) -> State:
@@ -55,12 +60,13 @@ def _state(name: str, table: object, location: str) -> State:
     if not isinstance(kind, str) or kind not in KINDS:
         raise EffectError(f"{location}: kind is none of {', '.join(KINDS)}{nearest(str(kind), KINDS)}")
     required, optional = KINDS[kind]
+    article = "an" if kind[0] in "ao" else "a"
     for alternatives in required:
         if sum(key in table for key in alternatives) != 1:
-            raise EffectError(f"{location}: a {kind} requires {' or '.join(alternatives)}")
+            raise EffectError(f"{location}: {article} {kind} requires {' or '.join(alternatives)}")
     allowed = {"kind", "drive", "unit", "description", *optional, *(key for keys in required for key in keys)}
     for key in table.keys() - allowed:
-        raise EffectError(f"{location}: a {kind} has no {key}")
+        raise EffectError(f"{location}: {article} {kind} has no {key}")
     texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive"}}
     return State(name, kind, _drive(table, kind, location), **texts)
 
@@ -87,7 +93,7 @@ def _text(table: dict[str, Any], key: str, location: str) -> str:
 def states_text(states: Sequence[State]) -> list[str]:
     """Return the lines of the states of an effect file."""
     lines: list[str] = []
-    for state in states:
+    for state in (state for state in states if state.kind != SPEED):
         drives = [toml_string(drive) for drive in state.drive]
         lines += ["", f"[states.{state.name}]", f"kind = {toml_string(state.kind)}"]
         lines.append(f"drive = {drives[0]}" if len(drives) == 1 else f"drive = [{', '.join(drives)}]")

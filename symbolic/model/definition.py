@@ -214,7 +214,7 @@ class Model(ModelDeclaration):
         ('T', ['TMU1', 'TMU2', 'TMUA', 'TREF'])
         """
         from .assembly import check_reads
-        from .state_lines import check_state_reads
+        from .state_lines import check_oscillators, check_state_reads
 
         check_effects(effects)
         quantities = {quantity.name for quantity in (*self.inputs, *self.outputs)}
@@ -225,6 +225,7 @@ class Model(ModelDeclaration):
         known = {quantity.name for quantity in inputs} | extended._declared.keys()
         check_reads(self.name, extended.equations, effects, self._quantities, known)
         check_state_reads(self.name, effects, known | {line.symbol.name for line in extended.equations})
+        check_oscillators(extended)
         return extended
 
     @cached_property

@@ -7,16 +7,20 @@ quantity; `tirefmu.symbolic.laws` has the updates that need no more than these l
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from ..added import AddedEffect
 from ..added.formula import formula
-from ..added.state import SLIDING_POWER, State
+from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State
 from ..declarations import Effect
 from ..errors import EffectError, nearest
 from ..functions import absolute, sgn
 from ..notation import Chapter, Equation
+
+if TYPE_CHECKING:
+    from .definition import Model
 
 #: A size below which a slip has no direction.
 NO_SLIP = sp.Float("1e-12")
@@ -78,6 +82,13 @@ def check_state_reads(model: str, effects: Sequence[AddedEffect], known: set[str
                                   f" which {model} has not{nearest(name, known)}")  # fmt: skip
 
 
+def check_oscillators(model: Model) -> None:
+    """Raise `EffectError` if forces or other states drive an oscillator, whose law is exact for inputs only."""
+    for state in model.states.values():
+        if state.oscillates and not model.is_direct(state):
+            raise EffectError(f"state {state.name}: an oscillator reads inputs and coefficients only")
+
+
 def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> None:
     """File the four lines of a state."""
 
@@ -89,7 +100,7 @@ def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> No
 
     texts = dict(state.formulas())
     parts = {key: formula(text, f"state {name}") for key, text in texts.items()}
-    target, rate = _path(state, parts) if state.follows_a_path else _balance(state, parts)
+    target, rate = _target_and_rate(state, parts)
     x = sp.Symbol(name, real=True)
     what, unit = state.description or name, f"{state.unit}/s" if state.unit != "1" else "1/s"
     per_time = state.kind in ("accumulation", "hysteresis")
@@ -98,7 +109,25 @@ def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> No
     r = eq("tirefmu", second, only_with(rate), "1/s", f"rate of {what}")
     eq("tirefmu", third, only_with(parts.get("start", sp.Integer(0))), state.unit, f"start of {what}")
     derivative = {"accumulation": u, "hysteresis": (sgn(u) - x) * absolute(u) * r}.get(state.kind, r * (u - x))
+    if state.oscillates:
+        derivative = sp.Symbol(state.speed_name, real=True)
+    elif state.kind == SPEED:
+        position, target, frequency = (
+            sp.Symbol(name.removesuffix(SPEED_ENDING) + ending, real=True) for ending in ("", "_target", "_rate")
+        )
+        derivative = frequency**2 * (target - position) - r * x
     eq("tirefmu", last, derivative, unit, f"derivative of {what}")
+
+
+def _target_and_rate(state: State, parts: dict[str, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
+    """Return the first two lines of a state; those of an oscillator are its target and its frequency."""
+    if state.follows_a_path:
+        return _path(state, parts)
+    if state.oscillates:
+        return parts["drive"], parts["frequency"]
+    if state.kind == SPEED:  # in equilibrium it is 0; its rate is the damping
+        return sp.Integer(0), parts["damping"]
+    return _balance(state, parts)
 
 
 def _balance(state: State, parts: dict[str, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:

@@ -47,7 +47,8 @@ def _c_header() -> str:
     functions = "\n\n".join(map(_c_function, LAWS.values()))
     parts = [
         comment(f"{TITLE}, in C99.", HEADER),
-        "#ifndef TIREFMU_STATE_LAWS_H\n#define TIREFMU_STATE_LAWS_H\n\n#include <math.h>",
+        "#ifndef TIREFMU_STATE_LAWS_H\n#define TIREFMU_STATE_LAWS_H",
+        "\n".join(f"#include <{name}.h>" for name in ("float", "math", "stdint", "string")),
         definitions(functions),
         functions,
         "#endif",

@@ -75,7 +75,8 @@ def state_lines(
             acting.get(symbol, symbol) if _is_driven(model, state) else symbol
             for symbol in (sp.Symbol(name, real=True) for name in state.line_names)
         )
-        decay = {"accumulation": sp.Integer(0), "hysteresis": absolute(target) * rate}.get(state.kind, rate)
+        none = sp.Integer(0)
+        decay = {"accumulation": none, "oscillator": none, "hysteresis": absolute(target) * rate}.get(state.kind, rate)
         what = state.description or state.name
         eq("tirefmu", f"{state.name}_decay", decay, "1/s", f"decay of {what}", named=False)
         eq("tirefmu", f"{state.name}_dot", derivative, f"{state.unit}/s", f"derivative of {what}", named=False)

@@ -16,10 +16,10 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
 
 OK, ERROR = 0, 3
-EFFECTS = ("heat_friction", "slip_history", "break_in", "load_lag")
+EFFECTS = ("heat_friction", "slip_history", "break_in", "load_lag", "carcass_2nd_order")
 VALUES = {
     "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0, "SHMU": 0.05,
-    "SHK": 0.08, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5,
+    "SHK": 0.08, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5, "CASIG": 0.3, "CAFREQ": 60.0,
 }  # fmt: skip
 POINT = {"kappa": 0.03, "alpha": -0.09, "Fz": 4200.0, "V": 14.0}
 #: Slips that lag and slips that act at once.
@@ -123,7 +123,8 @@ def test_directional_derivatives_are_those_of_differences(host):
     assert host.set(alpha=0.06, kappa=-0.02, Fz=3900.0) == OK
     states = [name for name in host.variables if f"der({name})" in host.variables]
     unknowns = [*host.outputs, *(f"der({name})" for name in states), "slip_growth_velocity"]
-    for known, step in (("alpha", 1e-6), ("Fz", 1e-2), ("V", 1e-4), ("HTAU", 1e-5), ("SHLEN", 1e-7), ("BIMU", 1e-6)):
+    steps = {"alpha": 1e-6, "Fz": 1e-2, "V": 1e-4, "HTAU": 1e-5, "SHLEN": 1e-7, "BIMU": 1e-6, "CAFREQ": 1e-4}
+    for known, step in steps.items():
         status, found = host.derivative(unknowns, [known], [1.0])
         assert status == OK
         middle = host.get(known)[0]

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from tirefmu.generated.casadi import state_laws as in_casadi
 from tirefmu.generated.numpy import state_laws as laws
@@ -34,6 +35,34 @@ def test_a_lag_is_the_solution_of_its_equation(way):
     assert laws.lag_curved(x, u, half, end, way) == pytest.approx(curved, rel=1e-10)
     added = solved(lambda t, y: 0.4 * (u + slope * t + bend * t * t), x, 1.0)
     assert laws.sum_curved(x, u, half, end, 0.4) == pytest.approx(added, rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.3, 40.0])
+@pytest.mark.parametrize("way", [1e-6, 0.01, 0.4, 3.0])
+def test_an_oscillator_is_the_matrix_exponential(way, ratio):
+    """Any damping, short and long steps, with a target on a parabola; the speed is compared per step."""
+    x, v, u, half, end, h = 0.3, 2.0, 1.0, 0.2, -0.7, 0.01
+    slope, bend, loss = 4 * half - 3 * u - end, 2 * (u - 2 * half + end), 2.0 * ratio * way
+    matrix = np.zeros((5, 5))
+    matrix[0, 1] = matrix[2, 3] = matrix[3, 4] = 1.0
+    matrix[1, :3] = -(way**2), -loss, way**2
+    exact = expm(matrix) @ [x, v * h, u, slope, 2 * bend]
+    found = [law(x, v, u, half, end, way, loss, h) for law in (laws.oscillator, laws.oscillator_speed)]
+    np.testing.assert_allclose(found, [exact[0], exact[1] / h], rtol=1e-12, atol=1e-13 * (1.0 + way) / h)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1.0, 40.0])
+def test_an_oscillator_at_rest_has_all_digits_after_a_short_step(ratio):
+    u, half, end, way, h = 1.0, 0.2, -0.7, 1e-9, 0.01
+    slope, bend = 4 * half - 3 * u - end, 2 * (u - 2 * half + end)
+    given = (0.0, 0.0, u, half, end, way, 2.0 * ratio * way, h)
+    assert laws.oscillator(*given) == pytest.approx(way**2 * (u / 2 + slope / 6 + bend / 12), rel=1e-6)
+    assert laws.oscillator_speed(*given) == pytest.approx(way**2 * (u + slope / 2 + bend / 3) / h, rel=1e-6)
+
+
+def test_an_oscillator_without_a_step_remains():
+    assert laws.oscillator(0.3, 2.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0) == 0.3
+    assert laws.oscillator_speed(0.3, 2.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0) == 2.0
 
 
 def test_the_series_of_a_short_step_continues_the_formula():
@@ -105,6 +134,8 @@ def test_the_languages_agree(compiled, name):
     function = ca.Function(name, symbols, [getattr(in_casadi, name)(*symbols)])
     for _ in range(40):
         values = [*RANDOM.uniform(-0.2, 0.2, n - 1), RANDOM.choice([0.0, 1e-4, 0.03, 0.9]) or 0.02]
+        if name.startswith("oscillator"):  # every branch: short and long steps, much damping
+            values[-3:] = *(RANDOM.uniform(0.0, 3.0, 2) ** 2), 0.02
         expected = float(getattr(laws, name)(*values))
         assert in_c(*values) == pytest.approx(expected, rel=1e-13, abs=1e-15)
         assert float(function(*values)) == pytest.approx(expected, rel=1e-13, abs=1e-15)

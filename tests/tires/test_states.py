@@ -22,7 +22,10 @@ ACTIVE = {
     "hysteresis_force": {"HFY": 0.03},
     "load_lag": {"LLMU": 1.0, "LLK": 0.8},
     "break_in": {"BIMU": 0.2, "BIWORK": 2.5},
+    "carcass_2nd_order": {"CASIG": 0.3, "CAFREQ": 60.0, "CADAMP": 0.2},
 }
+#: Step with held inputs, s: an oscillation is seen before it has ended.
+STEP = {"carcass_2nd_order": 0.02}
 #: Largest error of a held step of 0.5 s against small ones: forces drive a state, or they do not.
 BOUND = {"heat_friction": 1e-5, "heat_stiffness": 1e-5, "break_in": 1e-5}
 #: Two nodes: the tread heats the carcass, which cools to a measured temperature; friction falls with both.
@@ -63,12 +66,12 @@ def tire_with(*effects, lags=True, **values):
     return Tire("mf61", given, effects={*effects, *relaxation}, added=ADDED)
 
 
-def levels(n=12, seed=3):
-    """Return inputs that jump every half second."""
+def levels(n=12, seed=3, step=0.5):
+    """Return inputs that jump at every step."""
     rng = np.random.default_rng(seed)
     return pd.DataFrame(
         {
-            "t": 0.5 * np.arange(n), "alpha": rng.uniform(-0.2, 0.2, n), "kappa": rng.uniform(-0.1, 0.1, n),
+            "t": step * np.arange(n), "alpha": rng.uniform(-0.2, 0.2, n), "kappa": rng.uniform(-0.1, 0.1, n),
             "Fz": rng.uniform(2000.0, 6000.0, n), "V": rng.uniform(5.0, 20.0, n),
         }
     )  # fmt: skip
@@ -84,7 +87,7 @@ def split(table, parts):
 @pytest.mark.parametrize("lags", [True, False], ids=["lagged", "direct"])
 @pytest.mark.parametrize("name", ACTIVE)
 def test_held_inputs_require_no_step_size(name, lags):
-    tire, coarse = tire_with(name, lags=lags), levels()
+    tire, coarse = tire_with(name, lags=lags), levels(step=STEP.get(name, 0.5))
     once, often = tire.evaluate(coarse, hold=True), tire.evaluate(split(coarse, 20), hold=True).iloc[::20]
     for column in (*tire.states, "Fy"):
         difference = np.abs(once[column].to_numpy() - often[column].to_numpy()).max()
@@ -122,7 +125,9 @@ def smooth(n, end=3.0):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["heat_friction", "slip_history", "load_lag", "break_in", "two_nodes"])
+@pytest.mark.parametrize(
+    "name", ["heat_friction", "slip_history", "load_lag", "break_in", "two_nodes", "carcass_2nd_order"]
+)
 def test_the_course_converges_to_the_differential_equations(name):
     """Without lagged slips, the lines state_derivative are the right sides of the differential equations."""
     tire = tire_with(name, lags=False, **({"TNMU": 0.005} if name == "two_nodes" else {}))
@@ -228,9 +233,14 @@ LAG = '[states.late]\nkind = "lag"\ndrive = "alpha"\nlength = "OWNLEN"\n'
 HEAD = 'name = "own"\nphysics = "own"\n[coefficients]\n'
 HEAD += 'OWNLEN = {description = "x", unit = "m", neutral = 0.3}\nGAIN = {}\n'
 ACT = '[[acts]]\non = "mu_y"\nfactor = "1 + GAIN*late"\n'
+SWING = LAG.replace('"lag"', '"oscillator"').replace("length", "damping") + "frequency = 50\n"
 WRONG = {
-    "kind is none of lag, heat, accumulation, hysteresis: did you mean lag?": LAG.replace('"lag"', '"lagg"'),
+    "kind is none of lag, heat, accumulation, oscillator, hysteresis: did you mean lag?": LAG.replace(
+        '"lag"', '"lagg"'
+    ),
     "a lag requires rate or length": LAG.replace('length = "OWNLEN"', ""),
+    "an oscillator requires damping": LAG.replace('"lag"', '"oscillator"').replace("length", "frequency"),
+    "[states.late_speed] has the name of the speed of an oscillator": SWING + LAG.replace(".late]", ".late_speed]"),
     "a lag has no width": LAG + 'width = "OWNLEN"\n',
     "unknown key 'lenght'": LAG.replace("length", "lenght"),
     "unknown function '__import__'": LAG.replace('"alpha"', '"__import__(os)"'),
@@ -257,6 +267,27 @@ def test_a_state_that_reads_an_unknown_quantity_is_an_error():
     effect = read_effect(HEAD + LAG.replace('"alpha"', '"K_yalfa"') + ACT, "own.toml")
     with pytest.raises(EffectError, match="state late reads 'K_yalfa', which mf96 has not"):
         Tire("mf96", BODY, effects=["own"], added=(effect,))
+
+
+def test_an_oscillator_that_forces_drive_is_an_error():
+    effect = read_effect(HEAD + SWING.replace('"alpha"', '"Fy"') + ACT, "own.toml")
+    with pytest.raises(EffectError, match="state late: an oscillator reads inputs and coefficients only"):
+        Tire("mf96", BODY, effects=["own"], added=(effect,))
+
+
+def test_the_carcass_overshoots_and_without_mass_it_relaxes():
+    """The closed form of a damped oscillation, and the lag that is its limit for a large frequency."""
+    t = np.linspace(0.0, 0.4, 81)
+    step = pd.DataFrame({"t": t, "alpha": np.where(t > 0.0, 0.01, 0.0), "Fz": 4000.0, "V": 10.0})
+    heavy = tire_with("carcass_2nd_order", lags=False, CASIG=0.1, CAFREQ=50.0).evaluate(step, hold=True)
+    w, rate = 50.0, 50.0 * 0.2 + 0.5 * 0.1 * 50.0**2 / np.sqrt(10.0**2 + 0.01)
+    turn, h = np.sqrt(w**2 - rate**2), t[1:] - t[1]
+    closed = np.tan(0.01) * (1.0 - np.exp(-rate * h) * (np.cos(turn * h) + rate / turn * np.sin(turn * h)))
+    np.testing.assert_allclose(heavy["carcass_deflection"].iloc[1:], closed, rtol=1e-11, atol=1e-16)
+    assert heavy["Fy"].abs().max() > 1.02 * heavy["Fy"].abs().iloc[-1]
+    light = tire_with("carcass_2nd_order", lags=False, CASIG=0.4, CAFREQ=3000.0, CADAMP=0.0).evaluate(step, hold=True)
+    lag = np.tan(0.01) * -np.expm1(-10.0 * h / 0.4)
+    np.testing.assert_allclose(light["alpha_star"].abs().iloc[2:], lag[1:], rtol=2e-2)
 
 
 def test_a_state_cannot_have_the_name_of_a_line_of_another():

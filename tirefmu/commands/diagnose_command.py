@@ -32,6 +32,8 @@ from ..arguments import (
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
 @WHERE
+@click.option("--turn-slip", "turning", is_flag=True,
+              help="The bench turns the wheel plane: phit = -(d alpha/dt)/V where phit is not recorded.")  # fmt: skip
 @click.option("--candidates", callback=names, help="Test these effects only.")
 @click.option("--effect", "user_files", type=FILE, multiple=True, help="Effect file to test too; may be repeated.")
 @click.option("--holdout", "others", type=FILE, multiple=True,
@@ -46,8 +48,8 @@ def diagnose(
     tables: tuple[Path, ...], tire: Path | None, model: str | None, effects: tuple[str, ...] | None,
     nominal: dict[str, float] | None,
     signs: str | None, where: str | None, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
-    others: tuple[Path, ...], fmus: bool, workers: int | None, scheduler: str | None, resume: bool, output: Path,
-    quiet: bool, json_file: Path | None,
+    others: tuple[Path, ...], turning: bool, fmus: bool, workers: int | None, scheduler: str | None, resume: bool,
+    output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Identify the effect that a tire model lacks, from a recording; add it and report the smaller error.
 
@@ -64,6 +66,8 @@ def diagnose(
     if len(tables) > 1 or tables[0].is_dir():
         if others:
             raise TirefmuError("--holdout is for one recording")
+        if turning:
+            raise TirefmuError("--turn-slip is for one recording")
         options = {
             "tire": tire, "model": model, "effects": effects or (), "nominal": nominal, "signs": signs, "where": where,
             "candidates": [*map(user_effect, user_files), *(candidates or ())] or None, "fmus": fmus,
@@ -76,6 +80,7 @@ def diagnose(
     check_input_paths(table)
     from tirefmu.diagnosis import diagnose as run
     from tirefmu.diagnosis import export_and_simulate, write_report
+    from tirefmu.estimation.turn_slip import with_turn_slip
     from tirefmu.measurements import check_convention, data_findings, recordings_from
     from tirefmu.tires import tire_from
 
@@ -83,6 +88,8 @@ def diagnose(
 
     terminal = Terminal(quiet)
     recording, *further = recordings_from([table, *others], signs=signs, where=where)
+    if turning:
+        recording, *further = (with_turn_slip(one) for one in (recording, *further))
     terminal.selection(recording, *further)
     check_convention(recording)  # before the findings, which would print the same sentence
     for one in (recording, *further):
