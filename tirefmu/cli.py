@@ -31,6 +31,7 @@ from .arguments import (
 )
 from .commands.compare_command import compare
 from .commands.diagnose_command import diagnose
+from .commands.example_command import example
 from .commands.explore_command import explore
 from .commands.fit_command import fit
 from .commands.fit_many_command import fit_many
@@ -342,6 +343,7 @@ for command in (
     convert,
     diagnose,
     effects,
+    example,
     explore,
     fit,
     fit_many,

@@ -32,6 +32,8 @@ from .terminal import Terminal
 FloatArray = npt.NDArray[np.float64]
 
 SEED = 1464
+#: Of the virtual bench, Hz: slow enough for a demo, and far above the rates of the sweeps.
+SAMPLE_RATE = 20.0
 #: Coefficients of the bench tire that differ from the Trento tire, and why.
 BENCH_TIRE = {
     # The report limited PKY2 to 4.9 .. 5.1, which overestimated the measured cornering stiffness by 36 % at 250 lbf.
@@ -113,14 +115,14 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
 def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter]) -> Recording:
     terminal.heading("1 Virtual bench.", "A tire similar to the Hoosier, measured as in the Trento report")
     with terminal.working("running the virtual bench"):
-        recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program())
+        recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program(sample_rate=SAMPLE_RATE))
         write_table(recording.table, folder / "bench.csv")
         truth.save(folder / "truth.tir")
         inspections, findings = inspect([recording])
         figures = folder / "figures"
         figures.mkdir(exist_ok=True)
         drawn = draw_inspection(inspections[0], figures)
-        write_inspection(inspections, findings, folder / "inspection.html")
+        write_inspection(inspections, findings, folder / "inspection.html", [drawn])
     table = recording.table
     text = (
         f"{len(table)} rows, loads {table.Fz.min():.0f} .. {table.Fz.max():.0f} N, "
