@@ -24,8 +24,8 @@ from .tire_data import switchable, tire_data
 
 #: The scripts of the page, in their order, after the chart library.
 SCRIPTS = (
-    "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "time_response.js", "key_figures.js", "charts.js",
-    "surface.js", "controls.js", "time_panel.js", "page.js",
+    "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "time_response.js", "key_figures.js",
+    "charts.js", "surface.js", "controls.js", "time_panel.js", "page.js",
 )  # fmt: skip
 #: The chart library uPlot, as the package uplot-python installs it.
 LIBRARY, LIBRARY_SCRIPT, LIBRARY_STYLE = "uplot", "uPlot.iife.js", "uPlot.min.css"

@@ -42,10 +42,7 @@ def write_inspection(
         If the file cannot be written.
     """
     path = path_from(path)
-    if drawn is None:
-        images = [_figures(each) for each in inspections]
-    else:
-        images = [inlined(paths) for paths in drawn]
+    images = [_figures(each) for each in inspections] if drawn is None else [inlined(paths) for paths in drawn]
     page = page_text(
         "tirefmu.measurements.inspection", {"title_of": title, "tables_of": all_tables},
         inspections=inspections, findings=findings, drawn=list(zip(inspections, images, strict=True)), texts=TEXTS,

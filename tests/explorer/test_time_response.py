@@ -16,13 +16,15 @@ VALUES = {
     "SHK": 0.08, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5,
 }  # fmt: skip
 EFFECTS = ("relax_lat", "relax_lon", "heat_friction", "slip_history", "break_in", "load_lag")
-#: Slips that lag, states that inputs drive, that forces drive, a hysteresis and an accumulation. The model has the whole
-#: library, as in other tests: it is printed and compiled once.
+#: Slips that lag, states that inputs drive, that forces drive, a hysteresis and an accumulation. The model has the
+#: whole library, as in other tests: it is printed and compiled once.
 MEMORY = Tire("mf61", VALUES, effects=EFFECTS, added=tuple(library().values()))
 #: Input, course, from, to, duration, slip angle.
 COURSES = [
-    ("alpha", "step", 0.0, 0.12, 0.5, 0.0), ("alpha", "sweep", 0.02, 0.2, 3.0, 0.0), ("Fz", "step", 4e3, 6e3, 1.0, 0.05),
-]  # fmt: skip
+    ("alpha", "step", 0.0, 0.12, 0.5, 0.0),
+    ("alpha", "sweep", 0.02, 0.2, 3.0, 0.0),
+    ("Fz", "step", 4e3, 6e3, 1.0, 0.05),
+]
 
 
 #: Rows of the tire's own response in each interval of the page's: its laws assume that slips do not turn between rows.
@@ -46,7 +48,7 @@ def test_it_is_that_of_the_tire_and_its_controls_act(opened):
     page = opened(MEMORY)
     for *course, alpha in COURSES:
         name, kind, _, _, duration = course
-        selected = "{ ...view.inputs, alpha: %r }" % alpha
+        selected = f"{{ ...view.inputs, alpha: {alpha} }}"
         found = page.evaluate(f"(course) => timeResponse(now, {selected}, course)", course_of(*course))
         assert found["t"][-1] == pytest.approx(duration)
         expected = evaluated(found, name, kind, duration, alpha)

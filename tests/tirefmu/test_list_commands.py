@@ -65,7 +65,7 @@ def test_every_command_has_examples_that_its_options_accept():
 
 
 def test_an_example_recording_is_that_of_the_tire_on_the_bench(command, tmp_path):
-    """Rows and inputs follow the program; the forces are those of the tire but for noise, and the seed sets the noise."""
+    """The forces are those of the tire but for noise, which the seed sets."""
     paths = [tmp_path / f"{seed}.csv" for seed in (1, 2)]
     for seed, path in zip((1, 2), paths, strict=True):
         outcome = command("example", "-o", path, "--sample-rate", 2, "--seed", seed, "--json", "-")
