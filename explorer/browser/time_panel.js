@@ -18,7 +18,7 @@ class TimePanel {
     this.tires = tires;
     this.selected = selected;
     const { data } = tires.now;
-    this.states = [...data.lags, ...data.states];
+    this.states = [...data.lags, ...data.states.filter((each) => each.effects.length)];
     this.exists = this.states.length > 0;
     found.section.hidden = !this.exists;
     if (!this.exists) return;

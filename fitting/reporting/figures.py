@@ -175,10 +175,10 @@ def _weighting(comparison: Comparison) -> Figure | None:
 
 
 def _over_alpha(comparison: Comparison, family: Family) -> list[tuple[float, pd.DataFrame]]:
-    """Return the tire over the measured slip angles at evenly spaced longitudinal slips, the largest on both sides."""
+    """Return the tire over the measured slip angles at evenly spaced longitudinal slips from 0 to the largest."""
     rows = pd.concat([group.rows for group in family.groups])
     grid = np.linspace(min(rows["alpha"].min(), 0.0), max(rows["alpha"].max(), 0.0), CURVE_POINTS)
-    levels = np.linspace(rows["kappa"].min(), rows["kappa"].max(), WEIGHTING_LEVELS).tolist()
+    levels = np.linspace(0.0, max(rows["kappa"].min(), rows["kappa"].max(), key=abs), WEIGHTING_LEVELS).tolist()
     return [(level, comparison.over(rows, {"alpha": grid, "kappa": np.full(len(grid), level)})) for level in levels]
 
 
