@@ -121,7 +121,12 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
         ("VERTICAL_STIFFNESS", "N/m", "vertical stiffness", _stiffness(tire)),
         ("VERTICAL_DAMPING", "N s/m", "vertical damping", _known(tire, "VERTICAL_DAMPING", 50.0)),
         ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", _known(tire, "BOTTOM_STIFF", 0.0)),
-        ("BOTTOM_RADIUS", "m", "loaded radius at which the rim touches the road", _known(tire, "BOTTOM_RADIUS", radius)),
+        (
+            "BOTTOM_RADIUS",
+            "m",
+            "loaded radius at which the rim touches the road",
+            _known(tire, "BOTTOM_RADIUS", radius),
+        ),
     ]
     if tire.book.quantity("loaded_radius"):
         del entries[0]
