@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
@@ -97,8 +98,10 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
         raise TirefmuError(f"{folder}: cannot be created ({error.strerror or error})") from error
     truth = bench_tire()
     chapters: list[Chapter] = []
-    # A second process compiles the code of the diagnosis and draws figures; a forked one would inherit threads.
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as second:
+    # A second process compiles the code of the diagnosis and draws figures; a forked one would inherit threads. It ends
+    # with Ctrl-C, without a message of its own.
+    silent_end = (signal.SIGINT, signal.SIG_DFL)
+    with ProcessPoolExecutor(1, get_context("spawn"), signal.signal, silent_end) as second:
         second.submit(_compile_for_diagnosis)
         recording = _bench(truth, folder, terminal, chapters)
         full, staged, figures = _fits(truth, recording, folder, terminal, chapters, second)
