@@ -98,10 +98,8 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
         raise TirefmuError(f"{folder}: cannot be created ({error.strerror or error})") from error
     truth = bench_tire()
     chapters: list[Chapter] = []
-    # A second process compiles the code of the diagnosis and draws figures; a forked one would inherit threads. It ends
-    # with Ctrl-C, without a message of its own.
-    silent_end = (signal.SIGINT, signal.SIG_DFL)
-    with ProcessPoolExecutor(1, get_context("spawn"), signal.signal, silent_end) as second:
+    # A second process compiles the code of the diagnosis and draws figures; a forked one would inherit threads.
+    with ProcessPoolExecutor(1, get_context("spawn"), _end_with_ctrl_c) as second:
         second.submit(_compile_for_diagnosis)
         recording = _bench(truth, folder, terminal, chapters)
         full, staged, figures = _fits(truth, recording, folder, terminal, chapters, second)
@@ -124,6 +122,11 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
         "missing_effect": missing,
         "diagnosis": diagnosis,
     }
+
+
+def _end_with_ctrl_c() -> None:
+    """End this process at Ctrl-C without a message of its own."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _compile_for_diagnosis() -> None:

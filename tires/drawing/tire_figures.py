@@ -51,8 +51,9 @@ PURE = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
 MARKED = (-0.5, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.5)
 #: Measured rows are drawn at a load and as upright or in pure slip within these limits: a share, rad, 1.
 NEAR_LOAD, NEAR_ZERO = 0.1, {"gamma": radians(0.5), "alpha": radians(0.5), "kappa": 0.01}
-#: Crosses of a curve; more would cover it. Their style.
-MOST_CROSSES, CROSS = 400, {"ms": 4.0, "mew": 0.8, "alpha": 0.7}
+#: Crosses of a curve, because more would cover it; and their style.
+MOST_CROSSES = 400
+CROSS: dict[str, Any] = {"ms": 4.0, "mew": 0.8, "alpha": 0.7}
 #: Blue below 0, red above, without the dark ends on which no number can be read.
 _COLORS = LinearSegmentedColormap.from_list("forces", colormaps["RdBu_r"](np.linspace(0.1, 0.9, 256)))
 _POINTS = 301  # of a curve
