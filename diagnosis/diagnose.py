@@ -114,6 +114,22 @@ def _start_model(
             values |= dict.fromkeys(set(NOMINAL[name]) & book_of(model).coefficients.keys(), value)
         no_single_text("effects", effects)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
+    return with_library(tire, user_defined)
+
+
+def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire:
+    """Return a tire, in the signs of the formula, with all effects of a diagnosis in its equations, switched off.
+
+    Parameters
+    ----------
+    tire : Tire
+    user_defined : tuple of AddedEffect
+        In addition to those of the library.
+
+    Returns
+    -------
+    Tire
+    """
     declared = [effect for effect in library().values() if effect.detection]
     known = [effect for effect in declared if tire.book.has_place_for(effect)]
     added = {effect.name: effect for effect in (*tire.added, *known, *user_defined)}

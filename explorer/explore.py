@@ -19,13 +19,13 @@ from tirefmu.tires import Tire, TireLike, tire_from
 from tirefmu.tires.drawing.page import style_sheet, write_page
 
 from .measured_rows import measured_rows, rows_data
-from .page_code import module_expression, program_for_page
+from .page_code import lagged_slips, module_expression, program_for_page
 from .tire_data import switchable, tire_data
 
 #: The scripts of the page, in their order, after the chart library.
 SCRIPTS = (
-    "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "key_figures.js", "charts.js", "surface.js",
-    "controls.js", "page.js",
+    "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "time_response.js", "key_figures.js",
+    "charts.js", "surface.js", "controls.js", "time_panel.js", "page.js",
 )  # fmt: skip
 #: The chart library uPlot, as the package uplot-python installs it.
 LIBRARY, LIBRARY_SCRIPT, LIBRARY_STYLE = "uplot", "uPlot.iife.js", "uPlot.min.css"
@@ -96,7 +96,7 @@ def page_text(
     programs = [program_for_page(switchable(each)) for each, _ in tires]
     data: dict[str, Any] = {
         "tires": [
-            tire_data(each, name, program.coefficients, intervals if i == 0 else {})
+            tire_data(each, name, program.coefficients, intervals if i == 0 else {}, lagged_slips(program))
             for i, ((each, name), program) in enumerate(zip(tires, programs, strict=True))
         ],
         "rows": rows_data(measured_rows(recordings, first.inputs)),

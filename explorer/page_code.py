@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.escaping import script_text
 from tirefmu.symbolic.printers.languages import printer
 from tirefmu.symbolic.printers.languages.program import Program, Selection, program
@@ -14,7 +15,7 @@ _NAME = "tire"
 
 
 def program_for_page(tire: Tire) -> Program:
-    """Return what the page computes: forces and named quantities, with the coefficients as variables.
+    """Return what the page computes: forces, named quantities, rates of states, with the coefficients as variables.
 
     Parameters
     ----------
@@ -27,11 +28,18 @@ def program_for_page(tire: Tire) -> Program:
     """
     coefficients = dict(zip(tire.book.coefficients, tire.parameters().tolist(), strict=False))
     nominal = {name: tire.nominal(name) for name in tire.inputs}
-    return program(_NAME, tire.book, tire.has, coefficients, nominal, Selection(("forces", "quantities"), "struct"))
+    states = ("states",) if tire.lags or tire.states else ()
+    selection = Selection(("forces", "quantities", *states), "struct")
+    return program(_NAME, tire.book, tire.has, coefficients, nominal, selection)
+
+
+def lagged_slips(found: Program) -> list[Quantity]:
+    """Return the lagged slips of a program: inputs that its model does not have."""
+    return [each for each in found.inputs if each not in found.model.inputs]
 
 
 def module_expression(found: Program) -> str:
-    """Return a JavaScript expression whose value has the functions `forces` and `quantities` of a program.
+    """Return a JavaScript expression whose value has the functions of a program.
 
     Parameters
     ----------
@@ -46,4 +54,5 @@ def module_expression(found: Program) -> str:
     plain = re.sub(r"/\*.*?\*/|//[^\n]*", "", module, flags=re.DOTALL)
     lines = (line.rstrip() for line in plain.splitlines())
     body = "\n".join(line for line in lines if line).replace("export ", "")
-    return script_text(f"(() => {{\n{body}\nreturn {{ forces, quantities }};\n}})()")
+    functions = ", ".join(routine.name for routine in found.routines)
+    return script_text(f"(() => {{\n{body}\nreturn {{ {functions} }};\n}})()")

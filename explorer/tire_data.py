@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import degrees, isfinite
 from typing import Any
@@ -61,7 +61,11 @@ def switchable(tire: Tire) -> Tire:
 
 
 def tire_data(
-    tire: Tire, name: str, read: Mapping[str, float], intervals: Mapping[str, tuple[float, float]]
+    tire: Tire,
+    name: str,
+    read: Mapping[str, float],
+    intervals: Mapping[str, tuple[float, float]],
+    lags: Sequence[Quantity],
 ) -> dict[str, Any]:
     """Return what the page shows of a tire.
 
@@ -75,6 +79,8 @@ def tire_data(
         The coefficients that the page's code reads: they have sliders, except the ends of ranges of inputs.
     intervals : mapping of str to (float, float)
         95 % intervals of coefficients in ISO-W.
+    lags : sequence of Quantity
+        The lagged slips of the page's code.
 
     Returns
     -------
@@ -97,6 +103,7 @@ def tire_data(
         "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in book.outputs],
         "roles": {role: _quantity(tire, book.quantity(role)) for role in ROLES if book.quantity(role)},
         "states": [_state(whole, name) for name in book.states],
+        "lags": [{"name": each.name, "text": each.description, "unit": ""} for each in lags],
         "coefficients": [
             _coefficient(declared, whole.values[key], owners[key], key in adjustable, intervals.get(key))
             for key, declared in book.coefficients.items()
@@ -125,8 +132,11 @@ def _state(tire: Tire, name: str) -> dict[str, Any]:
     state = tire.book.states[name]
     target, _, start, _ = state.line_names
     effects = [effect for effect in tire.book.effects if effect in tire.has and name in tire.book.states_of([effect])]
-    return {"name": name, "settles": state.settles, "target": target, "start": start, "lines": state.line_names,
-            "effects": effects}  # fmt: skip
+    return {
+        "name": name, "text": excerpt(state.description or name), "unit": "" if state.unit == "1" else state.unit,
+        "settles": state.settles, "declares_start": bool(state.start), "target": target, "start": start,
+        "lines": state.line_names, "effects": effects,
+    }  # fmt: skip
 
 
 def _owner(tire: Tire, name: str) -> str:

@@ -53,7 +53,7 @@ SUBPACKAGES = {
             "thresholds",
             "units",
         },
-        "inspection": {"channels", "findings", "operating_conditions", "quality", "recording"},
+        "inspection": {"channels", "findings", "operating_conditions", "provenance", "quality", "recording"},
         "quality": {"channels", "operating_conditions", "recording", "thresholds"},
     },
     "fitting": {

@@ -31,6 +31,7 @@ from .arguments import (
 )
 from .commands.compare_command import compare
 from .commands.diagnose_command import diagnose
+from .commands.example_command import example
 from .commands.explore_command import explore
 from .commands.fit_command import fit
 from .commands.fit_many_command import fit_many
@@ -292,18 +293,22 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
 
 @cli.command()
 @click.argument("tire", type=FILE)
+@click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder to write.")
-@click.option("--loads", type=Numbers(), help="Loads in N (default: three over the tire's range).")
+@click.option("--loads", type=Numbers(), help="Loads in N (default: those of TABLES, or three over the tire's range).")
 @click.option("--signs", type=SIGNS, default="iso", show_default=True, help="Sign convention of the figures.")
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @common
 def draw(
-    tire: Path, output: Path, loads: tuple[float, ...] | None, signs: str, suffix: str, quiet: bool,
-    json_file: Path | None,
+    tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None, signs: str, suffix: str,
+    quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Draw TIRE at several loads: pure slip, surfaces of Fx and Fy over both slips, Fy against Fx."""
+    """Draw TIRE at several loads: pure slip, surfaces of Fx and Fy over both slips, Fy against Fx.
+
+    Measured rows of TABLES (sae for .mat and .dat, iso for other tables) are drawn as crosses.
+    """
     check_output_paths(json_file, folder=output)
-    check_input_paths(tire)
+    check_input_paths(tire, *tables)
     from tirefmu.tires import tire_from
     from tirefmu.tires.drawing.files import draw as run
     from tirefmu.tires.drawing.tire_figures import default_loads
@@ -312,9 +317,21 @@ def draw(
 
     terminal = Terminal(quiet)
     loaded = tire_from(tire)
+    points = None
+    if tables:
+        import pandas as pd
+
+        from tirefmu.measurements import check_convention, levels, recordings_from
+
+        recordings = recordings_from(tables)
+        for recording in recordings:
+            check_convention(recording)
+        points = pd.concat([each.with_signs("iso").table for each in recordings], ignore_index=True)
+        measured = dict.fromkeys(float(f"{level:.2g}") for level in levels(points["Fz"]))
+        loads = tuple(measured) or None if loads is None else loads
     loads = default_loads(loaded) if loads is None else loads
     with terminal.working("drawing"):
-        drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix)
+        drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix, points=points)
     write_json(json_file, {"ok": True, "loads": list(loads), "signs": signs, "figures": [str(p) for p in drawn]})
     terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {signs}:")
     for path in drawn:
@@ -342,6 +359,7 @@ for command in (
     convert,
     diagnose,
     effects,
+    example,
     explore,
     fit,
     fit_many,

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import time
+from collections.abc import Mapping
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +15,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.diagnosis import diagnose, draw_residual_maps, export_and_simulate, residual_map, write_report
+from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.reporting.curves_figure import draw_curves
 from tirefmu.explorer.explore import explore
 from tirefmu.fitting import FitResult, fit
@@ -24,6 +29,7 @@ from tirefmu.measurements.inspection.inspection import inspect
 from tirefmu.measurements.inspection.report import write_inspection
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import Tire, published
+from tirefmu.tires.code import chosen_derivatives, fastest_code
 
 from .arguments import write_json
 from .demo_page import Chapter, draw_gap, write_demo_page
@@ -32,6 +38,8 @@ from .terminal import Terminal
 FloatArray = npt.NDArray[np.float64]
 
 SEED = 1464
+#: Of the virtual bench, Hz: slow enough for a demo, and far above the rates of the sweeps.
+SAMPLE_RATE = 20.0
 #: Coefficients of the bench tire that differ from the Trento tire, and why.
 BENCH_TIRE = {
     # The report limited PKY2 to 4.9 .. 5.1, which overestimated the measured cornering stiffness by 36 % at 250 lbf.
@@ -90,11 +98,17 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
         raise TirefmuError(f"{folder}: cannot be created ({error.strerror or error})") from error
     truth = bench_tire()
     chapters: list[Chapter] = []
-    recording = _bench(truth, folder, terminal, chapters)
-    full, staged = _fits(truth, recording, folder, terminal, chapters)
-    checks = _fmus(full, recording, folder, terminal, chapters)
-    reduced, missing = _missing_effect(full, recording, folder, terminal, chapters)
-    diagnosis = _diagnosis(reduced, recording, folder, terminal, chapters)
+    # A second process compiles the code of the diagnosis and draws figures; a forked one would inherit threads.
+    with ProcessPoolExecutor(1, get_context("spawn"), _end_with_ctrl_c) as second:
+        second.submit(_compile_for_diagnosis)
+        recording = _bench(truth, folder, terminal, chapters)
+        full, staged, figures = _fits(truth, recording, folder, terminal, chapters, second)
+        checks = _fmus(full, recording, folder, terminal, chapters)
+        reduced, missing = _missing_effect(full, recording, folder, terminal, chapters)
+        diagnosis = _diagnosis(reduced, recording, folder, terminal, chapters)
+        with terminal.working("drawing figures"):
+            drawn = figures.result()
+    terminal.print(f"  {len(drawn)} figures of both fits: {folder / 'figures'}")
     seconds = time.perf_counter() - began
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
     start = write_demo_page(chapters, folder, ok, seconds)
@@ -110,17 +124,31 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     }
 
 
+def _end_with_ctrl_c() -> None:
+    """End this process at Ctrl-C without a message of its own."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def _compile_for_diagnosis() -> None:
+    """Compile the code that the diagnosis of a tire of the bench uses, into the cache that all processes share."""
+    tire = with_library(bench_tire())
+    code, parameters = fastest_code(tire.book), tire.parameters()
+    rows = np.array([[tire.nominal(name)] for name in tire.inputs])
+    chosen_derivatives(code, rows, parameters, np.array([0]))
+    code.drives(rows, parameters)
+
+
 def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter]) -> Recording:
     terminal.heading("1 Virtual bench.", "A tire similar to the Hoosier, measured as in the Trento report")
     with terminal.working("running the virtual bench"):
-        recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program())
+        recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program(sample_rate=SAMPLE_RATE))
         write_table(recording.table, folder / "bench.csv")
         truth.save(folder / "truth.tir")
         inspections, findings = inspect([recording])
         figures = folder / "figures"
         figures.mkdir(exist_ok=True)
         drawn = draw_inspection(inspections[0], figures)
-        write_inspection(inspections, findings, folder / "inspection.html")
+        write_inspection(inspections, findings, folder / "inspection.html", [drawn])
     table = recording.table
     text = (
         f"{len(table)} rows, loads {table.Fz.min():.0f} .. {table.Fz.max():.0f} N, "
@@ -133,8 +161,8 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
 
 
 def _fits(
-    truth: Tire, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter]
-) -> tuple[FitResult, FitResult]:
+    truth: Tire, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter], second: Executor
+) -> tuple[FitResult, FitResult, Future[list[Path]]]:
     terminal.heading("2 Fit.", "The thirteen stages of the report, and all coefficients simultaneously")
     nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
     results, lines = {}, []
@@ -149,18 +177,22 @@ def _fits(
     for line in _stiffness_lines(truth, results):
         lines.append(line)
         terminal.print(f"  {line}")
-    with terminal.working("drawing figures"):
-        drawn = [
-            path
-            for recipe, result in results.items()
-            for path in draw_figures(result.tire, [recording], folder / "figures", prefix=f"{recipe}_", truth=truth)
-        ]
-        explore(results["joint"].tire, folder / "explorer.html", recordings=[recording])
-    terminal.print(f"  {len(drawn)} figures: {folder / 'figures'}")
+    tires = {recipe: result.tire for recipe, result in results.items()}
+    figures = second.submit(_drawn_fits, tires, truth, recording, folder)
     shown = tuple(folder / "figures" / f"joint_{name}.png" for name in ("pure_Fy", "stiffness"))
     files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
     chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), shown, files))
-    return results["joint"], results["trento"]
+    return results["joint"], results["trento"], figures
+
+
+def _drawn_fits(tires: Mapping[str, Tire], truth: Tire, recording: Recording, folder: Path) -> list[Path]:
+    """Draw the fitted tires, by recipe, and write the page with sliders."""
+    explore(tires["joint"], folder / "explorer.html", recordings=[recording])
+    return [
+        path
+        for recipe, tire in tires.items()
+        for path in draw_figures(tire, [recording], folder / "figures", prefix=f"{recipe}_", truth=truth)
+    ]
 
 
 def _stiffness_lines(truth: Tire, results: dict[str, FitResult]) -> list[str]:

@@ -11,6 +11,7 @@ from typing import Any
 from markupsafe import Markup
 
 from tirefmu.measurements import Recording, TableLike, recording_from
+from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.drawing.page import inlined, page_text, write_page
 from tirefmu.tires.tire import Tire
@@ -33,7 +34,12 @@ class ChangedLine:
 
 
 def write_report(
-    diagnosis: Diagnosis, recording: TableLike, path: str | Path, simulated: Mapping[str, Any] | None = None
+    diagnosis: Diagnosis,
+    recording: TableLike,
+    path: str | Path,
+    simulated: Mapping[str, Any] | None = None,
+    *,
+    command: str = "",
 ) -> Path:
     """Write the page of a diagnosis.
 
@@ -45,6 +51,8 @@ def write_report(
     path : str or Path
     simulated : mapping, optional
         Result of `export_and_simulate`.
+    command : str
+        The command line, for the provenance.
 
     Returns
     -------
@@ -56,7 +64,7 @@ def write_report(
         If the file cannot be written.
     """
     path = path_from(path)
-    page = report_page(diagnosis, recording_from(recording, parameter="recording"), simulated)
+    page = report_page(diagnosis, recording_from(recording, parameter="recording"), simulated, command)
     try:
         write_page(page, path)
     except OSError as error:
@@ -64,7 +72,9 @@ def write_report(
     return path
 
 
-def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[str, Any] | None = None) -> str:
+def report_page(
+    diagnosis: Diagnosis, recording: Recording, simulated: Mapping[str, Any] | None = None, command: str = ""
+) -> str:
     """Return the HTML text of the page, figures included.
 
     Parameters
@@ -72,6 +82,7 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
     diagnosis : Diagnosis
     recording : Recording
     simulated : mapping, optional
+    command : str
 
     Returns
     -------
@@ -95,6 +106,7 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
         simulated=simulated or {},
+        origin=provenance([recording], command),
     )
 
 

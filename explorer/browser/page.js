@@ -10,6 +10,7 @@ const view = { inputs: {}, over: "alpha", family: false, condition: 0 };
 const inputRows = new Map();
 const find = (id) => document.getElementById(id);
 let panel = null;
+let timePanel = null;
 let charts = [];
 let seen = null;
 let pending = 0;
@@ -142,6 +143,7 @@ function render() {
       if (each.visible) each.settle?.(shared);
       each.chart.describe();
     }
+    timePanel.draw();
     showNumbers();
     showQuality();
     showStatus();
@@ -202,6 +204,7 @@ function writeHash() {
   if (view.over !== "alpha") state.set("over", view.over);
   if (view.family) state.set("loads", "5");
   if (view.condition) state.set("condition", view.condition);
+  if (timePanel.text()) state.set("time", timePanel.text());
   const hash = `#${state}`;
   if (hash !== location.hash && !(hash === "#" && !location.hash)) history.replaceState(null, "", hash);
 }
@@ -225,6 +228,7 @@ function readHash() {
   const slips = now.data.inputs.map((each) => each.name);
   view.over = ["alpha", "kappa"].includes(state.get("over")) && slips.includes(state.get("over")) ? state.get("over") : view.over;
   view.family = state.get("loads") === "5";
+  timePanel.read(state.get("time"));
 }
 
 /** Set the inputs to the levels of the selected condition, and the axis to its slip. */
@@ -241,6 +245,7 @@ function showAll() {
   for (const radio of document.getElementsByName("over")) radio.checked = radio.value === view.over;
   find("family").checked = view.family;
   if (measured.conditions.length) find("condition").value = view.condition;
+  timePanel.show();
   buildCharts();
   render();
 }
@@ -289,6 +294,9 @@ function buildMeasured() {
 function start() {
   find("subtitle").textContent = [now, other].filter(Boolean).map(({ data }) => `${data.name}: ${data.title} (${data.model})`).join("; ");
   panel = new CoefficientPanel(find("coefficients"), now, other, render);
+  const found = Object.fromEntries(["input", "kind", "from", "to", "unit", "duration"].map((id) => [id, find(`time-${id}`)]));
+  const elements = { ...found, section: find("time"), host: find("responses") };
+  timePanel = new TimePanel(elements, { now, loaded, other }, () => view.inputs, render);
   buildInputs();
   buildKey();
   buildMeasured();
@@ -296,6 +304,7 @@ function start() {
   find("reset-all").addEventListener("click", () => {
     now.reset();
     for (const each of now.data.inputs) view.inputs[each.name] = each.nominal;
+    timePanel.reset();
     showAll();
   });
   find("family").addEventListener("change", () => {

@@ -94,11 +94,20 @@ class TireState {
     return vector;
   }
 
-  /** Return inputs with absent effects silent and every state in equilibrium, as in Python's `equilibrium`. */
-  acting(inputs) {
-    const acting = { ...inputs };
-    for (const name of this.zero) acting[name] = 0;
-    for (const state of this.data.states) acting[state.name] = 0;
+  /** Return inputs with absent effects silent and every state 0. */
+  silent(inputs) {
+    const silent = { ...inputs };
+    for (const name of this.zero) silent[name] = 0;
+    for (const state of this.data.states) silent[state.name] = 0;
+    return silent;
+  }
+
+  /**
+   * Return silent inputs with every state in equilibrium, as in Python's `equilibrium`; at the start of a recording a
+   * state that declares a start value has that.
+   */
+  acting(inputs, start = false) {
+    const acting = this.silent(inputs);
     if (!this.states.length) return acting;
     for (let i = 0; i < MOST_ITERATIONS; i += 1) {
       const lines = this.code.quantities(acting, this.vector);
@@ -106,13 +115,47 @@ class TireState {
       for (const state of this.states) {
         const before = acting[state.name];
         let now = lines[state.start];
-        if (state.settles) now = i === 0 ? lines[state.target] : (before + lines[state.target]) / 2;
+        if (state.settles && !(start && state.declares_start)) {
+          now = i === 0 ? lines[state.target] : (before + lines[state.target]) / 2;
+        }
         acting[state.name] = now;
         converged = converged && Math.abs(now - before) <= CONVERGED * Math.abs(now);
       }
       if (converged) break;
     }
     return acting;
+  }
+
+  /** Return the states at the start of a recording, lagged slips first. */
+  statesAtStart(inputs) {
+    const acting = this.acting(inputs, true);
+    const slips = { kappa_lagged: acting.kappa, tan_alpha_lagged: Math.tan(acting.alpha) };
+    const lagged = this.data.lags.map(({ name }) => [name, slips[name]]);
+    return Object.fromEntries([...lagged, ...this.states.map(({ name }) => [name, acting[name]])]);
+  }
+
+  /** Return derivative and decay rate of states: `NAME_dot` and `NAME_decay`. */
+  rates(inputs, states) {
+    if (!Object.keys(states).length) return {};
+    const silent = this.silent(inputs);
+    const rates = this.code.states({ ...silent, ...states }, this.vector);
+    if (!this.states.length || !this.data.lags.length) return rates;
+    // Relaxation lengths are those without states of effects, as in Python.
+    const slips = Object.fromEntries(this.data.lags.map(({ name }) => [name, states[name]]));
+    const lagged = this.code.states({ ...silent, ...slips }, this.vector);
+    for (const { name } of this.data.lags) {
+      for (const key of [`${name}_dot`, `${name}_decay`]) rates[key] = lagged[key];
+    }
+    return rates;
+  }
+
+  /** Return forces at lagged slips and states. */
+  forcesWith(inputs, states) {
+    const { kappa_lagged: kappa, tan_alpha_lagged: tangent } = states;
+    const acting = { ...this.silent(inputs), ...states };
+    if (kappa !== undefined) acting.kappa = kappa;
+    if (tangent !== undefined) acting.alpha = Math.atan(tangent);
+    return this.code.forces(acting, this.vector);
   }
 
   forces(inputs) {

@@ -111,8 +111,8 @@ class Comparison:
     def combined(self) -> list[Family]:
         """Return the families of combined slip over kappa; empty without a held nonzero slip angle.
 
-        Fx and Fy by slip angle at one load and the smallest inclination; Fy by load and by inclination at the largest
-        slip angle.
+        Fx and Fy by slip angle at one load and the smallest inclination; Fy by load at the largest slip angle, and by
+        inclination at the smallest nonzero one with several inclinations.
         """
         families = []
         for channel in [name for name in ("Fx", "Fy") if name in self.channels]:
@@ -121,22 +121,23 @@ class Comparison:
                 continue
             held = self._main_levels(rows)
             rows = self._at(rows, held)
-            camber, load, angle = (
-                self._smallest(rows, "gamma"),
-                self._reference_load(rows),
-                max(self._levels(rows, "alpha"), key=abs),
-            )
+            camber, load = self._smallest(rows, "gamma"), self._reference_load(rows)
+            held_angles = [each for each in self._levels(rows, "alpha") if abs(each) > self.tolerance("alpha")]
+            if not held_angles:
+                continue
+            angle = max(held_angles, key=abs)
             upright, loaded = self._near(rows, "gamma", camber), self._near(rows, "Fz", load)
             angles = self.groups(self._near(upright, "Fz", load), "alpha")
-            if abs(angle) <= self.tolerance("alpha"):
-                continue
             families.append(Family(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber} | held))
             if channel == "Fy":
                 loads = self.groups(self._near(upright, "alpha", angle), "Fz")
-                cambers = self.groups(self._near(loaded, "alpha", angle), "gamma")
                 families.append(Family(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber} | held))
-                if len(cambers) > 1:
-                    families.append(Family(channel, "kappa", "gamma", cambers, {"alpha": angle, "Fz": load} | held))
+                for moderate in sorted(held_angles, key=abs):
+                    cambers = self.groups(self._near(loaded, "alpha", moderate), "gamma")
+                    if len(cambers) > 1:
+                        levels = {"alpha": moderate, "Fz": load} | held
+                        families.append(Family(channel, "kappa", "gamma", cambers, levels))
+                        break
         return [family for family in families if family.groups]
 
     def groups(self, rows: pd.DataFrame, channel: str) -> tuple[Group, ...]:

@@ -45,6 +45,9 @@ from .captions import BANDS, data_text
 from .load_figures import friction_over_load, stiffness_over_load
 from .profile_figure import profile_curves
 
+#: Longitudinal slips at which a weighting function is drawn over the slip angle, and points of such a curve.
+WEIGHTING_LEVELS, CURVE_POINTS = 5, 201
+
 
 def draw_figures(
     tire: TireLike | FitResult,
@@ -148,30 +151,46 @@ def _draw_family(ax: Axes, comparison: Comparison, family: Family, fitted: FitRe
 
 
 def _weighting(comparison: Comparison) -> Figure | None:
-    """Weighting functions of combined slip over kappa for each slip angle: figures 13 and 15 of the Trento report."""
+    """Weighting functions of combined slip over each slip, for levels of the other: figures 13 and 15 of the report."""
     book = comparison.tire.book
     names = {
         "Fx": (book.quantity("weighting_x"), r"$G_{x\alpha}$"),
         "Fy": (book.quantity("weighting_y"), r"$G_{y\kappa}$"),
     }
     families = [family for family in comparison.combined() if family.by == "alpha"]
-    curves = [[comparison.curve(group, "kappa") for group in family.groups] for family in families]
-    shown = [(f, c) for f, c in zip(families, curves, strict=True) if names[f.channel][0] in c[0]]
+    shown = [family for family in families if names[family.channel][0] in comparison.curve(family.groups[0], "kappa")]
     if not shown:
         return None
-    figure, axes = panels(len(shown), "Weighting functions of combined slip")
-    for ax, (family, lines) in zip(axes, shown, strict=True):
+    figure, axes = panels(2 * len(shown), "Weighting functions of combined slip")
+    for family, over_kappa, over_alpha in zip(shown, axes[::2], axes[1::2], strict=True):
         name, symbol = names[family.channel]
-        colored = zip(family.groups, lines, level_colors(len(lines), "alpha"), strict=True)
-        for group, curve, color in colored:
-            draw_line(ax, curve["kappa"], curve[name], color, level_text("alpha", group.level))
-        ax.set_title(f"{symbol} per slip angle, at {held_text(comparison.signs, family.held)}", fontsize=9)
-        finish(ax, "kappa", f"{symbol} (-)")
-        ax.axhline(1.0, color="0.3", lw=0.8, ls=":")
-        place_legend(ax, f"{LEVEL['alpha']} {LETTER['alpha']}")
+        curves = [(group.level, comparison.curve(group, "kappa")) for group in family.groups]
+        _draw_weighting(over_kappa, "kappa", "alpha", [(level, curve, curve[name]) for level, curve in curves])
+        curves = _over_alpha(comparison, family)
+        _draw_weighting(over_alpha, "alpha", "kappa", [(level, curve, curve[name]) for level, curve in curves])
+        for ax, per in ((over_kappa, "slip angle"), (over_alpha, "longitudinal slip")):
+            ax.set_title(f"{symbol} per {per}, at {held_text(comparison.signs, family.held)}", fontsize=9)
+            ax.set_ylabel(f"{symbol} (-)")
     note = "weighting functions of the tire (positive for a valid tire) over the measured slip range; not measurable"
     write_footnote(figure, comparison.signs, note)
     return figure
+
+
+def _over_alpha(comparison: Comparison, family: Family) -> list[tuple[float, pd.DataFrame]]:
+    """Return the tire over the measured slip angles at evenly spaced longitudinal slips from 0 to the largest."""
+    rows = pd.concat([group.rows for group in family.groups])
+    grid = np.linspace(min(rows["alpha"].min(), 0.0), max(rows["alpha"].max(), 0.0), CURVE_POINTS)
+    levels = np.linspace(0.0, max(rows["kappa"].min(), rows["kappa"].max(), key=abs), WEIGHTING_LEVELS).tolist()
+    return [(level, comparison.over(rows, {"alpha": grid, "kappa": np.full(len(grid), level)})) for level in levels]
+
+
+def _draw_weighting(ax: Axes, slip: str, by: str, curves: Sequence[tuple[float, pd.DataFrame, pd.Series]]) -> None:
+    for (level, curve, values), color in zip(curves, level_colors(len(curves), by), strict=True):
+        text = level_text(by, level) if by == "alpha" else f"{round(level, 2) + 0.0:g}"
+        draw_line(ax, curve[slip] * per_si(slip), values, color, text)
+    finish(ax, slip, "")
+    ax.axhline(1.0, color="0.3", lw=0.8, ls=":")
+    place_legend(ax, f"{LEVEL[by]} {LETTER[by]}")
 
 
 def _residuals(comparison: Comparison) -> Figure:

@@ -10,12 +10,20 @@ from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.drawing.page import inlined, page_text, write_page
 
 from ..findings.finding import Finding
+from ..provenance import provenance
 from .figures import draw_inspection
 from .inspection import Inspection
 from .tables import TEXTS, all_tables, title
 
 
-def write_inspection(inspections: Sequence[Inspection], findings: Sequence[Finding], path: str | Path) -> None:
+def write_inspection(
+    inspections: Sequence[Inspection],
+    findings: Sequence[Finding],
+    path: str | Path,
+    drawn: Sequence[Sequence[Path]] | None = None,
+    *,
+    command: str = "",
+) -> None:
     """Write the page of an inspection: findings, and figures and tables of each recording.
 
     Parameters
@@ -23,6 +31,10 @@ def write_inspection(inspections: Sequence[Inspection], findings: Sequence[Findi
     inspections : sequence of Inspection
     findings : sequence of Finding
     path : str or Path
+    drawn : sequence of sequence of Path, optional
+        Figures of `draw_inspection` for each recording; they are drawn if absent.
+    command : str
+        The command line, for the provenance.
 
     Raises
     ------
@@ -30,15 +42,18 @@ def write_inspection(inspections: Sequence[Inspection], findings: Sequence[Findi
         If the file cannot be written.
     """
     path = path_from(path)
-    drawn = []
-    for each in inspections:
-        with tempfile.TemporaryDirectory() as folder:
-            drawn.append((each, inlined(draw_inspection(each, Path(folder)))))
+    images = [_figures(each) for each in inspections] if drawn is None else [inlined(paths) for paths in drawn]
     page = page_text(
         "tirefmu.measurements.inspection", {"title_of": title, "tables_of": all_tables},
-        inspections=inspections, findings=findings, drawn=drawn, texts=TEXTS,
+        inspections=inspections, findings=findings, drawn=list(zip(inspections, images, strict=True)), texts=TEXTS,
+        origin=provenance([each.recording for each in inspections], command),
     )  # fmt: skip
     try:
         write_page(page, path)
     except OSError as error:
         raise DataError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def _figures(inspection: Inspection) -> list[tuple[str, str]]:
+    with tempfile.TemporaryDirectory() as folder:
+        return inlined(draw_inspection(inspection, Path(folder)))

@@ -138,7 +138,7 @@ def test_no_text_changes_the_structure_of_the_page(thrust, text, monkeypatch):
     pages = []
     for word in ("plain", text):
         changed, simulated = with_text(diagnosis, word)
-        pages.append(report_page(changed, Recording(case.table, case.signs, word), simulated))
+        pages.append(report_page(changed, Recording(case.table, case.signs, word), simulated, word))
     plain, shown = map(Skeleton, pages)
     assert is_plain(pages[1])
     pages[1].encode("utf-8")

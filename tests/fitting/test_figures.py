@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from tirefmu.fitting.evidence.curves import compare
 from tirefmu.fitting.evidence.slope import read_slope
 from tirefmu.fitting.reporting.captions import data_text
-from tirefmu.fitting.reporting.figures import draw_figures
+from tirefmu.fitting.reporting.figures import _weighting, draw_figures
 from tirefmu.fitting.reporting.load_figures import _largest_friction
 from tirefmu.measurements import (
     Noise,
@@ -122,6 +122,26 @@ def test_levels_of_the_report_are_found(trento):
     angles = [group.level for group in combined["Fx", "alpha"].groups]
     assert np.degrees(angles) == pytest.approx([0, 3, 6], abs=0.01)
     assert combined["Fy", "Fz"].held["alpha"] == pytest.approx(radians(6.0))
+    assert combined["Fy", "gamma"].held["alpha"] == pytest.approx(radians(3.0))  # figure 17
+
+
+def test_weighting_functions_are_drawn_over_both_slips(trento):
+    """Figures 13 and 15. Over each slip the other one has several levels; without side slip Fx is not reduced."""
+    figure = _weighting(trento)
+    drawn = {}
+    for ax in figure.axes:
+        slip, symbol = (text.split(" (")[0] for text in (ax.get_xlabel(), ax.get_ylabel()))
+        drawn[symbol, slip] = [line.get_xydata() for line in ax.lines if len(line.get_xydata()) > 2]
+    gxa, gyk, kappa, alpha = r"$G_{x\alpha}$", r"$G_{y\kappa}$", r"$\kappa$", r"$\alpha$"
+    assert {key: len(lines) for key, lines in drawn.items()} == {
+        (gxa, kappa): 3, (gxa, alpha): 5, (gyk, kappa): 3, (gyk, alpha): 5,
+    }  # fmt: skip
+    for lines in (drawn[gxa, alpha], drawn[gyk, alpha]):
+        assert all((line[:, 1] > 0.0).all() for line in lines)
+        assert np.ptp([line[:, 0].max() for line in lines]) == 0.0
+    for line in drawn[gxa, alpha]:
+        assert np.interp(0.0, *line.T) == pytest.approx(1.0, abs=0.02)
+        assert line[np.argmax(line[:, 0]), 1] < 0.99
 
 
 def test_steady_points_in_one_segment_are_found():

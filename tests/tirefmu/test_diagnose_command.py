@@ -50,6 +50,9 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path):
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert reported["verdict"] in page
     assert "K_ygamma0 = " in page
+    provenance = page.split("<h2>Provenance</h2>")[1]
+    assert "tirefmu diagnose " in provenance
+    assert "SHA-256 of the values" in provenance
 
 
 @pytest.mark.parametrize(

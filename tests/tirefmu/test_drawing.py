@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
 
+from tirefmu.measurements import Noise, VirtualBench, small_tire_program, write_table
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, Tire, published
@@ -221,3 +222,33 @@ def test_a_tires_name_is_drawn_literally(text, tmp_path):
     tags = {element.tag.rpartition("}")[2] for element in root.iter()}
     assert not tags & {"script", "image", "foreignObject", "a"}
     assert not any(name.startswith("on") for element in root.iter() for name in element.attrib)
+
+
+@pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
+def test_measured_rows_are_crosses_on_the_curves(small, signs):
+    """Exact measurements in ISO are on the curves in any convention; cambered rows and other loads are not drawn."""
+    alpha = np.radians([-10.0, 0.0, 10.0, 5.0, 5.0])
+    points = pd.DataFrame(
+        {"kappa": 0.0, "alpha": alpha, "gamma": [0.0, 0.0, 0.0, 0.05, 0.0], "Fz": [110.0] * 4 + [60.0]}
+    )
+    points["Fy"] = small.evaluate(points)["Fy"]
+    points["Fx"] = small.evaluate(points)["Fx"]
+    sketch = drawing.sketched(small, [110.0], signs, points)
+    (ax,) = (ax for ax in drawing.pure(sketch).axes if "alpha" in ax.get_xlabel())
+    (curve, crosses) = (line.get_xydata().T for line in ax.get_lines()[:2])
+    assert sorted(crosses[0].round(6)) == [-10.0, 0.0, 10.0]
+    assert crosses[1] == pytest.approx(np.interp(crosses[0], *curve), rel=1e-3, abs=0.01)
+    panel = drawing.combined(sketch).axes[0]
+    (crosses,) = (line.get_xydata() for line in panel.get_lines() if line.get_marker() == "x")
+    assert len(crosses) == 3
+
+
+def test_the_command_draws_at_the_loads_of_a_table(small, command, tmp_path, monkeypatch):
+    drawn = {}
+    monkeypatch.setattr(files, "draw", lambda tire, folder, **options: drawn.update(options) or [])
+    bench = VirtualBench(small.in_signs("iso"), Noise().scaled(0.05))
+    write_table(bench.run(small_tire_program()).table, tmp_path / "points.csv")
+    assert command("draw", "unicamp_small_tire", tmp_path / "points.csv", "-o", tmp_path / "new").status == 0
+    assert drawn["loads"] == (60.0, 110.0, 160.0)
+    assert len(drawn["points"]) == 297
+    assert command("draw", "unicamp_small_tire", tmp_path / "no.csv", "-o", tmp_path / "new").status == 2

@@ -9,6 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.measurements import read_recording
+from tirefmu.measurements.provenance import table_digest
+
 
 @pytest.fixture(scope="module")
 def inspected(command, bench_csv, tmp_path_factory):
@@ -38,7 +41,13 @@ def test_the_page_is_one_file_without_active_content(inspected):
     assert not re.findall(r'(?:src|href)="(?!data:)', page)
     assert page.count("data:image/png;base64,") == 3
     assert "&lt;" not in page  # no markup of the page itself was escaped
-    assert page.count("<table>") == page.count("<h3>") >= 3
+    assert page.count("<table>") - 1 == page.count("<h3>") >= 3  # the last table is the provenance
+
+
+def test_the_page_ends_with_its_provenance(inspected, bench_csv):
+    provenance = inspected[2].split("<h2>Provenance</h2>")[1]
+    assert f"tirefmu inspect {bench_csv}" in provenance
+    assert table_digest(read_recording(bench_csv).table) in provenance
 
 
 def test_rows_are_selected_and_written(command, bench_csv, tmp_path):

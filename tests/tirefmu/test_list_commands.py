@@ -10,6 +10,7 @@ import pytest
 from tirefmu.cli import cli
 from tirefmu.commands.catalogue import effects
 from tirefmu.commands.help_examples import EXAMPLES
+from tirefmu.measurements import read_recording
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import published
@@ -61,3 +62,26 @@ def test_every_command_has_examples_that_its_options_accept():
             first, *arguments = shlex.split(line)
             assert first == name
             cli.commands[name].make_context(name, arguments)
+
+
+def test_an_example_recording_is_that_of_the_tire_on_the_bench(command, tmp_path):
+    """The forces are those of the tire but for noise, which the seed sets."""
+    paths = [tmp_path / f"{seed}.csv" for seed in (1, 2)]
+    for seed, path in zip((1, 2), paths, strict=True):
+        outcome = command("example", "-o", path, "--sample-rate", 2, "--seed", seed, "--json", "-")
+        assert outcome.status == 0, outcome.err
+    reported = json.JSONDecoder().raw_decode(outcome.out)[0]
+    first, second = (read_recording(path) for path in paths)
+    assert reported["rows"] == len(first) == len(second)
+    assert first.signs == "iso"
+    tire = published("trento_hoosier")
+    assert reported["nominal"] == {"Fz0": tire.values["FNOMIN"], "R0": tire.values["UNLOADED_RADIUS"]}
+    evaluated = tire.evaluate(first.table, signs="iso")
+    for channel in ("Fx", "Fy", "Mz"):
+        error = first.table[channel] - evaluated[channel]
+        assert 0.0 < error.std() < 0.1 * first.table[channel].std(), channel
+        assert not first.table[channel].equals(second.table[channel])
+    for arguments in (["--tire", "hoosier"], ["--sample-rate", 0]):
+        refused = command("example", "-o", tmp_path / "none.csv", *arguments)
+        assert (refused.status, refused.err.count("\n")) == (2, 1)
+        assert not (tmp_path / "none.csv").exists()

@@ -18,6 +18,7 @@ from ..arguments import (
     Pairs,
     check_input_paths,
     check_output_paths,
+    command_line,
     common,
     names,
     write_json,
@@ -113,7 +114,7 @@ def diagnose(
             written |= {"fmu": "improved.fmu", "base_fmu": "base.fmu"}
         summary = {**result.to_json(**written), "simulated": simulated}
         write_json(path, summary)
-        write_report(result, recording, output / "report.html", simulated)
+        write_report(result, recording, output / "report.html", simulated, command=command_line())
     ok = bool(simulated.get("ok", True))
     write_json(json_file, {"ok": ok, **summary})
     terminal.print(result.verdict)

@@ -8,7 +8,7 @@ import click
 
 from tirefmu.symbolic.errors import TirefmuError
 
-from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
+from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, command_line, common, write_json
 
 #: Rows of a table in the terminal; page and JSON have all of them.
 MOST_ROWS = 60
@@ -51,7 +51,7 @@ def inspect(
         if output:
             from tirefmu.measurements.inspection.report import write_inspection
 
-            write_inspection(inspections, findings, output)
+            write_inspection(inspections, findings, output, command=command_line())
     ok = not any(finding.serious for finding in findings)
     write_json(
         json_file,

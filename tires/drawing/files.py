@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import pandas as pd
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
@@ -25,6 +26,7 @@ def draw(
     loads: Sequence[float] | None = None,
     signs: str = "iso",
     suffix: str = "png",
+    points: pd.DataFrame | None = None,
 ) -> list[Path]:
     """Draw a tire: one file of its pure curves, one of surfaces per load, one of Fy against Fx.
 
@@ -39,6 +41,8 @@ def draw(
     signs : {"iso", "adapted-sae", "sae"}
         Convention in which the figures are drawn.
     suffix : {"png", "svg", "pdf"}
+    points : pandas.DataFrame, optional
+        Measured rows in SI units and ISO signs, drawn as crosses.
 
     Returns
     -------
@@ -62,7 +66,7 @@ def draw(
     """
     if suffix not in FORMATS:
         raise UnknownName("format of figures", suffix, FORMATS)
-    sketch = sketched(tire_from(tire), loads, signs)
+    sketch = sketched(tire_from(tire), loads, signs, points)
     target = path_from(folder, "folder")
     figures = {"pure": pure(sketch)}
     figures |= {f"surfaces_{load:g}N": surfaces(sketch, load) for load in sketch.loads}

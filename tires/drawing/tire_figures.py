@@ -24,7 +24,7 @@ from tirefmu.symbolic.escaping import figure_text
 
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
-from ..signs import REVERSED, SIGNS
+from ..signs import REVERSED, SIGNS, convert_signs
 from .style import (
     LETTER,
     draw_line,
@@ -35,6 +35,7 @@ from .style import (
     level_colors,
     level_text,
     per_si,
+    some_of,
     write_footnote,
 )
 
@@ -48,6 +49,11 @@ WIDEST = {"kappa": (-1.0, 1.0), "alpha": (-radians(20.0), radians(20.0))}
 PURE = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
 #: Longitudinal slips that are marked where Fy is drawn against Fx.
 MARKED = (-0.5, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.5)
+#: Measured rows are drawn at a load and as upright or in pure slip within these limits: a share, rad, 1.
+NEAR_LOAD, NEAR_ZERO = 0.1, {"gamma": radians(0.5), "alpha": radians(0.5), "kappa": 0.01}
+#: Crosses of a curve, because more would cover it; and their style.
+MOST_CROSSES = 400
+CROSS: dict[str, Any] = {"ms": 4.0, "mew": 0.8, "alpha": 0.7}
 #: Blue below 0, red above, without the dark ends on which no number can be read.
 _COLORS = LinearSegmentedColormap.from_list("forces", colormaps["RdBu_r"](np.linspace(0.1, 0.9, 256)))
 _POINTS = 301  # of a curve
@@ -80,11 +86,14 @@ def plot(
     return pure(sketch) if kind == "pure" else combined(sketch)
 
 
-def sketched(tire: TireDefinition, loads: Sequence[float] | None, signs: str) -> Sketch:
-    """Return what the figures of a tire share, or report what cannot be drawn."""
+def sketched(
+    tire: TireDefinition, loads: Sequence[float] | None, signs: str, points: pd.DataFrame | None = None
+) -> Sketch:
+    """Return what the figures of a tire share, or report what cannot be drawn; `points` are measured rows in ISO."""
     if signs not in SIGNS:
         raise UnknownName("sign convention", signs, SIGNS)
-    return Sketch(tire, signs, default_loads(tire) if loads is None else _checked(loads))
+    measured = None if points is None else convert_signs(points, "iso", signs)
+    return Sketch(tire, signs, default_loads(tire) if loads is None else _checked(loads), measured)
 
 
 def default_loads(tire: TireDefinition) -> tuple[float, ...]:
@@ -120,8 +129,10 @@ def default_loads(tire: TireDefinition) -> tuple[float, ...]:
 class Sketch:
     """A tire, loads and a convention: evaluates what the figures show."""
 
-    def __init__(self, tire: TireDefinition, signs: str, loads: Sequence[float]) -> None:
-        self.tire, self.signs, self.loads = tire, signs, tuple(loads)
+    def __init__(
+        self, tire: TireDefinition, signs: str, loads: Sequence[float], points: pd.DataFrame | None = None
+    ) -> None:
+        self.tire, self.signs, self.loads, self.points = tire, signs, tuple(loads), points
         self.name = tire.name or tire.model
         self.title = figure_text(self.name)
         sample = pd.concat([self.over(load, kappa, alpha) for load in loads for kappa, alpha in [self.mesh(9)]])
@@ -163,10 +174,21 @@ class Sketch:
                 raise TirefmuError(f"{self.name}: {name} is not finite at {where}")
         return forces
 
+    def measured(self, load: float, *channels: str, zero: str = "") -> pd.DataFrame:
+        """Return measured upright rows near a load in which channels are known, where one slip is zero if given."""
+        if self.points is None or not {"kappa", "alpha", "Fz", *channels} <= set(self.points):
+            return pd.DataFrame(columns=["kappa", "alpha", *channels])
+        rows = self.points[(self.points["Fz"].abs() - load).abs() <= NEAR_LOAD * load]
+        for name in ("gamma", *([zero] if zero else [])):
+            rows = rows[rows[name].abs() <= NEAR_ZERO[name]] if name in rows else rows
+        return some_of(rows.dropna(subset=["kappa", "alpha", *channels]), MOST_CROSSES)
+
     def footnotes(self) -> list[str]:
         """Return what all figures have in common, and which loads are beyond the tire's range."""
         held = [f"$p$ = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
         notes = [f"model {self.tire.model}", ", ".join([r"$\gamma$ = 0", *held])]
+        if self.points is not None:
+            notes.append(f"crosses: measured upright within {NEAR_LOAD:.0%} of the load")
         low, high = self.tire.ranges.get("Fz", (0.0, float("inf")))
         beyond = [f"{load:g}" for load in self.loads if not low <= load <= high]
         if beyond:
@@ -204,6 +226,8 @@ def pure(sketch: Sketch) -> Figure:
         for load, color in zip(sketch.loads, level_colors(len(sketch.loads), "Fz"), strict=True):
             curve = sketch.over(load, kappa, alpha)[channel]
             draw_line(ax, grid * per_si(slip), curve, color, level_text("Fz", load))
+            rows = sketch.measured(load, channel, zero=other)
+            ax.plot(rows[slip] * per_si(slip), rows[channel], "x", color=color, **CROSS)
         finish(ax, slip, f"{LETTER[channel]} ({drawn_unit(channel)})")
         ax.set_title(f"{LETTER[channel]} over {LETTER[slip]} at {LETTER[other]} = 0", fontsize=10)
         ax.margins(x=0.0)
@@ -237,6 +261,9 @@ def surfaces(sketch: Sketch, load: float) -> Figure:
         norm = Normalize(-top, top)
         solid = figure.add_subplot(2, len(shown), column, projection="3d")
         _draw_solid(solid, kappa, alpha, force, norm, channel)
+        rows = sketch.measured(load, channel)
+        x, y = (rows[slip].to_numpy(dtype=float) * per_si(slip) for slip in ("kappa", "alpha"))
+        solid.plot(x, y, rows[channel].to_numpy(dtype=float), "kx", zorder=9, **CROSS)
         flat = figure.add_subplot(2, len(shown), len(shown) + column)
         _draw_map(flat, kappa, alpha, force, norm)
         bar = figure.colorbar(ScalarMappable(norm, _COLORS), ax=flat, shrink=0.9, pad=0.02)
@@ -304,6 +331,8 @@ def _draw_shared(ax: Axes, sketch: Sketch, load: float) -> None:
     for angle, color in zip(angles, level_colors(len(angles), "alpha"), strict=True):
         along = sketch.over(load, kappa, angle)
         draw_line(ax, along["Fx"], along["Fy"], color, level_text("alpha", angle))
+    rows = sketch.measured(load, "Fx", "Fy")
+    ax.plot(rows["Fx"], rows["Fy"], "kx", zorder=1, **CROSS)
     ax.set_title(held_text(sketch.signs, {"Fz": load}), fontsize=10)
     ax.set(xlabel=f"{LETTER['Fx']} ({drawn_unit('Fx')})", ylabel=f"{LETTER['Fy']} ({drawn_unit('Fy')})")
     ax.set_aspect("equal", adjustable="datalim")

@@ -1,0 +1,44 @@
+"""``tirefmu example``: a recording of a known tire on the virtual bench, to try the program without data."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..arguments import FILE, check_output_paths, common, write_json
+
+
+@click.command()
+@click.option("-o", "--output", type=FILE, default=Path("example.csv"), show_default=True,
+              help="CSV or Parquet file to write, in SI units and ISO signs.")  # fmt: skip
+@click.option("--tire", type=FILE, default=Path("trento_hoosier"), show_default=True, help="The tire on the bench.")
+@click.option("--sample-rate", type=click.FloatRange(min=1.0, max=1000.0), default=50.0, show_default=True,
+              help="Samples per second; a small number gives a small file.")  # fmt: skip
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Of the noise.")
+@common
+def example(output: Path, tire: Path, sample_rate: float, seed: int, quiet: bool, json_file: Path | None) -> int:
+    """Write an example recording: a known tire on the virtual bench, with noise and drift.
+
+    The program is that of the Trento report: sweeps of the slip angle at 5 loads and 5 camber angles, then sweeps of
+    the longitudinal slip at 4 loads, 3 camber angles and 3 slip angles. No value is measured.
+    """
+    check_output_paths(output, json_file)
+    from tirefmu.measurements import VirtualBench, trento_program, write_table
+    from tirefmu.tires import tire_from
+
+    from ..terminal import Terminal
+
+    terminal = Terminal(quiet)
+    tested = tire_from(tire)
+    with terminal.working("running the virtual bench"):
+        recording = VirtualBench(tested, seed=seed).run(trento_program(sample_rate=sample_rate, signs="iso"))
+        write_table(recording.table, output)
+    table = recording.table
+    nominal = {"Fz0": tested.values["FNOMIN"], "R0": tested.values["UNLOADED_RADIUS"]}
+    summary = {"rows": len(table), "channels": list(table.columns), "model": tested.model, "nominal": nominal}
+    write_json(json_file, {"ok": True, **summary})
+    values = ",".join(f"{name}={value:g}" for name, value in nominal.items())
+    terminal.print(f"recording: {output} ({len(table)} rows, virtual)")
+    terminal.print(f"next: tirefmu fit {output} --model {tested.model} --nominal {values} -o my.tir --report fit.html")
+    return 0
