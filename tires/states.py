@@ -383,7 +383,8 @@ def equilibrium(
     moving = np.arange(rows.shape[1])  # the rows that have not converged
     for i in range(2 * MOST_ITERATIONS):
         lines = dict(zip(book.drives, code.drives(rows[:, moving], parameters), strict=True))
-        before = rows[np.ix_(indices, moving)]
+        at = np.ix_(np.array(indices), moving)
+        before = rows[at]
         after = before.copy()
         for k, state in enumerate(states):
             target, _, first, _ = state.line_names
@@ -391,7 +392,7 @@ def equilibrium(
                 after[k] = lines[target] if i == 0 else (before[k] + lines[target]) / 2.0
             else:
                 after[k] = lines[first]
-        rows[np.ix_(indices, moving)] = after
+        rows[at] = after
         moving = moving[~(np.abs(after - before) <= CONVERGED * np.abs(after)).all(axis=0)]
         if not len(moving):
             break
