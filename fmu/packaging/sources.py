@@ -18,8 +18,9 @@ from ..description.model_description import xml_bytes
 from ..description.variables import Variable
 from .model_code import model_files, split_code
 
-#: The translation units of the wrapper, by FMI version.
+#: The translation units of the wrapper, by FMI version; those of the Standard Tyre Interface.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
+STI = ("sti.c", "sti_entries.c")
 COMMON = (
     "instance.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "continuous.c",
     "saved_state.c",
@@ -37,6 +38,7 @@ HEADERS = (
     "tangents.h", "terms.h", "chain_rule.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
+STI_TIRE = "sti_tire.h"
 #: The source of the tire's values: compiled for one tire, or read from a file of the FMU.
 BUILT_IN, FROM_FILE = "built_in_tire.c", "tire_file.c"
 #: The laws of the states, equal for all models.
@@ -90,6 +92,26 @@ def _common_files(shown: Interface) -> tuple[str, ...]:
     memory = ("memory.c",) if shown.memory else ()
     files = (*COMMON, *CONTACT[shown.inputs], SLIPS[shown.lags], *memory)
     return (*files, *model_files(shown.tire.model))
+
+
+def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
+    """Return every source file of a library with the Standard Tyre Interface.
+
+    Parameters
+    ----------
+    shown : Interface
+        With hub inputs.
+    tire_header : str
+        Content of sti_tire.h: the macros TIRE_TITLE and TIRE_WIDTH.
+
+    Returns
+    -------
+    dict of str to bytes
+        By file name.
+    """
+    code = code_files((*STI, BUILT_IN, *_common_files(shown)), shown)
+    written = {CONFIG: model_config(shown), VALUES: tire_values(shown, ""), STI_TIRE: tire_header}
+    return {**code, **{name: text.encode() for name, text in written.items()}}
 
 
 def generic_files(shown: Interface) -> tuple[str, ...]:
@@ -155,7 +177,8 @@ def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
     """
     wrapper, generated, model = files("tirefmu.fmu") / "wrapper", c_folder(shown.tire.book), shown.tire.model
     own = [name for name in names if name not in model_files(model)]
-    found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
+    headers = (*HEADERS, "sti.h") if set(STI) <= set(own) else HEADERS
+    found = {name: (wrapper / name).read_bytes() for name in (*own, *headers)}
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
     found |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
     found[LAWS] = (files("tirefmu.generated") / "c" / LAWS).read_bytes()
