@@ -45,6 +45,9 @@ MIN_KAPPA = 0.004
 DRIFT_WAVES = 3
 #: Prior standard deviations of offset (practically free) and drift, in noise standard deviations. Not recorded.
 OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
+#: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
+#: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
+FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
 #: Share of the other force: upper limit of cross-talk; more is attributed to the tire. Benches have up to 3 % of Fy in
 #: Fx, in which no tire has a share of Fy that is odd in alpha. The limit of Fx in Fy is lower, as side forces generated
 #: by kappa have the shape of Fx. Convention. Fy in Mz is a lever, as a share of the radius. Benchmark: the second
@@ -104,6 +107,9 @@ EFFECT_P_OF_BLOCKS = 1e-2
 #: Minimum gain in cross-validation, in standard errors. Benchmark: increased from 1 to 1.2 and to 1.4 after false
 #: identifications in recordings without a missing effect (docs/discovery.md, "Limitations").
 EFFECT_ERRORS = 1.4
+#: Largest share of one block in that sum of gains; larger gains are reduced. Convention: at least five blocks gain;
+#: five equal gains among 50 blocks have 2.3 standard errors.
+LARGEST_SHARE = 0.2
 #: Minimum gain as a share of the squared misfit. Decreased from 0.008, which rejected weak true effects; no study of it
 #: is recorded.
 EFFECT_GAIN = 0.003

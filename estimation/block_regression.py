@@ -124,6 +124,36 @@ def error_of_sum(gains: FloatArray) -> float:
     return float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
 
 
+def limited(gains: FloatArray, share: float) -> FloatArray:
+    """Return gains of which none exceeds a share of their sum, the largest ones reduced; zeros if that is impossible.
+
+    One block in which the model fails most can have nearly all of the gain. The standard error of the sum then equals
+    the sum, however consistent the other blocks are.
+
+    Parameters
+    ----------
+    gains : ndarray, shape (n_blocks,)
+        In independent blocks.
+    share : float
+        Largest share of the sum, between 0 and 1.
+
+    Examples
+    --------
+    >>> limited(np.array([1000.0, 4.0, 3.0, 3.0, -1.0]), 0.5)
+    array([ 9.,  4.,  3.,  3., -1.])
+    >>> limited(np.array([1000.0, -4.0, 0.0]), 0.5)
+    array([0., 0., 0.])
+    """
+    ordered = np.sort(gains)[::-1]
+    for n, rest in enumerate(ordered[::-1].cumsum()[::-1]):  # the n largest gains are reduced to the same value
+        if n * share >= 1.0 or rest <= 0.0:
+            break
+        limit = share * float(rest) / (1.0 - n * share)
+        if limit >= ordered[n]:
+            return np.minimum(gains, limit)
+    return np.zeros_like(gains)
+
+
 def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: int) -> FloatArray:
     """Return covariances of channels over time, tapered, shape (n_channels, n_channels, lags + 1).
 

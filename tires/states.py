@@ -369,15 +369,19 @@ def equilibrium(
     indices = [inputs.index(state.name) for state in states]
     if not states:
         return rows
+    moving = np.arange(rows.shape[1])  # the rows that have not converged
     for i in range(2 * MOST_ITERATIONS):
-        lines = dict(zip(book.drives, code.drives(rows, parameters), strict=True))
-        before = rows[indices]
-        for index, state in zip(indices, states, strict=True):
+        lines = dict(zip(book.drives, code.drives(rows[:, moving], parameters), strict=True))
+        before = rows[np.ix_(indices, moving)]
+        after = before.copy()
+        for k, state in enumerate(states):
             target, _, first, _ = state.line_names
             if state.settles and not (start and state.start):
-                rows[index] = lines[target] if i == 0 else (rows[index] + lines[target]) / 2.0
+                after[k] = lines[target] if i == 0 else (before[k] + lines[target]) / 2.0
             else:
-                rows[index] = lines[first]
-        if (np.abs(rows[indices] - before) <= CONVERGED * np.abs(rows[indices])).all():
+                after[k] = lines[first]
+        rows[np.ix_(indices, moving)] = after
+        moving = moving[~(np.abs(after - before) <= CONVERGED * np.abs(after)).all(axis=0)]
+        if not len(moving):
             break
     return rows

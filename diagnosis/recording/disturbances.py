@@ -167,9 +167,13 @@ def _slow_name(k: int) -> str:
 
 def _slow_waves(signals: Signals, t: FloatArray) -> list[FloatArray]:
     """Return a constant and half waves of drift over the recording, at any times."""
+    return [np.ones(len(t)), *(half_wave(k, signals, t) for k in range(1, 1 + DRIFT_WAVES if signals.timed else 1))]
+
+
+def half_wave(k: int, signals: Signals, t: FloatArray) -> FloatArray:
+    """Return a cosine of k half waves over the recording, at any times t, shape (n,), in s."""
     first, last = (float(signals.t[signals.rows[i]]) for i in (0, -1))
-    phase = np.pi * (t - first) / max(last - first, 1e-9)
-    return [np.ones(len(t)), *(np.cos(k * phase) for k in range(1, 1 + DRIFT_WAVES if signals.timed else 1))]
+    return np.asarray(np.cos(k * np.pi * (t - first) / max(last - first, 1e-9)))
 
 
 def reported_disturbances(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, Any]:

@@ -18,8 +18,9 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.cross_talk import with_lever, without_doubtful_lever
 from ..probing.effect_probing import Screen
 from ..recording.skew import delay_response
-from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, MAX_SKEW, MIN_SKEW, PREFERRED_ERRORS
+from ..thresholds import EFFECT_GAIN, MAX_SKEW, MIN_SKEW, PREFERRED_ERRORS
 from .effect_search import Search
+from .refits import consistent
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -121,7 +122,7 @@ def _skew(search: Search, problem: LeastSquares, solution: Solution) -> float:
 
 def significant(gains: FloatArray, loss: FloatArray) -> bool:
     """Return whether the gains of all blocks satisfy the criteria of an effect."""
-    return float(gains.sum()) > max(EFFECT_ERRORS * error_of_sum(gains), EFFECT_GAIN * float(loss.sum()))
+    return float(gains.sum()) > EFFECT_GAIN * float(loss.sum()) and consistent(gains)
 
 
 def _aligned(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:

@@ -29,6 +29,7 @@ from ..thresholds import (
     ROUNDS,
     SEARCH_ROWS,
 )
+from ..unexplained.drift import is_drift
 from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
 from .refits import REFINEMENT, Refit, Tried, distinct, preferred
 
@@ -95,6 +96,8 @@ class Search:
         best = self.best_effect()
         structure = structure_of(self.screen)
         if structure is None or not structure.passes or not self._predicts_holdout(structure):
+            return best
+        if is_drift(self.screen, structure):
             return best
         share = 1.0 if self._is_finer_form(structure) else PREFERRED_SHARE
         if best and best.gain > share * structure.gain:

@@ -8,13 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.block_regression import error_of_sum
+from tirefmu.estimation.block_regression import error_of_sum, limited
 from tirefmu.symbolic.detection import Form
 
 from ..least_squares import Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Response, Screen
-from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, PREFERRED_ERRORS
+from ..thresholds import (
+    EFFECT_ERRORS,
+    EFFECT_GAIN,
+    EFFECT_P,
+    EFFECT_P_OF_BLOCKS,
+    LARGEST_SHARE,
+    PREFERRED_ERRORS,
+)
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -56,7 +63,7 @@ class Refit:
     def passes(self) -> bool:
         """Whether the gain is significant and material."""
         significant = self.p < EFFECT_P and self.response.p_blocks < EFFECT_P_OF_BLOCKS
-        return significant and self.gain > max(EFFECT_ERRORS * self.gain_error, EFFECT_GAIN)
+        return significant and self.gain > EFFECT_GAIN and consistent(self.gains)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +73,18 @@ class Tried:
     name: str
     form: Form
     response: Response
+
+
+def consistent(gains: FloatArray) -> bool:
+    """Return whether the gains of the blocks, of which none may dominate, exceed their standard error sufficiently.
+
+    Parameters
+    ----------
+    gains : ndarray, shape (n_blocks,)
+        Cross-validated.
+    """
+    counted = limited(gains, LARGEST_SHARE)
+    return float(counted.sum()) > EFFECT_ERRORS * error_of_sum(counted)
 
 
 def preferred(refits: list[Refit], candidates: Mapping[str, Candidate], found: Collection[str] = ()) -> Refit:
@@ -87,13 +106,12 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate], found: C
     for other in sorted(refits, key=lambda refit: -refit.gain):
         if other is best:
             continue
-        difference = best.gains - other.gains
-        error = error_of_sum(difference)
+        difference = limited(best.gains - other.gains, LARGEST_SHARE)
         contains = candidates[best.name].contains == other.name if best.name in candidates else False
         stateful = _has_states(best, candidates) and not _has_states(other, candidates)
         refinement = best.name.startswith(REFINEMENT) and not other.name.startswith(REFINEMENT)
         refinement = refinement and best.name.removeprefix(REFINEMENT) not in found
-        if (contains or refinement or stateful) and difference.sum() < PREFERRED_ERRORS * error:
+        if (contains or refinement or stateful) and difference.sum() <= PREFERRED_ERRORS * error_of_sum(difference):
             best = other
     return best
 

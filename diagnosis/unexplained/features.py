@@ -174,12 +174,14 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
 
     slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
     load = named["Fz"] / nominal["FNOMIN"]
-    has_speed = "V" in named and "LONGVL" in nominal
+    has_speed = "V" in named and "V" in signals.recorded and "LONGVL" in nominal
     speed = np.abs(named["V"]) / nominal["LONGVL"] if has_speed else np.ones_like(load)
+    times_speed, of_speed = ("*absolute(V)/LONGVL", " V") if has_speed else ("", "")
     add("Fz/FNOMIN - 1", "Fz", load - 1.0)
     if "p" in named and "p" in signals.recorded and "NOMPRES" in nominal:
         add("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
-    if has_speed and "V" in signals.recorded:
+    if has_speed:
+        add("5*absolute(tan(alpha))*absolute(V)/LONGVL", "alpha V", 5.0 * np.abs(np.tan(named["alpha"])) * speed)
         add("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
     if "phit" in signals.recorded and "phit" in named:
         add("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
@@ -193,9 +195,9 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     add("5*absolute(tan(alpha))", "alpha", 5.0 * np.abs(np.tan(named["alpha"])))
     add("5*absolute(kappa)", "kappa", 5.0 * np.abs(named["kappa"]))
     add("5*sqrt(tan(alpha)**2 + kappa**2)", "alpha kappa", 5.0 * slip)
-    add("5*absolute(tan(alpha))*absolute(V)/LONGVL", "alpha V", 5.0 * np.abs(np.tan(named["alpha"])) * speed)
-    add("5*sqrt(tan(alpha)**2 + kappa**2)*absolute(V)/LONGVL*Fz/FNOMIN", "alpha kappa V Fz", 5.0 * slip * speed * load)
-    add("5*absolute(tan(alpha))*absolute(V)/LONGVL*Fz/FNOMIN", "alpha V Fz",
+    add(f"5*sqrt(tan(alpha)**2 + kappa**2){times_speed}*Fz/FNOMIN", f"alpha kappa Fz{of_speed}",
+        5.0 * slip * speed * load)  # fmt: skip
+    add(f"5*absolute(tan(alpha)){times_speed}*Fz/FNOMIN", f"alpha Fz{of_speed}",
         5.0 * np.abs(np.tan(named["alpha"])) * speed * load)  # fmt: skip
     if "gamma" in named:
         add("10*gamma", "gamma", 10.0 * named["gamma"], odd=True)

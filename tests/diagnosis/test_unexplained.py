@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.thresholds import MIN_STRETCHES, STRETCHES
+from tirefmu.diagnosis.thresholds import MIN_STRETCHES, STRETCHES, STRUCTURE_P
+from tirefmu.diagnosis.unexplained.drift import is_drift
 from tirefmu.diagnosis.unexplained.features import Feature, _low_pass, directions, features, locations_of
 from tirefmu.diagnosis.unexplained.structure import structure_of
 
@@ -36,6 +37,26 @@ def test_structure_is_identified_with_its_location_variable_and_size(velocity_de
     ]
     assert size == pytest.approx(-0.1, rel=0.3)
     assert f"{size:+.3g}" in found.formula
+
+
+def test_a_zero_that_drifts_in_steps_is_no_structure(problem, at_true_values, velocity_dependent_friction):
+    found = structure_of(velocity_dependent_friction)
+    assert not is_drift(velocity_dependent_friction, found)
+    signals = problem.simulator.signals
+    side, steps = signals.channels.index("Fy"), np.linspace(0.0, 2.999, signals.measured.shape[1]).astype(int) % 2
+    column = np.zeros((*signals.measured.shape, 1))
+    column[side, :, 0] = steps / np.median(problem.inverse_noise[side])
+    measured = replace(signals, measured=signals.measured + column[:, :, 0])
+    drifting = replace(problem, simulator=problem.simulator.with_signals(measured))
+    screen = Screen(drifting, drifting.at(at_true_values.solution.parameters, at_true_values.solution.free))
+    weighted = problem.inverse_noise[:, :, None] * column
+    screen.learn_noise({0: weighted})
+    response = screen.response(weighted)
+    gains = screen.baseline.loss - response.loss
+    resembling = replace(found, columns=column, response=response, gains=gains,
+                         gain=gains.sum() / screen.baseline.loss.sum(), p=response.p_coloured)  # fmt: skip
+    assert resembling.response.p_coloured < STRUCTURE_P
+    assert is_drift(screen, resembling)
 
 
 def test_noise_has_no_structure_that_passes(at_true_values):
@@ -97,3 +118,10 @@ def test_the_response_at_a_location_equals_finite_differences(at_true_values):
             changes.append(simulator.forces(moved))
         expected = (changes[0] - changes[1]) / 2e-5
         np.testing.assert_allclose(acts[name], expected, atol=1e-4 * np.abs(expected).max())
+
+
+def test_no_feature_names_an_input_that_was_not_recorded(problem):
+    signals, tire = problem.simulator.signals, problem.simulator.tire
+    assert "V" not in signals.recorded
+    named = {name for part in features(signals, tire) for feature in part for name in feature.depends_on}
+    assert named <= signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}

@@ -1,8 +1,18 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from scipy.signal import lfilter
 
-from tirefmu.estimation.block_regression import autocovariance, block_sums, coloured_covariance, regression, wald_p
+from tirefmu.estimation.block_regression import (
+    autocovariance,
+    block_sums,
+    coloured_covariance,
+    limited,
+    regression,
+    wald_p,
+)
 
 
 def coloured(rng, n, memory):
@@ -70,3 +80,13 @@ def test_p_values_without_an_effect_are_uniform(blocks):
 
 def test_too_few_blocks_give_no_significance():
     assert wald_p(np.array([100.0, 100.0]), np.eye(2), 3) == 1.0
+
+
+@given(gains=arrays(float, st.integers(2, 30), elements=st.floats(-1e3, 1e6)), share=st.floats(0.05, 0.9))
+def test_no_limited_gain_exceeds_its_share(gains, share):
+    counted = limited(gains, share)
+    assert (counted <= np.maximum(gains, 0.0)).all()
+    assert counted.max() <= share * max(counted.sum(), 0.0) * (1.0 + 1e-9)
+    if counted.any():
+        raised = np.minimum(gains, 1.001 * counted.max())  # the largest possible limit
+        assert (raised == counted).all() or raised.max() > share * raised.sum()

@@ -37,21 +37,9 @@ def test_compiles_without_a_warning(compiler, tires, fmi, tmp_path, optimization
     compile_strictly([*compiler, optimization, "-isystem", str(fmi_headers())], tmp_path, own)
 
 
-def compile_strictly(compiler, file):
-    command = [
-        *compiler,
-        "-std=c99",
-        "-pedantic",
-        "-Wall",
-        "-Wextra",
-        "-Wshadow",
-        "-Werror",
-        "-c",
-        file.name,
-        "-o",
-        "out.o",
-    ]
-    done = subprocess.run(command, cwd=file.parent, capture_output=True, text=True, check=False)
+def compile_strictly(compiler, folder, names):
+    strictly = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wshadow", "-Werror"]
+    done = subprocess.run([*compiler, *strictly, "-c", *names], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
 

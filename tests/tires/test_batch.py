@@ -160,7 +160,7 @@ def test_the_memory_of_the_normal_equations_has_the_size_that_the_kernel_uses():
         text = (printers / header).read_text(encoding="ascii")
         for name, expression in re.findall(r"^#define (\w+) (.+)$", text, re.MULTILINE):
             sizes[name] = eval(expression, {}, sizes)
-    assert (STEP, TILE) == (sizes["STEP"], sizes["TILE_ROWS"] * sizes["TILE_COLUMNS"])
+    assert (sizes["STEP"], sizes["TILE_ROWS"] * sizes["TILE_COLUMNS"]) == (STEP, TILE)
     assert sizes["BLOCK"] == BLOCK
 
 
