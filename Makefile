@@ -36,8 +36,9 @@ pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider set
 	TIREFMU_PAGES=1 $(BIN)/pytest tests/explorer $(PYTEST_ARGS)
 	$(BIN)/python benchmarks/explorer_frames.py
 
-fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read; a traceback is printed if a test hangs for a minute
+fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read, a million random calls of hub FMUs; a traceback is printed if a test hangs for a minute
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
+	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fmu/test_robustness.py -k random_calls $(PYTEST_ARGS)
 
 mutants: $(VENV)/installed-dev  ## 33 single-line faults in a copy of the tree: lists those that the nearest tests miss
 	$(BIN)/python benchmarks/mutants.py $(MUTANTS_ARGS)

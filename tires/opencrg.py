@@ -196,7 +196,8 @@ def _positions(header: _Header) -> FloatArray:
         right = left - step * (n - 1) if left is not None else -0.5 * step * (n - 1)
     if right is None or (step is None and left is None):
         raise DataError("LONG_SECTION_V_INCREMENT is missing, or LONG_SECTION_V_RIGHT and _LEFT")
-    return right + step * np.arange(n) if step is not None else np.linspace(right, left or 0.0, n)
+    along = step * np.arange(n) if step is not None else np.linspace(0.0, (left or 0.0) - right, n)
+    return np.asarray(right + along, dtype=float)
 
 
 def _filled(heights: FloatArray, v: FloatArray) -> FloatArray:
