@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-startup bench-steps clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -96,6 +96,9 @@ bench-fit: $(VENV)/installed  ## time of a fit compared with SciPy's trf; time a
 
 bench-startup: $(VENV)/installed  ## CPU time of short commands, of the first fit and the first diagnosis of a process
 	$(BIN)/python benchmarks/startup.py $(BENCH_ARGS)
+
+bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs: median, 99.99 %, longest of a million
+	$(BIN)/python benchmarks/step_times.py $(BENCH_ARGS)
 
 # The packages are sub-packages of tirefmu only when installed; type checkers read this tree of links instead.
 types:
