@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-startup bench-steps clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -93,6 +93,9 @@ bench: $(VENV)/installed  ## time per point: CasADi, SymPy, NumPy, C and the bat
 
 bench-fit: $(VENV)/installed  ## time of a fit compared with SciPy's trf; time and memory up to a million rows
 	$(BIN)/python benchmarks/fitting.py $(BENCH_ARGS)
+
+bench-languages: $(VENV)/installed  ## every model in every installed language compared with NumPy: the table of docs/languages.md
+	$(BIN)/python benchmarks/languages.py --write $(BENCH_ARGS)
 
 bench-startup: $(VENV)/installed  ## CPU time of short commands, of the first fit and the first diagnosis of a process
 	$(BIN)/python benchmarks/startup.py $(BENCH_ARGS)

@@ -1,9 +1,11 @@
-"""Every model in every language: largest difference from NumPy over 2,000 rows, time per point, operations.
+"""Every model in every language: largest difference from NumPy over 2,000 rows, and the time per point.
 
-    python benchmarks/languages.py [--rows 2000] [--only c,cpp] [--models mf96,mf61] [--functions forces] [--no-times]
+    python benchmarks/languages.py [--rows 2000] [--only c,cpp] [--models mf96,mf61] [--write]
+    python benchmarks/languages.py --times [--only c,cpp] [--models mf96]
 
-A language whose compiler or package is missing is marked. The tables are those of docs/languages.md. LIBM is the path
-of the compiled crate libm, for Rust.
+The rows include zero slip, no load, reverse, standstill and large slips. `--write` replaces the computed cells of the
+table in docs/languages.md; a language whose compiler or package is missing keeps its cells. LIBM is the path of the
+compiled crate libm, for Rust; without it the crate's source of Debian is compiled.
 """
 
 from __future__ import annotations
@@ -18,6 +20,8 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+from languages_table import cell, update
+
 from tirefmu.hosts.printout import printed, program_of
 from tirefmu.symbolic.printers.languages import LANGUAGES, printer
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, Program, Selection
@@ -29,7 +33,10 @@ FIALA = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31, "WIDTH": 0.15, "VERTICAL_STI
 BRUSH = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "CKAPPA": 9e4, "CALPHA": 5e4, "MUX": 1.4, "MUY": 1.1,
          "PATCH": 0.07, "NSTIFF": 0.7, "NMU": -0.12, "NPATCH": 0.6}  # fmt: skip
 WITH_STATES = ("heat_friction", "slip_history", "relax_lat", "relax_lon")
-LIBM = os.environ.get("LIBM", "liblibm.rlib")
+#: Rows (values in the lines, coefficients) where the compiler of a language repeats all lines for every result.
+FEWER_ROWS = {"modelica": (40, 0)}
+#: Languages that are run with some models only, and the number of the reason in docs/languages.md.
+LIMITED = {"jax": (("mf96", "fiala", "brush"), "not run (1)")}
 #: How the self-test of a language is compiled and run.
 PYTHON = f"{sys.executable} {{}}"
 COMMANDS = {
@@ -42,7 +49,7 @@ COMMANDS = {
     "jax": ("", PYTHON),
     "torch": ("", PYTHON),
     "modelica": ("", f"{sys.executable} {ROOT / 'benchmarks' / 'run_modelica.py'} {{}}"),
-    "rust": (f"rustc -C opt-level=0 {{}} --extern libm={LIBM} -o selftest", "./selftest"),
+    "rust": ("rustc -C opt-level=0 {} --extern libm=LIBM -o selftest", "./selftest"),
 }
 #: Programs that print the time of a point in nanoseconds; @name@ is the tire, @sum@ the sum of all forces: a compiler
 #: removes the lines of forces that nothing reads, and computes lines of constant inputs once if it sees the function.
@@ -119,7 +126,20 @@ def run(command: str, folder: Path) -> str:
     return result.stdout
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=1)
+def libm() -> str:
+    """Return the path of the compiled crate libm."""
+    if "LIBM" in os.environ:
+        return os.environ["LIBM"]
+    sources = sorted(Path("/usr/share/cargo/registry").glob("libm-*/src/lib.rs"))
+    if not sources:
+        raise RuntimeError("the crate libm is not installed")
+    folder = Path(tempfile.mkdtemp())
+    run(f"rustc --crate-type rlib --crate-name libm -O --cap-lints allow {sources[-1]} -o liblibm.rlib", folder)
+    return str(folder / "liblibm.rlib")
+
+
+@lru_cache(maxsize=4)
 def program(name: str, placement: str, rows: int, functions: tuple[str, ...]) -> Program:
     """Return the printout of a tire: lines, functions and rows are the same in all languages."""
     tire = tires()[name].in_signs("iso")
@@ -138,7 +158,7 @@ def differences(found: Program, language: str) -> dict[str, str]:
             (folder / file).write_text(text)
         (source,) = (file for file in files if "_selftest." in file and not file.endswith(".txt"))
         if build:
-            run(build.format(source), folder)
+            run(build.format(source).replace("LIBM", libm() if language == "rust" else ""), folder)
         return dict(line.split() for line in run(command.format(source), folder).splitlines())
 
 
@@ -161,36 +181,45 @@ def nanoseconds(tire: Tire, language: str) -> str:
         return run(command.format(source), folder).split()[0]
 
 
+def compared(name: str, language: str, rows: int, struct_rows: int) -> str:
+    """Return the cell of a tire in a language, with values in the lines and with coefficients."""
+    models, reason = LIMITED.get(language, ((), ""))
+    if reason and name not in models:
+        return reason
+    rows, struct_rows = FEWER_ROWS.get(language, (rows, struct_rows))
+    found: dict[str, list[float]] = {}
+    for placement, n in (("inline", rows), ("struct", struct_rows)):
+        if not n:
+            continue
+        # Named quantities of many lines are not printed where the lines are repeated.
+        functions = FUNCTIONS if language not in FEWER_ROWS else tuple(f for f in FUNCTIONS if f != "quantities")
+        for function, difference in differences(program(name, placement, n, functions), language).items():
+            found.setdefault(function, []).append(float(difference))
+    return cell(found, f"{rows} rows, forces" if language in FEWER_ROWS else "")
+
+
 def main() -> None:
-    """Print the tables."""
+    """Print the largest differences, or the times; write the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rows", type=int, default=2000)
     parser.add_argument("--struct-rows", type=int, default=400, help="rows with derivatives by all coefficients")
     parser.add_argument("--only", default=",".join(name for name in LANGUAGES if name in COMMANDS))
-    parser.add_argument("--functions", default=",".join(FUNCTIONS))
-    parser.add_argument("--models", default="")
-    parser.add_argument("--no-times", action="store_true")
-    parser.add_argument("--only-times", action="store_true")
+    parser.add_argument("--models", default=",".join(tires()))
+    parser.add_argument("--write", action="store_true", help="write the table into docs/languages.md")
+    parser.add_argument("--times", action="store_true", help="print the time of all forces at a point, ns")
     options = parser.parse_args()
-    chosen = {name: tire for name, tire in tires().items() if not options.models or name in options.models.split(",")}
-    columns = {"inline": [name for name in FUNCTIONS if name != "jacobian_parameters"], "struct": list(FUNCTIONS)}
-    titles = [f"{placement}: {name}" for placement, names in columns.items() for name in names]
-    print(f"| model | language | {' | '.join(titles)} | ns per point |\n|{'---|' * (len(titles) + 3)}")
-    for name, tire in chosen.items():
+    for name in options.models.split(","):
         for language in options.only.split(","):
-            cells = []
-            for placement, names in () if options.only_times else columns.items():
-                rows = options.rows if placement == "inline" else options.struct_rows
-                try:
-                    found = differences(program(name, placement, rows, tuple(options.functions.split(","))), language)
-                    cells += [found.get(function, "") for function in names]
-                except (RuntimeError, OSError, subprocess.TimeoutExpired) as error:
-                    cells += [f"not run: {error}"] * len(names)
             try:
-                cells.append("" if options.no_times else nanoseconds(tire, language))
-            except (RuntimeError, OSError, KeyError) as error:
-                cells.append("not run" if isinstance(error, KeyError) else f"not run: {error}")
-            print(f"| {name} | {language} | {' | '.join(cells)} |", flush=True)
+                if options.times:
+                    text = nanoseconds(tires()[name], language) if language in TIMED else "not run"
+                else:
+                    text = compared(name, language, options.rows, options.struct_rows)
+                    if options.write:
+                        update({(language, name): text})
+            except (RuntimeError, OSError, subprocess.TimeoutExpired) as error:
+                text = f"not run: {error}"
+            print(f"{name} | {language} | {text}", flush=True)
 
 
 if __name__ == "__main__":

@@ -103,8 +103,8 @@ def fit(
         stationary wheel (`FitResult.excluded_rows`). Goodness of fit is computed over all rows.
     rows : str
         Weights of rows: "condition" (equal weight of every operating condition of a recording, independent of its
-        number of rows), "equal" (equal weight of every row), or "independent" (as "condition", and each channel of a
-        recording by its effective sample size).
+        number of rows), "equal" (equal weight of every row), "independent" (as "condition", and each channel of a
+        recording by its effective sample size), or "load" (as "condition", with errors relative to the load).
     stiffness_weight : float
         Weight of the slip stiffness that is read from the data at each load, as a number of independent rows; 0: it is
         not fitted (`docs/stiffness.md`).

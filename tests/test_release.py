@@ -10,10 +10,14 @@ import sys
 import tarfile
 import venv
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from tirefmu.tires import published
+
+from .hosts.conftest import wet_grip
 from .test_wheel import PACKAGES, PROJECT, ROOT
 
 #: Folder for the built files; without it the test is skipped, because the demo takes a minute.
@@ -45,31 +49,54 @@ def test_the_version_is_the_same_everywhere():
     assert re.search(rf"^## {re.escape(version)}", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
 
 
-@pytest.mark.skipif(not TARGET, reason="make release")
-def test_a_release_works_in_a_clean_environment(tmp_path):
-    target, source = Path(TARGET), tmp_path / "source"
+@pytest.fixture(scope="module")
+def environment(tmp_path_factory):
+    """Return the folder of the programs of an environment with the wheel, which the sdist also gives."""
+    if not TARGET:
+        pytest.skip("make release")
+    target, folder = Path(TARGET), tmp_path_factory.mktemp("release")
+    source = folder / "source"
     target.mkdir(parents=True, exist_ok=True)
-    for folder in PACKAGES.values():
-        shutil.copytree(ROOT / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    for package in PACKAGES.values():
+        shutil.copytree(ROOT / package, source / package, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("pyproject.toml", "setup.py", PROJECT["project"]["readme"], *PROJECT["project"]["license-files"]):
         shutil.copy(ROOT / name, source / name)
     wheel, sdist = built(source, "wheel", target), built(source, "sdist", target)
     with tarfile.open(sdist) as archive:
-        archive.extractall(tmp_path / "unpacked", filter="data")
-    (unpacked,) = (tmp_path / "unpacked").iterdir()
-    (tmp_path / "again").mkdir()
-    assert names(built(unpacked, "wheel", tmp_path / "again")) == names(wheel)
+        archive.extractall(folder / "unpacked", filter="data")
+    (unpacked,) = (folder / "unpacked").iterdir()
+    (folder / "again").mkdir()
+    assert names(built(unpacked, "wheel", folder / "again")) == names(wheel)
 
     # The new environment has the dependencies of this one, but tirefmu from the wheel only: no network is needed.
-    environment = tmp_path / "environment"
-    venv.create(environment, with_pip=False)
-    folder = environment / ("Scripts" if os.name == "nt" else "bin")
-    python = folder / ("python.exe" if os.name == "nt" else "python")
-    run(sys.executable, "-m", "pip", "--python", python, "install", "--no-index", "--no-deps", wheel, cwd=tmp_path)
-    installed = Path(run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))", cwd=tmp_path).strip())
+    venv.create(folder / "environment", with_pip=False)
+    programs = folder / "environment" / ("Scripts" if os.name == "nt" else "bin")
+    python = programs / "python"
+    run(sys.executable, "-m", "pip", "--python", python, "install", "--no-index", "--no-deps", wheel, cwd=folder)
+    installed = Path(run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))", cwd=folder).strip())
     (installed / "dependencies.pth").write_text("\n".join(path for path in sys.path if "site-packages" in path))
-    assert Path(run(python, "-c", "import tirefmu; print(tirefmu.__file__)", cwd=tmp_path).strip()).is_relative_to(
-        installed
-    )
-    run(folder / "tirefmu", "demo", "-o", "demo", cwd=tmp_path)
+    imported = run(python, "-c", "import tirefmu; print(tirefmu.__file__)", cwd=folder).strip()
+    assert Path(imported).is_relative_to(installed)
+    return programs
+
+
+def test_the_demo_runs_in_a_clean_environment(environment, tmp_path):
+    run(environment / "tirefmu", "demo", "-o", "demo", cwd=tmp_path)
     assert "All checks passed" in (tmp_path / "demo" / "index.html").read_text(encoding="utf-8")
+
+
+def test_a_tire_with_a_users_effect_is_printed_outside_the_checkout(environment, tmp_path):
+    """The texts of the tire file would end comments and strings of the printed code; a self-test compares all rows."""
+    trento, effect = published("trento_hoosier"), wet_grip()
+    tire = replace(trento, effects={*trento.has, effect.name}, added=(effect,), values={**trento.values, "GRIPT": 0.1})
+    tire.save(tmp_path / "wet.tir")
+    for language in ("numpy", "c", "cpp", "javascript", "matlab", "latex"):
+        command = ["generate", "wet.tir", "--language", language, "-o", language, "--values", "struct", "--quiet"]
+        run(environment / "tirefmu", *command, cwd=tmp_path, TIREFMU_CACHE=str(tmp_path / "cache"))
+        assert any("GRIPT" in path.read_text() for path in (tmp_path / language).iterdir()), language
+    # A self-test fails by its exit code.
+    assert "forces" in run(environment / "python", "wet_selftest.py", cwd=tmp_path / "numpy")
+    if shutil.which("cc"):
+        run("cc", "-std=c99", "-O0", "wet_selftest.c", "-lm", "-o", "selftest", cwd=tmp_path / "c")
+        assert "forces" in run("./selftest", cwd=tmp_path / "c")
+    assert not list(tmp_path.rglob("ran"))

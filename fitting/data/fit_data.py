@@ -17,6 +17,7 @@ from tirefmu.measurements import (
     group_by_condition,
     identity_notes,
 )
+from tirefmu.measurements.operating_conditions.held_levels import held_levels
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
@@ -25,9 +26,12 @@ from .same_tire import tire_notes
 #: The inputs of which at least one has to vary by `LEAST_VARIATION` for a channel to be fitted; none for My.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
 LEAST_VARIATION = 0.01
-#: Weights of rows: equal for each operating condition of a recording, equal for each row, or equal for each operating
-#: condition with each channel of a recording weighted by its effective sample size.
-ROWS = ("condition", "equal", "independent")
+#: Weights of rows: equal for each operating condition of a recording, equal for each row, equal for each operating
+#: condition with each channel of a recording weighted by its effective sample size, or as for conditions with errors
+#: relative to the load.
+ROWS = ("condition", "equal", "independent", "load")
+#: Smallest load, relative to the largest, to which errors are relative. Judgement: a row near lift-off is all noise.
+LEAST_LOAD = 0.1
 
 
 @dataclass(frozen=True)
@@ -125,7 +129,7 @@ def prepare(
     for number, recording in enumerate(recordings):
         included, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
         excluded_rows += found
-        weight = np.ones(len(recording)) if rows == "equal" else group_by_condition(recording).weights(included)
+        weight = _weights(recording, included, rows)
         segment = _segment_numbers(recording) + segments
         segments = int(segment[-1]) + 1
         table, unfitted_channels = _without_information(recording.with_signs("adapted-sae").table, included, book)
@@ -140,6 +144,26 @@ def prepare(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
     return FitData(data, tuple(excluded_rows), (*notes, *unfitted), rows)
+
+
+def _weights(recording: Recording, included: npt.NDArray[np.bool_], rows: str) -> npt.NDArray[np.float64]:
+    """Return the weights of rows by the name of a weighting, with mean 1 over the included rows."""
+    if rows == "equal":
+        return np.ones(len(recording))
+    weight = group_by_condition(recording).weights(included)
+    if rows == "load" and "Fz" in recording.table and included.any():
+        load = np.abs(_levelled(recording.table["Fz"]))
+        weight = weight / np.maximum(load, LEAST_LOAD * load[included].max()) ** 2
+        weight = weight / weight[included].mean()
+    return weight
+
+
+def _levelled(column: pd.Series) -> npt.NDArray[np.float64]:
+    """Return each value's nearest level, because noise of the load must not weight rows; a swept channel as it is."""
+    values, found = column.to_numpy(dtype=np.float64), np.array(held_levels(column))
+    if not found.size:
+        return values
+    return np.asarray(found[np.searchsorted(0.5 * (found[1:] + found[:-1]), values)])
 
 
 def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:

@@ -1,14 +1,14 @@
 """Uncertainty of the fitted values: intervals under time-correlated noise, and directions that are not identifiable.
 
-Rows of a slow sweep are not independent: residuals of neighboring rows are correlated. A least-squares fit with weights
-w of residuals with variance s^2 and correlation length tau has, to first order, the covariance
+Rows of a sweep are not independent: residuals of neighboring rows are correlated. A least-squares fit with weights W of
+residuals with variance s^2 and correlation matrix R has, to first order, the covariance
 
-    H^-1 (sum of tau s^2 w H_c) H^-1,
+    H^-1 (sum of s^2 J^T W R W J) H^-1,
 
-where H = J^T W J is the sum of its parts H_c by recording and channel. This is the sandwich estimator of White (1980)
-with the long-run variance of Newey and West (1987). For a robust loss, s^2 is the variance of the weighted residual,
-and the mean slope of the loss reduces H (Huber). The estimator assumes that J changes more slowly than the noise, which
-is the case on a bench. Active constraints are not taken into account. Slopes at zero slip that are fitted as targets
+where H = J^T W J, and the sum is over recordings and channels. This is the sandwich estimator of White (1980) for
+correlated residuals (Newey and West, 1987). R is described in `correlated_noise`. For a robust loss, s^2 is the
+variance of the weighted residual, and the mean slope of the loss reduces H (Huber). Active constraints are not taken
+into account. Slopes at zero slip that are fitted as targets
 are combinations of the same residuals and are no further information.
 """
 
@@ -26,6 +26,7 @@ from tirefmu.estimation.correlation import correlation_length
 
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
+from .correlated_noise import NoiseCorrelation
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,6 +37,8 @@ QUANTILE = 1.959964
 LARGEST_SD, LEAST_CURVATURE = 1.0, 1e-13
 #: Least squared component of a coefficient that belongs to a direction.
 LEAST_PART = 0.1
+#: Rows of the Jacobian at a time. Correlation between chunks is neglected.
+CHUNK = 16_384
 
 
 @dataclass(frozen=True)
@@ -221,7 +224,7 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
         # The Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
         part = replace(problem, rows=rows, loss=LOSSES["squares"], limits=None, targets=())
         residual, present = part.residual(x), np.isfinite(rows.measured.T)
-        squared_weights = _squared_weights(part, x)
+        noise: dict[int, tuple[float, NoiseCorrelation]] = {}
         for channel, free, _, squares in part.by_output(x):
             own, slope = residual[channel, present[channel]], 1.0
             if problem.limits is not None:
@@ -230,9 +233,9 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
             length, variance = correlation_length(own, rows.segment[present[channel]]), float(np.mean(own**2))
             effective[group, channel] = len(own) / length
             curvature[np.ix_(free, free)] += slope * squares
-            noise = length * variance * problem.weights[group, channel]
-            middle[np.ix_(free, free)] += noise * squared_weights.get(channel, squares)
-            noise_of_rows[group, channel] = noise
+            noise[channel] = variance, NoiseCorrelation.of(own, rows.segment[present[channel]], length)
+            noise_of_rows[group, channel] = length * variance * problem.weights[group, channel]
+        _add_scores(middle, part, x, noise)
     for target, slope in zip(problem.targets, problem.target_jacobian(x) if problem.targets else (), strict=True):
         # The slope is a combination of the same residuals: its own variance, and twice its covariance with their sum.
         weight = problem.target_weight / target.deviation**2
@@ -242,12 +245,18 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
     return curvature, middle, effective
 
 
-def _squared_weights(part: Problem, x: FloatArray) -> dict[int, FloatArray]:
-    """Return J^T W J of each output with squared row weights; empty if all row weights are 1."""
-    if (part.rows.weight == 1.0).all():
-        return {}
-    squared = replace(part, rows=replace(part.rows, weight=part.rows.weight**2))
-    return {output: squares for output, _, _, squares in squared.by_output(x)}
+def _add_scores(
+    middle: FloatArray, part: Problem, x: FloatArray, noise: Mapping[int, tuple[float, NoiseCorrelation]]
+) -> None:
+    """Add s^2 J^T W R W J of the channels of one recording to the middle of the sandwich."""
+    for chunk, outputs in part.jacobian_chunks(x, CHUNK):
+        for channel, (free, jacobian) in outputs.items():
+            weight = part.root[channel, chunk] ** 2
+            here = np.flatnonzero(weight)
+            variance, correlation = noise[channel]
+            scores = jacobian[:, here] * weight[here]
+            segment = part.rows.segment[chunk][here]
+            middle[np.ix_(free, free)] += variance * correlation.covariance(scores, segment)
 
 
 def _members(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:

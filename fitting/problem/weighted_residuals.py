@@ -248,6 +248,24 @@ class Problem:
                 parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
         return parts
 
+    def jacobian_chunks(
+        self, x: FloatArray, size: int
+    ) -> Iterator[tuple[slice, dict[int, tuple[npt.NDArray[np.int64], FloatArray]]]]:
+        """Go through the rows, `size` at a time: which they are, and the derivatives of each weighted output by x.
+
+        The derivatives are by output: its free coefficients, and an array of shape (n_free_of_output, size).
+        """
+        self._apply_weights()
+        used = [(output, *self._entries[output]) for output, _ in self._present if self._entries[output][0].size]
+        for chunk, entries in self._code.jacobian_chunks(self._inputs, self.parameters(x), size):
+            yield chunk, {output: (free, entries[own] * self.reach[free, None]) for output, own, free in used}
+
+    @property
+    def root(self) -> FloatArray:
+        """Roots of the weights of squared residuals, shape (n_forces, n); 0 if a channel was not measured."""
+        self._apply_weights()
+        return self._root
+
     def residual(self, x: FloatArray) -> FloatArray:
         """Return computed minus measured, shape (n_forces, n); 0 if a channel was not measured or has no weight."""
         self._apply_weights()

@@ -112,7 +112,10 @@ def coverage_notes(recording: Recording) -> list[str]:
             notes.append(f"{source}: {slips[0]} {_constancy(by_name, slips[0])}: {output} shows no slip curve")
     load = by_name.get("Fz")
     if load is None and len(recording):
-        notes.append(f"{source}: no column Fz: every row is evaluated at the nominal load")
+        notes.append(
+            f"{source}: no column Fz: every row is evaluated at the nominal load, "
+            "which a fit requires (--nominal Fz0=...)"
+        )
     if load is not None and not _varies(load):
         median = float(np.abs(table["Fz"]).median())
         notes.append(f"{source}: only one load ({median:.4g} N): the influence of load cannot be determined")

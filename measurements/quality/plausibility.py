@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import numpy.typing as npt
 
 from tirefmu.symbolic.errors import DataError
 
@@ -16,6 +17,7 @@ from ..thresholds import (
     LARGEST_PSI,
     MOST_BACKWARD_ROWS,
     MOST_WRONG_LOADS,
+    RATIO_TOLERANCE,
     SMALLEST_LOAD,
     SMALLEST_PRESSURE,
 )
@@ -29,6 +31,9 @@ _PROBABLE_UNITS = {
     "V": ("km/h", "in km/h"),
     "T": ("K", "in kelvin"),
 }
+
+#: Degrees of a radian.
+DEGREES = 180.0 / np.pi
 
 
 def check_plausible(recording: Recording) -> None:
@@ -69,12 +74,29 @@ def _problems(recording: Recording) -> Iterator[str]:
         outside = values[(values < low) | (values > high)]
         if len(outside):
             worst = outside[np.argmax(np.abs(outside))]
+            if _PROBABLE_UNITS.get(name, ("",))[0] == "deg" and (mixed := _two_angle_units(name, values, low, high)):
+                yield mixed
             unit, guess = _PROBABLE_UNITS.get(name, ("", "in another unit"))
             hint = f"declare it: '{name} [{unit}]'" if unit else "check the unit"
             yield f"{name} reaches {worst:.4g} {channel.unit}: {guess}? {hint}".replace(" -:", ":")
     yield from _too_small(recording, declared)
     yield from _backward_wheel(recording, declared)
     yield from _wrong_load_sign(recording)
+
+
+def _two_angle_units(name: str, values: npt.NDArray[np.float64], low: float, high: float) -> str:
+    """Return a sentence if the range of an angle grows by the ratio of deg and rad at one row; empty otherwise."""
+    first = int(np.argmax((values < low) | (values > high)))
+    before, after = (float(np.max(np.abs(part), initial=0.0)) for part in (values[:first], values[first:]))
+    # The first rows of the part in degrees are within the limits: the larger part before it is compared.
+    early = float(np.max(np.abs(values[: first - first // 4]), initial=0.0))
+    for part in (before, early):
+        if part > 0.0 and abs(after / part / DEGREES - 1.0) < RATIO_TOLERANCE:
+            return (
+                f"mixed units? {name} reaches {part:.4g} rad in the first rows and {after:.4g} rad "
+                f"from row {first + 1} on, the ratio of rad and deg: convert one part"
+            )
+    return ""
 
 
 def _too_small(recording: Recording, declared: list[str]) -> Iterator[str]:

@@ -12,7 +12,7 @@ from ..declarations import Effect
 from ..errors import EffectError, nearest
 from ..escaping import quoted
 from ..notation import Chapter, Equation, Variant
-from .lines import reaching
+from .lines import reaching, replaced
 
 
 def assembled(
@@ -87,7 +87,7 @@ def check_reads(
 
 def _own(expression: sp.Expr, model: str) -> sp.Expr:
     """Take a model's side wherever models that share a line differ."""
-    return expression.replace(Variant, lambda name, own, others: own if str(name) == model else others)
+    return replaced(expression, Variant, lambda name, own, others: own if name.name == model else others)
 
 
 def _acted_on(lines: list[Equation], effect: AddedEffect, quantities: Mapping[str, str]) -> list[Equation]:

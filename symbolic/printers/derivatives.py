@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, reduce
+from heapq import heapify, heappop, heappush
 from operator import mul
 
 import sympy as sp
@@ -21,7 +22,7 @@ from sympy.logic.boolalg import Boolean
 from ..functions import absolute, sgn
 from ..notation import Equation
 
-ONE, ZERO = sp.Integer(1), sp.Integer(0)
+ONE, ZERO, MINUS_ONE = sp.Integer(1), sp.Integer(0), sp.Integer(-1)
 
 
 @dataclass(frozen=True)
@@ -145,7 +146,7 @@ def _is_product(part: sp.Expr) -> bool:
 def _partials(symbol: sp.Symbol, expression: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
     """Partial derivatives of a step; written with the step's symbol where its own value occurs."""
     found = {}
-    for by in sorted(expression.free_symbols, key=str):
+    for by in sorted(expression.free_symbols, key=lambda found: str(found.name)):
         if expression.is_Pow and expression.exp.is_Symbol:
             # x^y y / x, as SymPy has it, is NaN at 0.
             base, power = expression.args
@@ -160,7 +161,7 @@ def _partials(symbol: sp.Symbol, expression: sp.Expr) -> dict[sp.Symbol, sp.Expr
 
 
 def _derivative(expression: sp.Expr, by: sp.Symbol) -> sp.Expr:
-    """Return what `sympy.diff` returns; it takes a multiple of the time for the many parts without the symbol."""
+    """Return what `sympy.diff` returns, with its rules but without its preparations, which take most of its time."""
     if expression == by:
         return ONE
     if by not in expression.free_symbols:
@@ -171,6 +172,12 @@ def _derivative(expression: sp.Expr, by: sp.Symbol) -> sp.Expr:
         parts = expression.args
         changes = [(i, _derivative(part, by)) for i, part in enumerate(parts) if by in part.free_symbols]
         return sp.Add(*(reduce(mul, (*parts[:i], change, *parts[i + 1 :])) for i, change in changes if change != 0))
+    if expression.is_Pow and by not in expression.exp.free_symbols:
+        return expression * (_derivative(expression.base, by) * expression.exp / expression.base)
+    if isinstance(expression, sp.Piecewise):
+        return sp.Piecewise(*((_derivative(value, by), condition) for value, condition in expression.args))
+    if expression.is_Function and len(expression.args) == 1:
+        return expression.fdiff(1) * _derivative(expression.args[0], by)
     return sp.diff(expression, by)
 
 
@@ -219,12 +226,20 @@ class ChainRule:
     def total(self, outputs: Sequence[sp.Symbol], by: Sequence[sp.Symbol]) -> tuple[tuple[sp.Expr, ...], ...]:
         """Return the derivatives of the outputs by the given symbols, one row an output."""
         self._keep_between(outputs, by)
-        costs = {symbol: self._cost(symbol) for symbol in self.edges if symbol not in set(outputs)}
-        while costs:
-            cheapest = min(costs, key=lambda symbol: costs[symbol])
+        inner = [symbol for symbol in self.edges if symbol not in set(outputs)]
+        costs = {symbol: (self._cost(symbol), place) for place, symbol in enumerate(inner)}
+        waiting = [(cost, symbol) for symbol, cost in costs.items()]  # of equal costs, the first place comes first
+        heapify(waiting)
+        while waiting:
+            cost, cheapest = heappop(waiting)
+            if costs.get(cheapest) != cost:
+                continue  # eliminated, or entered again with another cost
             del costs[cheapest]
             for neighbour in self._eliminate(cheapest) & costs.keys():
-                costs[neighbour] = self._cost(neighbour)
+                changed = (self._cost(neighbour), costs[neighbour][1])
+                if changed != costs[neighbour]:
+                    costs[neighbour] = changed
+                    heappush(waiting, (changed, neighbour))
         for output in outputs:  # an output on which another is built, such as Fy in Mx
             self._eliminate(output, keep=True)
         return tuple(tuple(self.edges.get(y, {}).get(x, ZERO) for x in by) for y in outputs)
@@ -260,7 +275,7 @@ class ChainRule:
             through = self._named(upper, symbol)
             del self.edges[upper][symbol]
             for lower, derivative in below.items():
-                self.add(upper, lower, through * derivative)
+                self.add(upper, lower, _product(through, derivative))
         self.users[symbol] = {}
         if not keep:
             for lower in below:
@@ -273,7 +288,7 @@ class ChainRule:
         derivative = self.edges[upper][lower]
         if is_short(derivative):
             return derivative
-        symbol = sp.Symbol(f"d{upper}_d{lower}", real=True)
+        symbol = sp.Symbol(f"d{upper.name}_d{lower.name}", real=True)
         self.assignments.append((symbol, derivative))
         self.edges[upper][lower] = symbol
         return symbol
@@ -281,11 +296,27 @@ class ChainRule:
 
 def is_short(derivative: sp.Expr) -> bool:
     """Return whether a derivative can be a factor unchanged: a constant, a symbol or a symbol's negative."""
-    return bool(derivative.is_Symbol or (-derivative).is_Symbol or not derivative.free_symbols)
+    if derivative.is_Atom:
+        return True
+    if derivative.is_Mul and derivative.args[0] is MINUS_ONE:
+        return len(derivative.args) == 2 and is_short(derivative.args[1])
+    return not derivative.free_symbols
 
 
 def _is_unit(derivative: sp.Expr) -> bool:
-    return derivative in (ONE, -ONE)
+    return derivative is ONE or derivative is MINUS_ONE
+
+
+def _product(through: sp.Expr, derivative: sp.Expr) -> sp.Expr:
+    """Return the product of two short derivatives; that of two symbols, in SymPy's order, without a search."""
+    if through is ONE:
+        return derivative
+    if derivative is ONE:
+        return through
+    if through.is_Symbol and derivative.is_Symbol and through != derivative:
+        first, second = (through, derivative) if through.name < derivative.name else (derivative, through)
+        return sp.Mul(first, second, evaluate=False)
+    return through * derivative
 
 
 def _reached(start: Iterable[sp.Symbol], along: Mapping[sp.Symbol, Mapping[sp.Symbol, object]]) -> set[sp.Symbol]:

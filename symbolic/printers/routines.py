@@ -259,7 +259,9 @@ def _derivatives(
         for step in parts.steps:
             for symbol, partial in step.partials:
                 if not is_short(partial):
-                    local.append(Assignment(sp.Symbol(f"{step.symbol}_by_{symbol}", real=True), partial, "", LOCAL))
+                    local.append(
+                        Assignment(sp.Symbol(f"{step.symbol.name}_by_{symbol.name}", real=True), partial, "", LOCAL)
+                    )
                     partial = local[-1].symbol
                 chain.add(step.symbol, symbol, partial)
     results = chain.total(outputs, by)

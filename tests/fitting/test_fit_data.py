@@ -94,6 +94,26 @@ def test_an_error_in_repeats_has_less_weight_if_conditions_are_weighted_equally(
     assert abs(friction[1] - lighter) < abs(friction[0] - lighter)
 
 
+def test_weights_by_load_make_errors_relative_to_the_load(bench):
+    """Every load has the same weight in relative errors; noise of the load does not change the weight of a row."""
+    recording = bench(alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0))
+    table = prepare([recording], BOOK, rows="load").table
+    level = table["Fz"].round(-2)
+    relative = table["weight"] * level**2
+    assert table["weight"].groupby(level).nunique().tolist() == [1, 1, 1]
+    assert relative.to_numpy() == pytest.approx(relative.iloc[0], rel=0.02)
+    assert table["weight"].mean() == pytest.approx(1.0)
+
+
+def test_weights_by_load_do_not_depend_on_signs_and_are_limited_near_lift_off(bench):
+    recording = bench(alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0))
+    lifted = recording.table.assign(Fz=recording.table["Fz"].mask(recording.table.index < 5, 0.0))
+    tables = [prepare([replace(recording, table=lifted).with_signs(signs)], BOOK, screening=False, rows="load").table
+              for signs in ("iso", "sae")]  # fmt: skip
+    np.testing.assert_allclose(tables[0]["weight"], tables[1]["weight"], rtol=1e-12)
+    assert np.isfinite(tables[0]["weight"]).all()
+
+
 def test_independent_weights_use_the_effective_sample_size(once, known, make):
     """Two recordings have errors of equal size, one slow and one random: the second contains more information."""
     size, n = 60.0, len(once)

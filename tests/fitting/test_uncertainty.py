@@ -23,9 +23,9 @@ def correlated(rng, stays, n=N):
     return lfilter([np.sqrt(1 - stays**2)], [1.0, -stays], rng.normal(size=n + 500))[500:]
 
 
-def sweeps(tire, noise, free=FREE, loads=(300.0, 700.0, 1100.0)):
-    """Return the problem of six slow sweeps with noise of 20 N added to the true side force."""
-    alpha = np.tile(np.linspace(-0.2, 0.2, N // SEGMENTS), SEGMENTS)
+def sweeps(tire, noise, free=FREE, loads=(300.0, 700.0, 1100.0), passes=1):
+    """Return the problem of sweeps at six loads, `passes` each, with noise of 20 N added to the true side force."""
+    alpha = np.tile(np.linspace(-0.2, 0.2, N // SEGMENTS // passes), SEGMENTS * passes)
     load = np.repeat(np.resize(loads, SEGMENTS), N // SEGMENTS)
     inputs = np.stack([np.zeros(N), alpha, np.zeros(N), load])
     measured = np.full((N, 3), np.nan)
@@ -35,12 +35,15 @@ def sweeps(tire, noise, free=FREE, loads=(300.0, 700.0, 1100.0)):
     return Problem(tire, rows, free, np.array([[0.0, 1.0 / (N * 400.0), 0.0]]), scale)
 
 
-@pytest.mark.parametrize("stays", [0.0, 0.95])
-def test_intervals_have_their_nominal_coverage(known, stays):
-    """One Gauss-Newton step from the truth is the fit, because the model is almost linear in that range."""
+@pytest.mark.parametrize(("stays", "passes"), [(0.0, 1), (0.95, 1), (0.95, 40)])
+def test_intervals_have_their_nominal_coverage(known, stays, passes):
+    """One Gauss-Newton step from the truth is the fit, because the model is almost linear in that range.
+
+    In a quick sweep the noise is slower than the sweep: it changes offsets, not slopes.
+    """
     inside, white = [], []
-    for seed in range(100):
-        problem = sweeps(known, correlated(np.random.default_rng(seed), stays))
+    for seed in range(60):
+        problem = sweeps(known, correlated(np.random.default_rng(seed), stays), passes=passes)
         truth = np.array([known.values[name] for name in FREE]) / problem.scale
         _, gradient, matrix = problem.derivatives(truth)
         missed = np.abs(np.linalg.solve(matrix, gradient)) * problem.scale
@@ -48,7 +51,7 @@ def test_intervals_have_their_nominal_coverage(known, stays):
         inside.append(missed <= half)
         white.append(missed <= 1.96 * np.sqrt(np.diag(np.linalg.inv(matrix)) / N) * problem.scale)
     assert 0.91 <= np.mean(inside) <= 0.985
-    if stays:
+    if stays and passes == 1:
         assert np.mean(white) < 0.6  # as if rows were independent: far too sure
     assert list(uncertainty(problem, truth).intervals) == list(FREE)
 

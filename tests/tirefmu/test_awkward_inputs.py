@@ -33,7 +33,7 @@ def test_the_table_has_every_input():
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_table_is_up_to_date(name, tmp_path):
-    """The column "fit" needs the slower preparation of a fit: it is compared where it adds a message."""
+    """The column "fit" needs the slower start of a fit: it is compared where it adds a message."""
     row = DOCUMENTED[name]
     refused = row["inspect"] != row["fit"] and row["fit"] == "2"
     found = script.outcome(CASES[name], tmp_path, fit=refused)

@@ -157,6 +157,7 @@ def test_the_number_of_a_model(fittyp, model, tmp_path):
         ("FTire", None, "the file is for FTire"),
         ("UA", None, "the file is for the University of Arizona model (UA)"),
         ("5.2.1", None, "the file is for the 5.2.1 tire of Adams"),
+        ("SWIFT-TYRE", None, "the file is for SWIFT, a rigid ring model"),
         ("PAC2003", None, "did you mean PAC2002?"),
     ],
 )

@@ -62,7 +62,8 @@ if TYPE_CHECKING:
 @WHERE
 @click.option("--all-rows", is_flag=True, help="Do not exclude rows (warm-up, transitions, outliers).")
 @click.option("--rows", default="condition", show_default=True,
-              help="Weights of rows: condition (equal per operating condition), equal, or independent.")  # fmt: skip
+              help="Weights of rows: condition (equal per operating condition), equal, independent (by effective "
+                   "sample size), or load (errors relative to the load).")  # fmt: skip
 @click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
               help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Continue an interrupted fit.")

@@ -22,6 +22,8 @@ OTHER_MODELS = {
     "UA": "the University of Arizona model (UA)",
     "521": "the 5.2.1 tire of Adams, which interpolates tables",
     "TMEASY": "TMeasy, which describes each curve by its own points",
+    "SWIFT": "SWIFT, a rigid ring model",
+    "SWIFTTYRE": "SWIFT, a rigid ring model",
     "RMODK": "RMOD-K, a physical model without Magic Formula coefficients",
 }
 

@@ -1,5 +1,6 @@
 """Impossible values are rejected with one line; unusual but possible values are accepted."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -15,6 +16,10 @@ def recording(signs="iso", declared="", **columns) -> Recording:
     ("columns", "expected"),
     [
         ({"alpha": [-12.0, 3.0]}, "alpha reaches -12 rad: in degrees? declare it: 'alpha [deg]'"),
+        (
+            {"alpha": [*np.linspace(-0.2, 0.2, 9), *np.linspace(-11.46, 11.46, 9)]},
+            "mixed units? alpha reaches 0.2 rad in the first rows and 11.46 rad from row 10 on",
+        ),
         ({"gamma": [0.0, 4.0]}, "gamma reaches 4 rad: in degrees?"),
         ({"kappa": [-15.0, 100.0]}, "kappa reaches 100: in percent? declare it: 'kappa [%]'"),
         ({"Fz": [0.9, 1.1]}, "no |Fz| is above 1.1 N: in kN?"),

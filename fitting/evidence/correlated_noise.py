@@ -1,0 +1,95 @@
+"""Correlation of the residuals of neighboring rows, and the variance of weighted sums of such residuals.
+
+The noise of a channel is white noise plus noise that is autoregressive of order 1: rho_k = a phi^k for lags k > 0. The
+two parameters follow from the correlation of neighboring rows and from the correlation length (method of moments). So a
+sum with slowly changing weights has the variance that the correlation length gives. A sum whose weights change sign
+faster than the noise, as that of a slip stiffness in a quick sweep, has its smaller variance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import solve_banded
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+#: Largest correlation phi of neighboring rows: a memory of 500 rows. Chunks of rows are much longer.
+MOST_CORRELATED = 0.998
+
+
+@dataclass(frozen=True)
+class NoiseCorrelation:
+    """The correlation ``share * decay**k`` of residuals that are k > 0 rows apart in a segment.
+
+    Attributes
+    ----------
+    share, decay : float
+        Between 0 and 1.
+    """
+
+    share: float
+    decay: float
+
+    @classmethod
+    def of(cls, residual: FloatArray, segment: IntArray, length: float) -> NoiseCorrelation:
+        """Return the correlation of residuals with a known correlation length.
+
+        Parameters
+        ----------
+        residual : ndarray, shape (n,)
+            In the order of time.
+        segment : ndarray of int, shape (n,)
+        length : float
+            Their correlation length in rows, 1 at least (`tirefmu.estimation.correlation`).
+
+        Returns
+        -------
+        NoiseCorrelation
+
+        Examples
+        --------
+        >>> NoiseCorrelation.of(np.array([1.0, 1.0, -1.0, -1.0, 1.0]), np.zeros(5, dtype=int), 3.0)
+        NoiseCorrelation(share=1.0, decay=0.5)
+        """
+        power = float(residual @ residual)
+        if length <= 1.0 or power == 0.0:
+            return cls(0.0, 0.0)
+        together = segment[1:] == segment[:-1]
+        neighbors = max(float((residual[1:] * residual[:-1])[together].sum()) / power, 0.0)
+        # length = 1 + 2 share decay / (1 - decay), neighbors = share decay, and the share is 1 at most.
+        decay = max(1.0 - 2.0 * neighbors / (length - 1.0), (length - 1.0) / (length + 1.0))
+        decay = min(decay, MOST_CORRELATED)
+        return cls(min(0.5 * (length - 1.0) * (1.0 - decay) / decay, 1.0), decay)
+
+    def covariance(self, weights: FloatArray, segment: IntArray) -> FloatArray:
+        """Return the covariance of weighted sums of noise of variance 1.
+
+        Parameters
+        ----------
+        weights : ndarray, shape (n_sums, n)
+        segment : ndarray of int, shape (n,)
+
+        Returns
+        -------
+        ndarray, shape (n_sums, n_sums)
+
+        Examples
+        --------
+        >>> NoiseCorrelation(1.0, 0.5).covariance(np.ones((1, 3)), np.array([0, 0, 1]))
+        array([[4.]])
+        """
+        independent = weights @ weights.T
+        if self.share == 0.0 or weights.shape[1] < 2:
+            return np.asarray(independent)
+        # The correlation matrix of autoregressive noise is A^-1 D A^-T; A has 1 on its diagonal and -decay below it.
+        decay = np.where(segment[1:] == segment[:-1], self.decay, 0.0)
+        bands = np.ones((2, weights.shape[1]))
+        bands[0, 1:] = -decay
+        solved = solve_banded((0, 1), bands, weights.T)
+        innovations = np.concatenate([[1.0], 1.0 - decay**2])
+        correlated = solved.T @ (solved * innovations[:, None])
+        return np.asarray((1.0 - self.share) * independent + self.share * correlated)
