@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -36,8 +36,9 @@ pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider set
 	TIREFMU_PAGES=1 $(BIN)/pytest tests/explorer $(PYTEST_ARGS)
 	$(BIN)/python benchmarks/explorer_frames.py
 
-fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read; a traceback is printed if a test hangs for a minute
+fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read, a million random calls of hub FMUs; a traceback is printed if a test hangs for a minute
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
+	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fmu/test_robustness.py -k random_calls $(PYTEST_ARGS)
 
 mutants: $(VENV)/installed-dev  ## 33 single-line faults in a copy of the tree: lists those that the nearest tests miss
 	$(BIN)/python benchmarks/mutants.py $(MUTANTS_ARGS)
@@ -98,6 +99,9 @@ bench-languages: $(VENV)/installed  ## every model in every installed language c
 
 bench-startup: $(VENV)/installed  ## CPU time of short commands, of the first fit and the first diagnosis of a process
 	$(BIN)/python benchmarks/startup.py $(BENCH_ARGS)
+
+bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs: median, 99.99 %, longest of a million
+	$(BIN)/python benchmarks/step_times.py $(BENCH_ARGS)
 
 # The packages are sub-packages of tirefmu only when installed; type checkers read this tree of links instead.
 types:

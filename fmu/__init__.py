@@ -1,4 +1,4 @@
-"""Tires as FMUs: native export for FMI 2.0 and 3.0, simulation, and comparison with data.
+"""Tires as FMUs and STI libraries: native export for FMI 2.0 and 3.0, simulation, and comparison with data.
 
 The names are loaded on first access: an export needs neither pandas nor fmpy.
 """
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .comparison.check import check
     from .comparison.result import Channel, CheckResult, WorstPoint
     from .packaging.export import export
+    from .packaging.sti import export_sti
     from .packaging.system import export_parameters, export_system
 
 #: The module of each name.
@@ -22,10 +23,13 @@ _ON_DEMAND = {
     "check": "comparison.check",
     "export": "packaging.export",
     "export_parameters": "packaging.system",
+    "export_sti": "packaging.sti",
     "export_system": "packaging.system",
 }
 
-__all__ = ["Channel", "CheckResult", "WorstPoint", "check", "export", "export_parameters", "export_system"]
+__all__ = [
+    "Channel", "CheckResult", "WorstPoint", "check", "export", "export_parameters", "export_sti", "export_system",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

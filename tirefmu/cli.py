@@ -129,7 +129,7 @@ def evaluate(
 
 @cli.command()
 @click.argument("tires", metavar="TIRE...", type=FILE, nargs=-1, required=True)
-@click.option("-o", "--output", type=FILE, help="FMU to write; with --kind ssv the parameter set.")
+@click.option("-o", "--output", type=FILE, help="FMU to write; with --kind sti a library, with ssv a parameter set.")
 @click.option("--ssp", type=FILE, metavar="FILE",
               help="Write a system of the tires (SSP): FMUs, parameter sets. Four are FL, FR, RL, RR.")  # fmt: skip
 @RADIUS
@@ -142,10 +142,10 @@ def evaluate(
 @click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
 @click.option(
     "--kind",
-    type=click.Choice(["native", "pythonfmu", "ssv"]),
+    type=click.Choice(["native", "pythonfmu", "sti", "ssv"]),
     default="native",
     show_default=True,
-    help="C, editable Python, or the parameter set of SSP with the coefficients only.",
+    help="FMU in C or in editable Python, library with the Standard Tyre Interface, or parameter set of SSP.",
 )
 @click.option(
     "--platforms",
@@ -179,10 +179,12 @@ def export(
         raise TirefmuError("several tires are one file as a system only: give --ssp instead of -o")
     if ssp and kind != "native":
         raise TirefmuError(f"--ssp packs native FMUs, not kind {kind}")
+    if kind == "sti" and (fmi, inputs, axes, quantities) != (None, "slip", "iso", False):
+        raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
     check_output_paths(target, json_file)
     check_input_paths(*tires)
     from tirefmu.fmu import export as export_fmu
-    from tirefmu.fmu import export_parameters, export_system
+    from tirefmu.fmu import export_parameters, export_sti, export_system
     from tirefmu.fmu.description.interface import with_lengths
     from tirefmu.tires import tire_from
 
@@ -192,26 +194,31 @@ def export(
     loaded = [tire_from(tire, radius=radius) for tire in tires]
     version = int(fmi) if fmi else 3 if kind == "native" and not ssp else 2
     shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": axes}
-    with terminal.working("compiling" if kind == "native" else "packing"):
+    with terminal.working("compiling" if kind in ("native", "sti") else "packing"):
         if ssp:
             written = export_system(loaded, target, **shared, quantities=quantities, platforms=platforms)
         elif kind == "ssv":
             written = export_parameters(loaded[0], target, **shared)
+        elif kind == "sti":
+            written = export_sti(loaded[0], target, platforms=platforms)
         else:
             written = export_fmu(loaded[0], target, **shared, quantities=quantities, kind=kind, platforms=platforms)
     size = written.stat().st_size
-    what = "ssp" if ssp else "ssv" if kind == "ssv" else "fmu"
-    summary = {"ok": True, what: str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
+    what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
+    described = {} if kind == "sti" else {"fmi": version, "inputs": inputs}
+    summary = {"ok": True, what: str(written), **described, "kind": kind, "bytes": size}
     write_json(json_file, summary)
     tires_of = f"{len(loaded)} tire{'s' if len(loaded) > 1 else ''}, " if ssp else ""
     both = kind == "native" and inputs != "hub-torque"
     form = {
         "ssp": f"SSP {version - 1}.0, FMI {version}.0",
         "ssv": f"SSP {version - 1}.0 parameter set",
+        "sti": "Standard Tyre Interface",
         "fmu": f"FMI {version}.0 Co-Simulation{' and Model Exchange' if both else ''}, {kind}",
     }[what]
-    terminal.print(f"{form}, {tires_of}{inputs} inputs, {size / 1024:.0f} KB: {written}")
-    if inputs != "slip" and (note := with_lengths(loaded[0])[1]):
+    shown = "" if kind == "sti" else f"{inputs} inputs, "
+    terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
+    if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
     return 0
 

@@ -32,7 +32,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
 #: First step after a change of the inputs, as a share of the shortest time constant, and the ratio of a step to the
-#: one before. `fmu/packaging/sources.py` prints these numbers and the next ones for the FMU.
+#: one before. `fmu/packaging/written_headers.py` prints these numbers and the next ones for the FMU.
 FIRST_STEP, GROWTH = 0.3, 1.2
 #: The largest number of iterations; a change of the values that is accepted then; how often a step is halved that has a
 #: larger one (more would take hours). The values of a step that still has a larger one are NaN.

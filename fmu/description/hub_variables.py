@@ -115,18 +115,14 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
     >>> [variable.name for variable in hub_parameters(published("trento_hoosier"), False)]
     ['VERTICAL_STIFFNESS', 'VERTICAL_DAMPING', 'BOTTOM_STIFF', 'BOTTOM_RADIUS']
     """
-    rim = _known(tire, "RIM_RADIUS", 0.0)
-    radius = rim + _known(tire, "BOTTOM_OFFST", 0.0) if rim > 0.0 else 0.5 * tire.values["UNLOADED_RADIUS"]
+    rim = known_value(tire, "RIM_RADIUS", 0.0)
+    radius = rim + known_value(tire, "BOTTOM_OFFST", 0.0) if rim > 0.0 else 0.5 * tire.values["UNLOADED_RADIUS"]
+    bottom = known_value(tire, "BOTTOM_RADIUS", radius)
     entries = [
         ("VERTICAL_STIFFNESS", "N/m", "vertical stiffness", _stiffness(tire)),
-        ("VERTICAL_DAMPING", "N s/m", "vertical damping", _known(tire, "VERTICAL_DAMPING", 50.0)),
-        ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", _known(tire, "BOTTOM_STIFF", 0.0)),
-        (
-            "BOTTOM_RADIUS",
-            "m",
-            "loaded radius at which the rim touches the road",
-            _known(tire, "BOTTOM_RADIUS", radius),
-        ),
+        ("VERTICAL_DAMPING", "N s/m", "vertical damping", known_value(tire, "VERTICAL_DAMPING", 50.0)),
+        ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", known_value(tire, "BOTTOM_STIFF", 0.0)),
+        ("BOTTOM_RADIUS", "m", "loaded radius at which the rim touches the road", bottom),
     ]
     if tire.book.quantity("loaded_radius"):
         del entries[0]
@@ -141,7 +137,7 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
 def _stiffness(tire: Tire) -> float:
     """Return the vertical stiffness of a tire whose model has none, N/m; a file without a value may state 0."""
     default = tire.values["FNOMIN"] / (DEFAULT_DEFLECTION * tire.values["UNLOADED_RADIUS"])
-    return _known(tire, "VERTICAL_STIFFNESS", default) or default
+    return known_value(tire, "VERTICAL_STIFFNESS", default) or default
 
 
 def _nominal_radius(tire: Tire) -> float:
@@ -152,8 +148,27 @@ def _nominal_radius(tire: Tire) -> float:
     return tire.values["UNLOADED_RADIUS"] - tire.nominal("Fz") / _stiffness(tire)
 
 
-def _known(tire: Tire, name: str, default: float) -> float:
-    """Return a value of the tire, or of the entries of its file that the model does not use."""
+def known_value(tire: Tire, name: str, default: float) -> float:
+    """Return a value of the tire, or of the entries of its file that the model does not use.
+
+    Parameters
+    ----------
+    tire : Tire
+    name : str
+        A key of property files.
+    default : float
+        If there is no number, or a negative one.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> known_value(published("trento_hoosier"), "RIM_RADIUS", 0.2)
+    0.2
+    """
     if name in tire.values:
         return tire.values[name]
     for _, key, text in tire.other_entries:

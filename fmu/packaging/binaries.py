@@ -184,7 +184,7 @@ def binaries(
     """
     requested, ready = list(platforms), ready or {}
     if requested == ["host"]:
-        return {binary_path(fmi, identifier): ready.get(host_platform()) or _host_binary(sources, model, include)}
+        return {binary_path(fmi, identifier): ready.get(host_platform()) or host_binary(sources, model, include)}
     names = {name: host_platform() if name == "host" else name for name in requested}
     compilers = {name: None if name == "host" else ziglang(name) for name, named in names.items() if named not in ready}
     # Two in parallel: a compiler waits for the disk, and zig needs long for its first build for Windows.
@@ -266,8 +266,23 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
         return library.read_bytes()
 
 
-def _host_binary(sources: Mapping[str, bytes], model: str, include: Path) -> bytes:
-    """Return this machine's library, built by ziglang if there is no other compiler."""
+def host_binary(sources: Mapping[str, bytes], model: str, include: Path) -> bytes:
+    """Return the bytes of this machine's library, built by ziglang if there is no other compiler.
+
+    Parameters
+    ----------
+    sources, model, include
+        As in `binaries`.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    FmuError
+        As `binary`.
+    """
     try:
         return binary(sources, model, include)
     except FmuError as error:

@@ -27,7 +27,8 @@ from ..description.variables import variables, with_ranges
 from .binaries import binaries, chosen_platforms, host_platform
 from .prebuilt import VALUES_FILE, generic, has_prebuilt, prebuilt_binary, values_file
 from .python_variant import python_contents
-from .sources import VALUES, build_description, c_files, sources, tire_values
+from .sources import VALUES, build_description, c_files, sources
+from .written_headers import tire_values
 
 VERSIONS = (2, 3)
 AXES_NAMES = {"iso": "ISO-W", "sae": "SAE"}

@@ -21,7 +21,8 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
 
 from ..description.interface import Interface, interface
-from .sources import CONFIG, code_files, generic_files, input_ranges, model_config
+from .sources import CONFIG, code_files, generic_files
+from .written_headers import input_ranges, model_config
 
 #: The folder of the binaries, and the file with their digests in it.
 FOLDER = Path(str(files("tirefmu.fmu"))) / "prebuilt"

@@ -3,6 +3,11 @@
 
 #include "fmi2Functions.h"
 
+/* Arguments that the standard requires and this FMU does not need. */
+#if defined __GNUC__
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+
 typedef char discards_agree[(int) STATUS_DISCARD == (int) fmi2Discard ? 1 : -1];
 typedef char errors_agree[(int) STATUS_ERROR == (int) fmi2Error ? 1 : -1];
 

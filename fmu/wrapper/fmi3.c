@@ -3,6 +3,11 @@
 
 #include "fmi3Functions.h"
 
+/* Arguments that the standard requires and this FMU does not need. */
+#if defined __GNUC__
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+
 typedef char discards_agree[(int) STATUS_DISCARD == (int) fmi3Discard ? 1 : -1];
 typedef char errors_agree[(int) STATUS_ERROR == (int) fmi3Error ? 1 : -1];
 

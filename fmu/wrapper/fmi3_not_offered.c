@@ -3,6 +3,11 @@
 
 #include "fmi3Functions.h"
 
+/* Arguments that the standard requires and this FMU does not need. */
+#if defined __GNUC__
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+
 #define UNSUPPORTED(function) return (fmi3Status) instance_unsupported(instance, #function)
 #define LACKS(type) return (fmi3Status) instance_lacks_type(instance, nValueReferences, type)
 

@@ -14,7 +14,7 @@ from tirefmu.fmu.description.documentation import index_html
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.description.model_description import Header, model_description
 from tirefmu.fmu.description.terminals_and_icons import terminals
-from tirefmu.fmu.packaging.sources import model_config
+from tirefmu.fmu.packaging.written_headers import model_config
 from tirefmu.symbolic.added import read_effect
 from tirefmu.symbolic.errors import FmuError, TirefmuError
 from tirefmu.symbolic.escaping import toml_string

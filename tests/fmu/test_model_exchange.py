@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
-
 import numpy as np
 import pandas as pd
 import pytest
-from fmpy import extract, read_model_description, simulate_fmu
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Model
-from fmpy.fmi3 import FMU3Model
+from fmpy import simulate_fmu
+
+from .solver import Solver
 
 OK, DISCARD, ERROR = 0, 2, 3
 STATES = ("kappa_lagged", "tan_alpha_lagged")
@@ -50,55 +47,6 @@ def test_solver_and_exact_states_agree(fmus, tires, lagging, fmi, driving):
         a, b = me[name][rows["ModelExchange"]], cs[name][rows["CoSimulation"]]
         assert np.max(np.abs(a - b)) <= 1e-5 * (1.0 + np.max(np.abs(b)))
     assert np.ptp(cs["Fy"]) > 1000.0
-
-
-class Solver:
-    """An instance for Model Exchange, called function by function; statuses instead of exceptions."""
-
-    def __init__(self, path, folder):
-        self.description = read_model_description(str(path))
-        self.version = 3 if self.description.fmiVersion.startswith("3") else 2
-        self.fmu = (FMU3Model if self.version == 3 else FMU2Model)(
-            guid=self.description.guid,
-            unzipDirectory=extract(str(path), unzipdir=str(folder)),
-            modelIdentifier=self.description.modelExchange.modelIdentifier,
-            instanceName="solver",
-        )
-        self.fmu.instantiate()
-        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
-
-    def call(self, name, *arguments):
-        try:
-            self.result = getattr(self.fmu, name)(*arguments)
-        except FMICallException as error:
-            return error.status
-        return OK
-
-    def start(self):
-        if self.version == 2:
-            assert self.call("setupExperiment") == OK
-        assert self.call("enterInitializationMode") == OK
-        assert self.call("exitInitializationMode") == OK
-        return self
-
-    def update(self):
-        assert self.call("updateDiscreteStates" if self.version == 3 else "newDiscreteStates") == OK
-        return self.result
-
-    def set(self, name, value):
-        return self.call("setFloat64" if self.version == 3 else "setReal", [self.references[name]], [value])
-
-    def get(self, *names):
-        references = [self.references[name] for name in names]
-        return np.array(self.fmu.getFloat64(references) if self.version == 3 else self.fmu.getReal(references))
-
-    def states(self):
-        values = (ctypes.c_double * 2)()
-        self.fmu.getContinuousStates(values, 2)
-        return np.array(values)
-
-    def set_states(self, *values):
-        return self.call("setContinuousStates", (ctypes.c_double * len(values))(*values), len(values))
 
 
 @pytest.fixture

@@ -96,9 +96,11 @@ def test_random_calls_with_hub_inputs(tires, compiler, tmp_path, inputs):
     ]  # fmt: skip
     built = subprocess.run(command, capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stderr
-    numbers = map(str, (20_000, len(shown.contact_inputs) + 1, len(shown.variables)))
+    calls = 100 * int(os.environ.get("TIREFMU_FUZZ", "200"))
+    numbers = map(str, (calls, len(shown.contact_inputs) + 1, len(shown.variables)))
     done = subprocess.run([str(program), token.decode(), *numbers], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     accepted, refused = map(int, re.findall(r"\d+", done.stdout))
-    assert accepted > 5000
-    assert refused > 1000
+    assert accepted + refused == calls
+    assert accepted > 0.25 * calls
+    assert refused > 0.05 * calls

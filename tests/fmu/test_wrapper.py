@@ -17,7 +17,8 @@ from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
 
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import fmi_headers
-from tirefmu.fmu.packaging.sources import c_files, sources
+from tirefmu.fmu.packaging.sources import c_files, sources, sti_sources
+from tirefmu.fmu.packaging.sti import tire_header
 from tirefmu.fmu.simulation.simulate import loaded
 
 OUTPUTS = ("Fx", "Fy", "Mz")
@@ -31,24 +32,34 @@ def test_compiles_without_a_warning(compiler, tires, fmi, tmp_path, optimization
     shown = interface(tire, inputs=inputs)
     for file, content in sources(fmi, shown, "{1}").items():
         (tmp_path / file).write_bytes(content)
-    # Unused arguments of the standard's functions are permitted.
-    warnings = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wshadow", "-Wno-unused-parameter", "-Werror"]
     own = [file for file in c_files(fmi, shown) if tire.model == "mf96" or not file.startswith(tire.model)]
-    for file in own:  # the larger models' code only takes longer
-        command = [
-            *compiler,
-            *warnings,
-            optimization,
-            "-isystem",
-            str(fmi_headers()),
-            "-c",
-            file,
-            "-o",
-            "out.o",
-        ]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        assert done.stderr == ""
+    # The larger models' code only takes longer.
+    compile_strictly([*compiler, optimization, "-isystem", str(fmi_headers())], tmp_path, own)
+
+
+def compile_strictly(compiler, folder, names):
+    strictly = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wshadow", "-Werror"]
+    done = subprocess.run([*compiler, *strictly, "-c", *names], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+
+
+def test_a_library_with_sti_compiles_without_a_warning(compiler, tires, tmp_path):
+    shown = interface(tires["second"], inputs="hub")
+    for file, content in sti_sources(shown, tire_header(tires["second"])).items():
+        (tmp_path / file).write_bytes(content)
+    compile_strictly([*compiler, "-O2"], tmp_path, ["sti.c", "sti_entries.c"])
+
+
+@pytest.mark.parametrize("target", ["aarch64-linux-gnu", "arm-linux-gnueabihf"])
+def test_compiles_for_arm_without_a_warning(tires, tmp_path, target):
+    """As a real-time computer needs it: C99, every file."""
+    pytest.importorskip("ziglang")
+    shown = interface(tires["second"], inputs="hub-torque")
+    for file, content in sources(3, shown, "{1}").items():
+        (tmp_path / file).write_bytes(content)
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", "-isystem", str(fmi_headers())]
+    compile_strictly(zig, tmp_path, c_files(3, shown))
 
 
 KINDS = {2: (FMU2Slave, FMU2Model), 3: (FMU3Slave, FMU3Model, FMU3ScheduledExecution)}

@@ -24,6 +24,7 @@ EXAMPLES = {
     "export": (
         "export my.tir -o my.fmu",
         "export my.tir -o my.fmu --inputs wheel --fmi 2 --platforms all",
+        "export my.tir --kind sti -o libmy.so",
         "export front.tir front.tir rear.tir rear.tir --ssp car.ssp",
     ),
     "check": ("check my.fmu run.csv", "check my.fmu run.csv --tolerance 0.05 --figures figures"),

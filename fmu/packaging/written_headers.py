@@ -1,0 +1,258 @@
+"""The C headers that are written for a model and its variables, and for the values of a tire."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import inf, isfinite
+
+from tirefmu.symbolic.added.state import SPEED
+from tirefmu.symbolic.escaping import c_string
+from tirefmu.symbolic.printers.definitions import comment
+from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES
+from tirefmu.tires import states
+
+from ..description.interface import Interface, host_input_indices
+from ..description.variables import Variable
+
+#: Roles of the quantities that the wrapper reads.
+ROLES = (
+    "friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y", "turning_torque",
+    "loaded_radius",
+)  # fmt: skip
+#: Parameters that the wrapper reads: with inputs of a wheel, and with those of a hub.
+STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA")
+VERTICAL = (
+    "FNOMIN",
+    "UNLOADED_RADIUS",
+    "VERTICAL_STIFFNESS",
+    "VERTICAL_DAMPING",
+    "BOTTOM_STIFF",
+    "BOTTOM_RADIUS",
+    "WHEEL_INERTIA",
+)
+
+
+def tire_values(shown: Interface, token: str) -> str:
+    """Return the header with the values of the tire, for a binary that is compiled for it.
+
+    Parameters
+    ----------
+    shown : Interface
+    token : str
+        As in the model description.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> from ..description.interface import interface
+    >>> print(tire_values(interface(published("trento_hoosier")), "{1}").splitlines()[1])
+    #define INSTANTIATION_TOKEN "{1}"
+    """
+    listed = shown.variables
+    tables = {
+        "START_VALUES": [repr(float(variable.start or 0.0)) for variable in listed],
+        "LOWER_LIMITS": [repr(float(v.lower)) if isfinite(v.lower) else "-DBL_MAX" for v in listed],
+        "UPPER_LIMITS": [repr(float(v.upper)) if isfinite(v.upper) else "DBL_MAX" for v in listed],
+        "INPUT_RANGES": [f"{{{_limit(low)}, {_limit(high)}}}" for low, high in input_ranges(shown)],
+    }
+    lines = [
+        comment("Written by tirefmu for one tire."),
+        f"#define INSTANTIATION_TOKEN {c_string(token)}",
+        f"#define RELAXATION_NOTE {c_string(shown.relaxation_note)}",
+        *(line for name, entries in tables.items() for line in _table(name, entries)),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def input_ranges(shown: Interface) -> list[tuple[float, float]]:
+    """Return the valid range of each input of the model; infinite where the tire has none."""
+    return [shown.tire.ranges.get(name, (-inf, inf)) for name in shown.tire.inputs]
+
+
+def model_config(shown: Interface) -> str:
+    """Return the header that configures the wrapper for a model and its variables; equal for most tires of a model.
+
+    Parameters
+    ----------
+    shown : Interface
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> from ..description.interface import interface
+    >>> print(model_config(interface(published("trento_hoosier"))).splitlines()[6])
+    #define N_INPUTS MF96_N_INPUTS
+    """
+    listed, model = shown.variables, shown.tire.model
+    tables = {
+        "VALUE_NAMES": [c_string(variable.name) for variable in listed],
+        "VALUE_KINDS": [_kind(variable) for variable in listed],
+        "VALUE_DIRECTIONS": ["-1" if variable.reversed else "1" for variable in listed],
+        "NOMINAL_VALUES": [repr(float(variable.nominal)) for variable in listed],
+    }
+    lines = [
+        comment("Written by tirefmu for a model and its variables."),
+        "#include <math.h>",
+        "",
+        f'#include "{model}.h"',
+        f'#include "{model}_operations.h"',
+        "",
+        *_sizes(shown),
+        *_indices(shown),
+        "",
+        comment("By input of the model."),
+        *_inputs(shown),
+        "",
+        comment("By value reference."),
+        *(line for name, entries in tables.items() for line in _table(name, entries)),
+        "",
+        comment("By extra output, by state."),
+        *_table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
+        *(_table("MEMORY_TABLE", _memory(shown)) if shown.memory else ()),
+        *_table("STATE_NOMINALS", [repr(v.nominal) for v in shown.group("state")] or ["0.0"]),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _sizes(shown: Interface) -> Iterable[str]:
+    """Yield the number of values of each kind, and the names in the generated code."""
+    model = shown.tire.model
+    prefix = model.upper()
+    yield f"#define N_INPUTS {prefix}_N_INPUTS"
+    yield f"#define N_OUTPUTS {prefix}_N_FORCES"
+    yield f"#define N_PARAMETERS {prefix}_N_PARAMETERS"
+    yield f"#define N_COEFFICIENTS {prefix}_N_COEFFICIENTS"
+    yield f"#define N_QUANTITIES {prefix}_N_QUANTITIES"
+    yield f"#define N_HOST_INPUTS {len(shown.contact_inputs)}"
+    yield f"#define N_COMPUTED_INPUTS {len(shown.group('motion'))}"
+    yield f"#define N_HOST_PARAMETERS {len(shown.group('parameter'))}"
+    yield f"#define N_STATES {len(shown.group('state'))}"
+    yield f"#define N_EXTRAS {len(shown.group('extra'))}"
+    paths = [state for state in shown.memory if state.follows_a_path]
+    yield f"#define N_MEMORY {len(shown.memory)}"
+    yield f"#define N_INDICATORS {len(paths)}"
+    yield f"#define N_DRIVES {len(shown.tire.book.drives)}"
+    for name in ("FIRST_STEP", "GROWTH", "MOST_ITERATIONS", "ACCEPTED", "MOST_HALVINGS"):
+        yield f"#define {name} {getattr(states, name)!r}"
+    relaxes = shown.lags and bool(shown.tire.book.relaxing_effects)
+    yield f"#define LAGS {int(shown.lags)}"
+    yield f"#define RELAXES {int(relaxes)}"
+    yield f"#define TWISTS {int(shown.twists)}"
+    yield f"#define WHEEL {int(shown.wheel)}"
+    yield f"#define HUB {int(shown.hub)}"
+    yield f"#define SPIN {int(shown.spins)}"
+    optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
+    for routine in ["forces", "quantities", *optional]:
+        yield f"#define model_{routine} {model}_{routine}"
+    for table in ("CONSTANTS", "OPERATIONS"):
+        yield f"#define N_{table} {prefix}_N_{table}"
+        yield f"#define {table} {prefix}_{table}"
+    for name in ("N_LEAVES", "N_SLOTS", "FORCE_SLOTS", "QUANTITY_SLOTS", "ROLLING_RADIUS"):
+        yield f"#define {name} {prefix}_{name}"
+
+
+def _indices(shown: Interface) -> Iterable[str]:
+    """Yield the indices of values that the wrapper uses by name."""
+    tire, prefix = shown.tire, shown.tire.model.upper()
+    known = {"KAPPA": "kappa", "ALPHA": "alpha", "LOAD": "Fz", "SPEED": "V"}
+    known |= {"LONGITUDINAL_FORCE": "Fx", "SIDE_FORCE": "Fy", "ALIGNING_MOMENT": "Mz", "OVERTURNING_MOMENT": "Mx"}
+    known |= {"INCLINATION": "gamma"}
+    known |= {"DISTANCE": "distance"} if shown.has_distance else {}
+    for name, value in known.items():
+        if value in (*tire.inputs, *tire.outputs):
+            yield f"#define {name} {prefix}_{value}"
+    for role in ROLES:
+        if tire.book.quantity(role):
+            yield f"#define {role.upper()} {prefix}_{tire.book.quantity(role)}"
+    yield f"#define SIDE_FORCE_SENSE {-1.0 if tire.signs == 'iso' else 1.0}"
+    inputs = [variable.name for variable in shown.contact_inputs]
+    if shown.twists:
+        yield f"#define TURN {prefix}_phit"
+    hosts = {"HOST_SPEED": ("V", "V_x"), "HOST_SIDEWAYS": ("V_y",), "HOST_YAWING": ("psi_dot",)}
+    hosts["HOST_TURNING"] = ("wheel_speed",) if shown.hub else ("omega",)
+    hosts |= {"HOST_LOAD": ("Fz",), "HOST_FRICTION": ("road_mu",), "HOST_SPIN": ("omega",)} if shown.hub else {}
+    hosts |= {"HOST_DRIVE": ("T_drive",), "HOST_BRAKE": ("T_brake",)} if shown.spins else {}
+    for macro, names in hosts.items():
+        for name in set(names) & set(inputs):
+            yield f"#define {macro} {inputs.index(name)}"
+    own = [variable.name for variable in shown.group("parameter")]
+    for name in STANDSTILL if shown.wheel else ():
+        yield f"#define {name} {own.index(name)}"
+    for name in [name for name in VERTICAL if name in own and shown.hub]:
+        yield f"#define OWN_{name} {own.index(name)}"
+    if shown.hub:
+        forces = [q.name for q in CONTACT_FORCES]
+        yield from _table("CONTACT_FORCES", [str(forces.index(name)) for name in tire.outputs])
+        scales = [f"{prefix}_{name}" for name in tire.book.friction_scales]
+        yield from _table("FRICTION_PARAMETERS", [*scales, "-1"])
+        if not scales:
+            yield "#define HOST_FRICTION 0"  # not read
+
+
+def _memory(shown: Interface) -> list[str]:
+    """Return the entries of the table of the states of effects, as declared in memory.c."""
+    book, names = shown.tire.book, [state.name for state in shown.memory]
+    prefix, laws = book.name.upper(), {
+        "accumulation": "SUM", "hysteresis": "PATH", "oscillator": "POSITION", SPEED: "SPEED",
+    }  # fmt: skip
+    entries = []
+    for state in shown.memory:
+        lags = [str(names.index(name)) for name in state.drive] if state.follows_a_path else []
+        velocity, _, _, derivative = state.line_names
+        fields = [
+            f"{prefix}_{state.name}", str(book.drives.index(velocity)), laws.get(state.kind, "BALANCE"),
+            str(int(book.is_direct(state))), str(int(bool(state.start))), f"{{{', '.join([*lags, '-1', '-1'][:2])}}}",
+            f"{prefix}_{derivative}", f"{prefix}_{velocity}",
+        ]  # fmt: skip
+        entries.append(f"{{{', '.join(fields)}}}")
+    return entries
+
+
+def _inputs(shown: Interface) -> Iterable[str]:
+    """Yield the tables of the model's inputs: indices of the host's inputs, and values of unconnected ones.
+
+    A value that is not read is 0: the nominal values of a tire would make the header one of this tire only.
+    """
+    tire, indices = shown.tire, host_input_indices(shown)
+    computed = {name for _, name in tire.book.on_demand} | ({"kappa", "alpha", "V"} if shown.wheel else set())
+    unconnected = [
+        tire.nominal(name) if index < 0 and name not in computed else 0.0
+        for name, index in zip(tire.inputs, indices, strict=True)
+    ]
+    yield from _table("MODEL_INPUT_NAMES", [c_string(name) for name in tire.inputs])
+    yield from _table("HOST_INPUT_INDICES", [str(index) for index in indices])
+    yield from _table("UNCONNECTED_INPUTS", [repr(float(value)) for value in unconnected])
+
+
+def _limit(value: float) -> str:
+    return repr(float(value)) if isfinite(value) else "-HUGE_VAL" if value < 0 else "HUGE_VAL"
+
+
+def _kind(variable: Variable) -> str:
+    """Return the kind of a variable, as named in the C code."""
+    stored = variable.causality in ("local", "output") and variable.start is not None
+    return "STORED" if stored else variable.causality.upper()
+
+
+def _extra(variable: Variable, model: str) -> str:
+    """Return the source of an extra output, as named in the C code."""
+    kind, _, name = variable.source.partition(" + ")
+    if kind in ("FIRST_PATH", "FIRST_HUB"):
+        return variable.source
+    return f"{kind} + {model.upper()}_{name}" if name else kind
+
+
+def _table(name: str, entries: Sequence[str]) -> Iterable[str]:
+    """Yield the lines of a macro that initializes an array, eight entries in each."""
+    yield f"#define {name} {{ \\"
+    for i in range(0, len(entries), 8):
+        yield f"    {', '.join(entries[i : i + 8])}, \\"
+    yield "}"
