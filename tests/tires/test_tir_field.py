@@ -6,6 +6,8 @@ import json
 import re
 from dataclasses import replace
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from tirefmu.symbolic.errors import TirError
@@ -219,6 +221,18 @@ def test_an_empty_value_is_a_missing_one(tmp_path):
     assert bits(tire) == bits(none)
     assert {"PDY1", "PKY1", "PKY2"} <= set(not_given(tire))
     assert tire.values["PKY1"] == MODELS["mf61"].coefficients["PKY1"].assumed == -20.0
+
+
+def test_a_zero_stiffness_or_radius_of_the_body_is_a_missing_value(tmp_path):
+    """Some files state 0 for a stiffness that nobody measured; with turn slip every force was NaN."""
+    path = written(tmp_path / "t.tir", small("[VERTICAL]\nVERTICAL_STIFFNESS = 0\nQ_RE0 = 0\nPFZ1 = 0"))
+    reading = read_tir_with_notes(path)
+    tire, notes = reading.tire, reading.notes
+    assert {"VERTICAL_STIFFNESS", "Q_RE0"} <= set(not_given(tire))
+    assert tire.values["PFZ1"] == 0.0
+    assert sum("= 0 is not possible" in note for note in notes) == 2
+    turning = tire.evaluate(pd.DataFrame({"Fz": [600.0], "alpha": [0.05], "phit": [0.1]}))
+    assert np.isfinite(turning.to_numpy()).all()
 
 
 @pytest.mark.parametrize(

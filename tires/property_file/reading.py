@@ -2,10 +2,11 @@
 
 If a key occurs twice, the last one counts; a coefficient is taken from its own section before any other. A missing
 or empty coefficient takes the value that other programs assume (`assumed` of its declaration), else its default, and
-is in `Tire.defaulted`. A file without [TIREFMU] EFFECTS has the default effects, and an optional effect if one of its
-own coefficients is given and not neutral. All other keys and tables are retained and written again. What files
-hold beyond a model is no error, as the field's files always hold more than one reader wants; where only tirefmu writes
-the files of a model (`PropertyFile.strict`), a key that almost is a coefficient is refused.
+is in `Tire.defaulted`; so does a zero radius or stiffness of the body. A file without [TIREFMU] EFFECTS has the default
+effects, and an optional effect if one of its own coefficients is given and not neutral. All other keys and tables are
+retained and written again. What files hold beyond a model is no error, as the field's files always hold more than one
+reader wants; where only tirefmu writes the files of a model (`PropertyFile.strict`), a key that almost is a coefficient
+is refused.
 """
 
 from __future__ import annotations
@@ -46,6 +47,8 @@ _STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
 
 #: The coefficient that a caller can give if a file lacks it.
 RADIUS = "UNLOADED_RADIUS"
+#: By these the equations divide; files of tires that were measured for forces only state 0.
+_BODY = ("VERTICAL_STIFFNESS", "Q_RE0")
 
 
 @dataclass(frozen=True)
@@ -220,7 +223,13 @@ class _Reader:
             self.given[name] = entry
             in_si = entry.key in book.property_file.in_si
             factor = self.units.factor(declaration.unit, declaration.section, per_angle=book.property_file.per_angle)
-            yield name, self._number(entry, 1.0 if in_si else factor)
+            number = self._number(entry, 1.0 if in_si else factor)
+            if number == 0.0 and name in _BODY and declaration.assumed is not None:
+                self.notes.append(
+                    f"line {entry.line}: {entry.key} = 0 is not possible: {declaration.assumed:g} is assumed"
+                )
+                continue
+            yield name, number
 
     def _ranges(self, book: Model) -> Iterator[tuple[str, tuple[float, float]]]:
         """Yield the ranges of a model that has no coefficients for them."""
