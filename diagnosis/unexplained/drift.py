@@ -14,14 +14,14 @@ import numpy.typing as npt
 from ..probing.effect_probing import Screen
 from ..recording.disturbances import half_wave
 from ..recording.signals import Signals
-from ..thresholds import DRIFT_WAVES, FAST_DRIFT_PRIOR, FAST_DRIFT_WAVES
+from ..thresholds import DRIFT_WAVES, FAST_DRIFT_PRIOR, FAST_DRIFT_WAVES, MIN_RETAINED_GAIN
 from .structure import Structure
 
 FloatArray = npt.NDArray[np.float64]
 
 
 def is_drift(screen: Screen, structure: Structure) -> bool:
-    """Return whether structure is not significant if the zeros of the channels may drift as a random walk does.
+    """Return whether structure gains little if the zeros of the channels may drift as a random walk does.
 
     Parameters
     ----------
@@ -47,10 +47,8 @@ def is_drift(screen: Screen, structure: Structure) -> bool:
     tested = Screen(drifting, drifting.at(screen.solution.parameters, screen.solution.free))
     weighted = problem.inverse_noise[:, :, None] * structure.columns
     tested.learn_noise({0: weighted})
-    response = tested.response(weighted)
-    gains = tested.baseline.loss - response.loss
-    share = float(gains.sum()) / float(tested.baseline.loss.sum())
-    return not replace(structure, response=response, gain=share, gains=gains, p=response.p_coloured).passes
+    gains = tested.baseline.loss - tested.response(weighted).loss
+    return float(gains.sum()) < MIN_RETAINED_GAIN * float(structure.gains.sum())
 
 
 def _waves(signals: Signals) -> dict[int, FloatArray]:
