@@ -38,6 +38,7 @@ SUBPACKAGES = {
         "drawing": {"definition", "evaluation", "signs", "tire_argument"},
         "property_file": {"definition", "tire"},
         "published_tires": {"property_file", "tire"},
+        "roads": set(),
     },
     "measurements": {
         "files": {"channels", "column_names", "quality", "recording", "thresholds", "units"},

@@ -225,7 +225,7 @@ class Model(ModelDeclaration):
         known = {quantity.name for quantity in inputs} | extended._declared.keys()
         check_reads(self.name, extended.equations, effects, self._quantities, known)
         check_state_reads(self.name, effects, known | {line.symbol.name for line in extended.equations})
-        check_oscillators(extended)
+        check_oscillators(extended.states.values(), extended.is_direct)
         return extended
 
     @cached_property

@@ -6,8 +6,7 @@ quantity; `tirefmu.symbolic.laws` has the updates that need no more than these l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Sequence
 
 import sympy as sp
 
@@ -18,9 +17,6 @@ from ..declarations import Effect
 from ..errors import EffectError, nearest
 from ..functions import absolute, sgn
 from ..notation import Chapter, Equation
-
-if TYPE_CHECKING:
-    from .definition import Model
 
 #: A size below which a slip has no direction.
 NO_SLIP = sp.Float("1e-12")
@@ -82,10 +78,10 @@ def check_state_reads(model: str, effects: Sequence[AddedEffect], known: set[str
                                   f" which {model} has not{nearest(name, known)}")  # fmt: skip
 
 
-def check_oscillators(model: Model) -> None:
+def check_oscillators(states: Iterable[State], is_direct: Callable[[State], bool]) -> None:
     """Raise `EffectError` if forces or other states drive an oscillator, whose law is exact for inputs only."""
-    for state in model.states.values():
-        if state.oscillates and not model.is_direct(state):
+    for state in states:
+        if state.oscillates and not is_direct(state):
             raise EffectError(f"state {state.name}: an oscillator reads inputs and coefficients only")
 
 

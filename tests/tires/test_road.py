@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tirefmu.symbolic.errors import DataError
-from tirefmu.tires.opencrg import read_crg
-from tirefmu.tires.road import Road
+from tirefmu.tires.roads.opencrg import read_crg
+from tirefmu.tires.roads.road import Road
 
 HEADER = """$CT
 a road ! of a test

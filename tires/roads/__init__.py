@@ -1,0 +1,1 @@
+"""Roads: a grid of heights, and its files."""
