@@ -52,7 +52,7 @@ class NoiseCorrelation:
 
         Examples
         --------
-        >>> NoiseCorrelation.of(np.array([1.0, 1.0, -1.0, -1.0, 1.0]), np.zeros(5, dtype=int), 3.0)
+        >>> NoiseCorrelation.of(np.ones(5), np.zeros(5, dtype=int), 3.0)
         NoiseCorrelation(share=1.0, decay=0.5)
         """
         power = float(residual @ residual)

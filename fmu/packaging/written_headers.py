@@ -201,7 +201,7 @@ def _memory(shown: Interface) -> list[str]:
     """Return the entries of the table of the states of effects, as declared in memory.c."""
     book, names = shown.tire.book, [state.name for state in shown.memory]
     prefix, laws = book.name.upper(), {
-        "accumulation": "SUM", "hysteresis": "PATH", "oscillator": "POSITION", SPEED: "SPEED",
+        "accumulation": "SUM", "hysteresis": "PATH", "oscillator": "POSITION", SPEED: "VELOCITY",
     }  # fmt: skip
     entries = []
     for state in shown.memory:

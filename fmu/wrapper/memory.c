@@ -20,7 +20,7 @@
 /* By state: the index of its input, its first line in the results of `drives`, its kind, whether it is direct, whether
    it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities.  The speed of an
    oscillator is the state behind its position; both are direct. */
-typedef enum { BALANCE, SUM, PATH, POSITION, SPEED } Law;
+typedef enum { BALANCE, SUM, PATH, POSITION, VELOCITY } Law;
 typedef struct {
     int input, line;
     Law law;
@@ -118,7 +118,7 @@ static void follow_inputs(const double lines[], const double start[N_MEMORY], do
             const double x = start[i], v = start[i + 1], way = rate(lines, i) * h, loss = rate(lines, i + 1) * h;
             memory[i] = state_oscillator(x, v, u, u, u, way, loss, h);
             memory[i + 1] = state_oscillator_speed(x, v, u, u, u, way, loss, h);
-        } else if (TABLE[i].direct && TABLE[i].law != SPEED)
+        } else if (TABLE[i].direct && TABLE[i].law != VELOCITY)
             memory[i] = TABLE[i].law == SUM ? state_sum_linear(start[i], u, u, h)
                                             : state_lag(start[i], u, u, h > 0.0 ? rate(lines, i) * h : 0.0);
     }
@@ -278,7 +278,7 @@ void memory_rates(State *state, double rates[N_MEMORY], double velocities[N_MEMO
             rates[i] = ((u > 0.0) - (u < 0.0) - x) * fabs(u) * r;
         } else if (TABLE[i].law == POSITION) {
             rates[i] = given[TABLE[i + 1].input];
-        } else if (TABLE[i].law == SPEED) {
+        } else if (TABLE[i].law == VELOCITY) {
             const double frequency = rate(lines, i - 1);
             rates[i] = frequency * frequency * (target(lines, i - 1) - given[TABLE[i - 1].input]) - r * x;
         }

@@ -182,7 +182,7 @@ class Model(ModelDeclaration):
         >>> from tirefmu.symbolic.models import model
         >>> from tirefmu.symbolic.added import library
         >>> [name for name, effect in library().items() if not model("mf96").has_place_for(effect)]
-        ['relax_slip', 'speed_friction']
+        ['carcass_2nd_order', 'relax_slip', 'speed_friction']
         """
         named = self.structure.quantities.keys() | self.roles.keys()
         return has_place(effect, named, {quantity.name for quantity in self.inputs} | self._declared.keys())
