@@ -98,6 +98,11 @@ class Part:
         """The values at the rows, shape (n,)."""
         return np.asarray(self.whole.values[self.index])
 
+    @property
+    def rate(self) -> FloatArray:
+        """The frequency or the damping at the rows, shape (n,), 1/s."""
+        return self.whole.damping if self.index else self.whole.frequency
+
     def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
         """Return the values at shares of intervals, shape (m,)."""
         return np.asarray(self.whole.between(interval, share)[self.index])

@@ -188,7 +188,7 @@ class Simulation:
         """Return the steps from row to row: the longer ago the inputs have changed, the longer they are."""
         # Linear inputs do not jump: lags of them need no short steps.
         courses = (*self.slips.values(), *self._courses.values()) if self.hold else ()
-        moving = [course.rate for course in courses if isinstance(course, Course)]
+        moving = [course.rate for course in courses if isinstance(course, Course | Part)]
         moving += [self._of(state)[1] for state in driven if state.settles]
         fastest = np.zeros(len(self.t))
         for rate in moving:
