@@ -28,6 +28,7 @@ on = "mu_y"
 factor = "1 - WET1*tanh(WET2*V/LONGVL)"
 [diagnosis]
 requires = ["V"]
+rate = 20.0
 channels = ["Fy"]
 contains = "speed_friction"
 separate_by = "repeat it on a dry road"
@@ -66,6 +67,7 @@ def test_a_user_file_has_the_keys_of_a_library_file_and_survives_a_round_trip():
         ("requires", "require", "unknown key 'require': did you mean requires"),
         ('["V"]', '["v_x"]', "requires contains the unknown name 'v_x'"),
         ('["V"]', '"V"', "requires is not a list of names"),
+        ("rate = 20.0", "rate = -1", "RATE = -1 is not a positive number"),
         ('["Fy"]', '["Fy", "Fy"]', "channels contains a name twice"),
         ('["Fy"]', '["Fyy"]', "channels contains the unknown name 'Fyy': did you mean Fy"),
         ('contains = "speed_friction"', 'contains = "nul"', "contains 'nul' is a device of Windows"),
@@ -119,7 +121,7 @@ VALUES = st.recursive(
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.dictionaries(st.sampled_from(["forms", "requires", "spread", "contains", "confounded", "x"]), VALUES))
+@given(st.dictionaries(st.sampled_from(["forms", "requires", "rate", "spread", "contains", "confounded", "x"]), VALUES))
 def test_any_table_is_read_or_rejected(table):
     sentence = ""
     try:
