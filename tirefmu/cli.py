@@ -100,27 +100,36 @@ def evaluate(
     check_output_paths(output, json_file)
     check_input_paths(tire, table)
     from tirefmu.measurements import convention_notes, recording_from, write_table
+    from tirefmu.measurements.large_table import LargeTable
     from tirefmu.tires import tire_from
 
+    from .evaluation import evaluate_to_file, rows_are_independent
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
     loaded = tire_from(tire, radius=radius)
-    recording = recording_from(table, signs=signs, where=where)
-    if incomplete := recording.about.get("incomplete"):
-        raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
-    terminal.selection(recording)
-    with terminal.working(f"evaluating {len(recording)} rows"):
-        result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
-        write_table(result, output)
+    large = LargeTable.of(table, signs) if where is None else None
+    if large and rows_are_independent(loaded, large, conventions["steady"]):
+        with terminal.working(f"evaluating {large.rows} rows"):
+            recording, rows = large.survey, large.rows
+            columns = evaluate_to_file(loaded, large, output, code, **conventions)
+    else:
+        recording = recording_from(table, signs=signs, where=where)
+        if incomplete := recording.about.get("incomplete"):
+            raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
+        terminal.selection(recording)
+        with terminal.working(f"evaluating {len(recording)} rows"):
+            result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
+            write_table(result, output)
+        rows, columns = len(result), list(result.columns)
     absent = [name for name in loaded.inputs if name not in recording.table]
     warnings = convention_notes(recording)
     summary = {
-        "ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent,
+        "ok": True, "rows": rows, "signs": recording.signs, **conventions, "nominal": absent,
         "warnings": warnings,
     }  # fmt: skip
-    write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
-    terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
+    write_json(json_file, {**summary, "output": str(output), "columns": columns})
+    terminal.print(f"{rows} rows, {len(columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
     terminal.print(*(f"warning: {each}" for each in warnings))
