@@ -17,6 +17,7 @@ import pandas as pd
 
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import reversed_columns
+from tirefmu.tires.tire import Tire
 
 from .channels import CHANNELS, INPUTS
 from .column_names import check_names
@@ -66,6 +67,20 @@ class LargeTable:
             return None
         table = cls(path, signs or "iso")
         return table if table.rows >= LARGE else None
+
+    def rows_are_independent(self, tire: Tire, *, steady: bool = False) -> bool:
+        """Return whether the result of a tire in a row depends on that row only, so that parts can be evaluated.
+
+        Parameters
+        ----------
+        tire : Tire
+        steady : bool
+            Whether slips and states are those of the steady state.
+        """
+        if "t" not in self.columns:
+            return True
+        rolled = "distance" in tire.inputs and "distance" not in self.columns
+        return not rolled and (steady or not (tire.lags or tire.states))
 
     def parts(self) -> Iterator[pd.DataFrame]:
         """Yield the rows in their order.

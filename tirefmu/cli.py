@@ -103,13 +103,13 @@ def evaluate(
     from tirefmu.measurements.large_table import LargeTable
     from tirefmu.tires import tire_from
 
-    from .evaluation import evaluate_to_file, rows_are_independent
+    from .evaluation import evaluate_to_file
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
     loaded = tire_from(tire, radius=radius)
     large = LargeTable.of(table, signs) if where is None else None
-    if large and rows_are_independent(loaded, large, conventions["steady"]):
+    if large and large.rows_are_independent(loaded, steady=conventions["steady"]):
         with terminal.working(f"evaluating {large.rows} rows"):
             recording, rows = large.survey, large.rows
             columns = evaluate_to_file(loaded, large, output, code, **conventions)
@@ -258,16 +258,24 @@ def check(
     check_output_paths(json_file, report, folder=figures)
     check_input_paths(fmu, table)
     from tirefmu.fmu import check as run
+    from tirefmu.fmu.comparison.large_check import check_large
     from tirefmu.measurements import incomplete_rows, recording_from
+    from tirefmu.measurements.large_table import LargeTable
 
     from .terminal import Terminal
 
-    terminal = Terminal(quiet)
-    recording = recording_from(table, signs=signs, where=where)
-    terminal.selection(recording)
-    terminal.findings(incomplete_rows(recording))
-    with terminal.working(f"simulating {fmu.name} over {table.name}"):
-        result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
+    terminal, simulating = Terminal(quiet), f"simulating {fmu.name} over {table.name}"
+    large = LargeTable.of(table, signs) if where is None and not (figures or report) else None
+    result = None
+    if large:
+        with terminal.working(simulating):
+            result = check_large(fmu, large, tolerance=tolerance, timeout=timeout)
+    if result is None:
+        recording = recording_from(table, signs=signs, where=where)
+        terminal.selection(recording)
+        terminal.findings(incomplete_rows(recording))
+        with terminal.working(simulating):
+            result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
     terminal.print(*str(result).split("\n"))
     if figures:

@@ -73,22 +73,6 @@ def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:
     return pd.concat(pieces, ignore_index=True)
 
 
-def rows_are_independent(tire: Tire, table: LargeTable, steady: bool) -> bool:
-    """Return whether the result of a row depends on that row only, so that a table can be evaluated in parts.
-
-    Parameters
-    ----------
-    tire : Tire
-    table : LargeTable
-    steady : bool
-        Whether slips and states are those of the steady state.
-    """
-    if "t" not in table.columns:
-        return True
-    rolled = "distance" in tire.inputs and "distance" not in table.columns
-    return not rolled and (steady or not (tire.lags or tire.states))
-
-
 def evaluate_to_file(tire: Tire, table: LargeTable, output: Path, code: str = "auto", **options: Any) -> list[str]:
     """Evaluate a tire over a large table part by part, and write the result.
 
@@ -96,7 +80,7 @@ def evaluate_to_file(tire: Tire, table: LargeTable, output: Path, code: str = "a
     ----------
     tire : Tire
     table : LargeTable
-        Whose rows are independent (`rows_are_independent`).
+        Whose rows are independent (`LargeTable.rows_are_independent`).
     output : pathlib.Path
         CSV or Parquet file to write.
     code : str

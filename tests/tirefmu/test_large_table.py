@@ -9,8 +9,10 @@ import pandas as pd
 import pytest
 
 from tirefmu import evaluation
+from tirefmu.fmu.comparison import large_check
 from tirefmu.measurements import large_table, write_table
 from tirefmu.measurements.large_table import LargeTable
+from tirefmu.tires import Tire, published
 
 pytest.importorskip("pyarrow", reason="Parquet needs pyarrow")
 ROWS, PART = 900, 100
@@ -132,3 +134,46 @@ def test_rows_that_depend_on_others_are_evaluated_together(evaluated, counted, r
     assert outcome.status == 0, outcome.err
     assert counted == [int((rows["Fz"] > 800.0).sum())]
     assert len(found) == counted[0]
+
+
+def test_rows_depend_on_others_through_lags_distance_and_time(rows, tmp_path):
+    tire = published("unicamp_small_tire")
+    lagging = Tire(tire.model, tire.values, effects=tire.has | {"relax_lat"}, signs=tire.signs)
+    write_table(rows, tmp_path / "in.parquet")
+    write_table(rows.assign(t=np.arange(ROWS) / 100.0), tmp_path / "timed.parquet")
+    untimed, timed = (LargeTable.of(tmp_path / f"{name}.parquet") for name in ("in", "timed"))
+    assert untimed.rows_are_independent(lagging)
+    assert timed.rows_are_independent(tire)
+    assert not timed.rows_are_independent(lagging)
+    assert timed.rows_are_independent(lagging, steady=True)
+
+
+@pytest.fixture
+def recorded(rows, tmp_path):
+    """Return a file with segments that do not end where the parts do, and rows that were not measured."""
+    t = np.arange(ROWS) / 100.0 + 10.0 * (np.arange(ROWS) // 170)
+    path = tmp_path / "in.parquet"
+    write_table(rows.drop(columns="lap").assign(t=t, Fy=rows["Fy"].where(rows.index >= 2 * PART)), path)
+    return path
+
+
+def test_an_fmu_is_checked_in_parts(command, published_fmu, recorded, tmp_path, monkeypatch):
+    sizes, simulate = [], large_check.simulate
+
+    def counting(path, folder, time, inputs, *arguments):
+        sizes.append(len(inputs))
+        return simulate(path, folder, time, inputs, *arguments)
+
+    monkeypatch.setattr(large_check, "simulate", counting)
+    monkeypatch.setattr(large_table, "PART", 3 * PART)
+    outcome = command("check", published_fmu, recorded, "--json", tmp_path / "large.json")
+    assert sizes == [3 * PART] * 3
+    monkeypatch.setattr(large_table, "LARGE", ROWS + 1)
+    whole = command("check", published_fmu, recorded, "--json", tmp_path / "whole.json")
+    assert len(sizes) == 3
+    assert (outcome.status, outcome.out) == (whole.status, whole.out)
+    found, expected = (json.loads((tmp_path / f"{name}.json").read_text()) for name in ("large", "whole"))
+    assert found["segments"] == 6
+    for name in ("rmse", "relative_rmse", "r2", "r2_uncentred"):
+        assert found["channels"]["Fy"].pop(name) == pytest.approx(expected["channels"]["Fy"].pop(name), rel=1e-12)
+    assert found == expected
