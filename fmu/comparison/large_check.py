@@ -67,7 +67,8 @@ def check_large(
         present, measured, outputs = compared_columns(variables, table.survey)
         axes, starts = axes_of_inputs(folder, fmu_path), _starts(table)
         errors = {name: ChannelErrors(name) for name in measured}
-        difference, problems, first = 0.0, (), 0
+        difference, first = 0.0, 0
+        problems: tuple[str, ...] = ()
         for part in table.parts():
             rows = Recording(part, table.signs, table.survey.source).with_signs("iso").table
             time = rows["t"].to_numpy() if "t" in rows else STEP * np.arange(first, first + len(rows), dtype=np.float64)

@@ -13,7 +13,7 @@ import pickle
 import signal
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, BinaryIO
 
 
@@ -105,7 +105,7 @@ def _parquet_file(path: str) -> Any:
     return ParquetFile(path, buffer_size=1 << 20, pre_buffer=False)  # does not read a group of rows as a whole
 
 
-LOADERS = {
+LOADERS: dict[str, Callable[..., Any]] = {
     "matlab": load_matlab,
     "parquet": load_parquet,
     "parquet header": load_parquet_header,
