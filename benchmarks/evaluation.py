@@ -15,6 +15,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import casadi as ca
@@ -99,48 +100,66 @@ def lambdified(book: Model, values: FloatArray) -> Callable[[FloatArray], object
     return lambda columns: function(*columns)
 
 
-def in_calls(routine: Callable[[FloatArray, FloatArray], object], columns: FloatArray, values: FloatArray) -> None:
+def in_calls(routine: Callable[[FloatArray, FloatArray], object], values: FloatArray, columns: FloatArray) -> None:
     """Evaluate the rows in calls of 64 rows, each with memory of its own."""
     for start in range(0, columns.shape[1], 64):
         routine(columns[:, start : start + 64], values)
 
 
-def in_chunks(code: Code, columns: FloatArray, values: FloatArray) -> None:
+def in_chunks(code: Code, values: FloatArray, columns: FloatArray) -> None:
     """Evaluate the Jacobian by the coefficients chunk by chunk: it is used while it is in the cache."""
     for _ in code.jacobian_chunks(columns, values, CHUNK):
         pass
 
 
-def candidates(book: Model, values: FloatArray) -> dict[str, Callable[[FloatArray], object]]:
-    """Return the compared functions by name."""
-    numpy, scalar, one, two = (
-        code_for(book, language, threads) for language, threads in (("numpy", 1), ("c", 1), ("batch", 1), ("batch", 2))
-    )
-    return {
-        CASADI: casadi_c(book, values),
-        "SymPy lambdify, cse": lambdified(book, values),
-        "NumPy, chunks": lambda x: numpy.forces(x, values),
-        "scalar C": lambda x: scalar.forces(x, values),
-        "batch": lambda x: one.forces(x, values),
-        TWO_THREADS: lambda x: two.forces(x, values),
-        "scalar C, by inputs": lambda x: scalar.jacobian_inputs(x, values),
-        "batch, by inputs": lambda x: one.jacobian_inputs(x, values),
-        "scalar C, by coefficients": lambda x: in_calls(scalar.jacobian_parameters, x, values),
-        "batch, by coefficients, 64 rows a call": lambda x: in_calls(one.jacobian_entries, x, values),
-        "batch, by coefficients": lambda x: in_chunks(one, x, values),
+def candidates(book: Model, values: FloatArray, only: list[str]) -> dict[str, Callable[[FloatArray], object]]:
+    """Return the compared functions by name: all, or the chosen ones and the C code of CasADi."""
+
+    def numpy() -> Code:
+        return code_for(book, "numpy")
+
+    def scalar() -> Code:
+        return code_for(book, "c")
+
+    def batch(threads: int = 1) -> Code:
+        return code_for(book, "batch", threads)
+
+    builders: dict[str, Callable[[], Callable[[FloatArray], object]]] = {
+        CASADI: lambda: casadi_c(book, values),
+        "SymPy lambdify, cse": lambda: lambdified(book, values),
+        "NumPy, chunks": lambda: forces_of(numpy(), values),
+        "scalar C": lambda: forces_of(scalar(), values),
+        "batch": lambda: forces_of(batch(), values),
+        TWO_THREADS: lambda: forces_of(batch(2), values),
+        "scalar C, by inputs": lambda: by_inputs_of(scalar(), values),
+        "batch, by inputs": lambda: by_inputs_of(batch(), values),
+        "scalar C, by coefficients": lambda: partial(in_calls, scalar().jacobian_parameters, values),
+        "batch, by coefficients, 64 rows a call": lambda: partial(in_calls, batch().jacobian_entries, values),
+        "batch, by coefficients": lambda: partial(in_chunks, batch(), values),
     }
+    return {name: build() for name, build in builders.items() if not only or name in (CASADI, *only)}
+
+
+def forces_of(code: Code, values: FloatArray) -> Callable[[FloatArray], object]:
+    """Return the function of the forces."""
+    return lambda columns: code.forces(columns, values)
+
+
+def by_inputs_of(code: Code, values: FloatArray) -> Callable[[FloatArray], object]:
+    """Return the function of the derivatives by the inputs."""
+    return lambda columns: code.jacobian_inputs(columns, values)
 
 
 def measured(book: Model, numbers: list[int], repetitions: int, only: list[str]) -> dict[int, dict[str, float]]:
     """Return the median time per point in nanoseconds, by number of points and candidate."""
     values = parameters(book)
-    functions = {name: run for name, run in candidates(book, values).items() if not only or name in (CASADI, *only)}
+    functions = candidates(book, values, only)
     times_of: dict[int, dict[str, float]] = {}
     slow: set[str] = set()
     for n in numbers:
         rows = points(book, n)
         times: dict[str, list[float]] = {name: [] for name in functions if name not in slow}
-        calls = max(1, 2000 // n)
+        calls = max(1, 20_000 // n)
         for repetition in range(repetitions + 1):  # the first one is a warm-up
             for name in list(times):
                 clock = time.perf_counter if name == TWO_THREADS else time.process_time

@@ -56,6 +56,8 @@ STARTUP = {
         "the same, cold cache", "many", 10.0, "gcc compiles the Jacobians of the model with the whole effect library"
     ),
 }
+#: The part of them that a short run measures: no diagnosis.
+SHORT = ("--help", "usage", "missing", "import tirefmu", "info", "evaluate", "export", "first fit")
 #: By candidate and number of points in `benchmarks/evaluation.py`. Targets relative to CasADi's C.
 EVALUATION = {
     ("batch", MANY): Line(
@@ -217,32 +219,33 @@ def main() -> None:
     """Run the benchmarks and print or write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--parts", default=",".join(PARTS))
-    parser.add_argument("--quick", action="store_true", help="fewer repetitions and rows: a test of this program")
+    parser.add_argument("--quick", action="store_true", help="one repetition, few rows, no diagnosis")
     parser.add_argument("--write", action="store_true", help=f"write {PAGE.name}")
     given = parser.parse_args()
     parts = given.parts.split(",")
     start = os.getloadavg()[0]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        only = "" if "evaluation" in parts else CASADI
-        points = "100,1000000" if not given.quick else "100,20000,1000000"
+        only = ";".join(dict.fromkeys(name for name, _ in EVALUATION)) if "evaluation" in parts else CASADI
         repetitions = ["--repetitions", "1" if given.quick else "7"]
-        times = result_of("evaluation", ["--points", points, *repetitions, "--only", only], folder)
+        times = result_of("evaluation", ["--points", f"100,{MANY}", *repetitions, "--only", only], folder)
         ns = times[MANY][CASADI]
         scale = ns / REFERENCE_NS
         text = []
         if "startup" in parts:
-            runs = ["--runs", "1"] if given.quick else []
+            runs = ["--runs", "1", "--only", ",".join(SHORT)] if given.quick else []
             text.append(startup_text(result_of("startup", runs, folder), scale))
         if "fit" in parts:
             sizes = ["--rows", "3000", "--growth", "10000"] if given.quick else ["--growth", "100000,1000000"]
-            text.append(fit_text(result_of("fitting", sizes, folder), real_fit(folder), scale))
+            measured = None if given.quick else real_fit(folder)
+            text.append(fit_text(result_of("fitting", sizes, folder), measured, scale))
         if "evaluation" in parts:
             text.append(evaluation_text(times))
         if "memory" in parts:
-            sizes = ["--rows", "300000"] if given.quick else ["--rows", "1000000,10000000"]
+            sizes = ["--rows", "600000"] if given.quick else ["--rows", "1000000,10000000"]
             text.append(memory_text(result_of("streaming", sizes, folder)))
-    page = f"{INTRODUCTION}{surroundings((start, os.getloadavg()[0]), ns)}\n" + "\n".join(text)
+    short = "**A short run: one repetition, few rows, no diagnosis.** " if given.quick else ""
+    page = f"{INTRODUCTION}{short}{surroundings((start, os.getloadavg()[0]), ns)}\n" + "\n".join(text)
     if given.write:
         PAGE.write_text(page, encoding="utf-8")
     else:
