@@ -132,7 +132,7 @@ def _address(array: npt.NDArray[Any]) -> int:
     The buffer of an array takes a fifth of the time of `__array_interface__`, but has to be writable and not empty.
     """
     try:
-        return ctypes.addressof(ctypes.c_char.from_buffer(array))
+        return ctypes.addressof(ctypes.c_char.from_buffer(array.data))
     except (TypeError, ValueError, BufferError):
         return int(array.__array_interface__["data"][0])
 
