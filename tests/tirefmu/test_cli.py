@@ -170,8 +170,7 @@ def test_evaluate_gives_the_golden_numbers(command, golden, published_tir, code,
         "evaluate", published_tir, golden / "mf96_trento.csv", "--signs", "adapted-sae", "--code", code, "-o", out
     )
     assert outcome.status == 0, outcome.err
-    exact = {"float_precision": "round_trip"}  # the default of older pandas is off by a rounding
-    found, reference = pd.read_csv(out, **exact), pd.read_csv(golden / "mf96_trento.csv", **exact)
+    found, reference = pd.read_csv(out), pd.read_csv(golden / "mf96_trento.csv")
     pairs = {
         "FX": "Fx", "FY": "Fy", "FX0": "F_x0", "FY0": "F_y0", "MZ0": "M_z0", "Kya": "K_yalpha", "Kxk": "K_xkappa",
         "Gxa": "G_xa", "Gyk": "G_yk", "SVyk": "S_Vyk", "Bt": "B_t", "Dr": "D_r", "Ey": "E_y",
@@ -181,7 +180,8 @@ def test_evaluate_gives_the_golden_numbers(command, golden, published_tir, code,
         error = (found[ours] - reference[theirs]).abs() / (1 + reference[theirs].abs())
         assert (error < 1e-9).all(), theirs
     for name in ("kappa", "alpha", "gamma", "Fz"):
-        np.testing.assert_array_equal(found[name], reference[name])
+        # Older versions of pandas read a number with an error of a few roundings.
+        np.testing.assert_allclose(found[name], reference[name], rtol=1e-14)
 
 
 def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp_path):
