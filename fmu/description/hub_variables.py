@@ -18,6 +18,8 @@ from .variables import Variable, input_variable
 LEAST_FRICTION = 0.01
 #: Deflection by the nominal load, per free radius, of a tire without equations of deflection.
 DEFAULT_DEFLECTION = 0.06
+#: Vertical damping, N s/m, and the loaded radius at which the rim touches the road, per free radius.
+DEFAULT_DAMPING, DEFAULT_BOTTOM = 50.0, 0.5
 
 DEFLECTION = Quantity("deflection", "m", "free radius UNLOADED_RADIUS less loaded radius", typical=0.02)
 BRAKE = Quantity(
@@ -116,11 +118,13 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
     ['VERTICAL_STIFFNESS', 'VERTICAL_DAMPING', 'BOTTOM_STIFF', 'BOTTOM_RADIUS']
     """
     rim = known_value(tire, "RIM_RADIUS", 0.0)
-    radius = rim + known_value(tire, "BOTTOM_OFFST", 0.0) if rim > 0.0 else 0.5 * tire.values["UNLOADED_RADIUS"]
+    radius = (
+        rim + known_value(tire, "BOTTOM_OFFST", 0.0) if rim > 0.0 else DEFAULT_BOTTOM * tire.values["UNLOADED_RADIUS"]
+    )
     bottom = known_value(tire, "BOTTOM_RADIUS", radius)
     entries = [
         ("VERTICAL_STIFFNESS", "N/m", "vertical stiffness", _stiffness(tire)),
-        ("VERTICAL_DAMPING", "N s/m", "vertical damping", known_value(tire, "VERTICAL_DAMPING", 50.0)),
+        ("VERTICAL_DAMPING", "N s/m", "vertical damping", known_value(tire, "VERTICAL_DAMPING", DEFAULT_DAMPING)),
         ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", known_value(tire, "BOTTOM_STIFF", 0.0)),
         ("BOTTOM_RADIUS", "m", "loaded radius at which the rim touches the road", bottom),
     ]

@@ -43,6 +43,8 @@ MOTION = (
     Quantity("omega", "rad/s", "angular speed of the wheel; positive when rolling forward", typical=50.0),
 )
 YAWING = Quantity("psi_dot", "rad/s", "yaw rate of the wheel", typical=1.0)
+#: Relaxation length of a slip for which a tire has none, per free radius.
+DEFAULT_LENGTH = 0.5
 #: Default start value of the speed, m/s.
 SPEED = 15.0
 LOW_SPEED = Variable("LOW_SPEED", "parameter", "m/s", "speed below which standstill is approximated", 1.0, 1e-3, inf)
@@ -299,7 +301,7 @@ def _standstill(tire: Tire) -> tuple[Variable, ...]:
 
 def _default_length(tire: Tire) -> float:
     """Return a typical relaxation length where the tire does not determine one, m."""
-    return 0.5 * tire.values["UNLOADED_RADIUS"]
+    return DEFAULT_LENGTH * tire.values["UNLOADED_RADIUS"]
 
 
 def _state(state: Quantity) -> Variable:
