@@ -23,7 +23,19 @@ DEFAULT_DAMPING, DEFAULT_BOTTOM = 50.0, 0.5
 
 DEFLECTION = Quantity("deflection", "m", "free radius UNLOADED_RADIUS less loaded radius", typical=0.02)
 BRAKE = Quantity(
-    "brake_torque", "N m", "mean torque of the brake on the wheel in the last step, about its axis", typical=100.0
+    "brake_torque",
+    "N m",
+    "torque of the brake on the wheel about its axis; in Co-Simulation its mean in the last step",
+    typical=100.0,
+)
+BRAKE_EVENT = Variable(
+    "brake_event",
+    "local",
+    "1",
+    "event indicator: the spin, rad/s, or the torque that a holding brake could still apply, N m",
+    nominal=1.0,
+    group="extra",
+    source="BRAKE_EVENT",
 )
 #: Inputs of a wheel that spins inside the FMU.
 TORQUES = (

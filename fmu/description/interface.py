@@ -11,10 +11,11 @@ from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import FmuError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
+from tirefmu.symbolic.wheel.quantities import SPIN
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
 
-from .hub_variables import hub_inputs, hub_motion, hub_outputs, hub_parameters
+from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters
 from .variables import (
     TIME,
     Variable,
@@ -104,6 +105,11 @@ class Interface:
     def spins(self) -> bool:
         """True if the spin of the wheel is a state."""
         return self.inputs == "hub-torque"
+
+    @property
+    def state_nominals(self) -> list[float]:
+        """Typical sizes of the continuous states of Model Exchange, in the order of their derivatives."""
+        return [self.variables[v.derivative_of].nominal for v in self.variables if v.derivative_of is not None]
 
     @property
     def contact_inputs(self) -> list[Variable]:
@@ -204,6 +210,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         *(replace(parameter, group="parameter") for parameter in parameters),
         *states,
         *(_derivative(state) for state in states),
+        *((_derivative(next(v for v in hosts if v.name == SPIN.name)),) if spins else ()),
         *extras,
     )
     reverse = REVERSED_IN_SAE if axes == "sae" else frozenset()
@@ -351,6 +358,8 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
         for i, name in enumerate(tire.states)
         if book.states[name].follows_a_path
     ]  # fmt: skip
+    if inputs == "hub-torque":
+        found.append(BRAKE_EVENT)
     return found + [
         Variable(name, "output", *named[name], group="extra", source=f"FIRST_QUANTITY + {name}")
         for name in chosen
@@ -362,7 +371,8 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
     """Return the variables with the dependencies of outputs and derivatives, and the state of each derivative."""
     references = {variable.name: reference for reference, variable in enumerate(listed)}
     inputs = tuple(reference for reference, v in enumerate(listed) if v.causality == "input")
-    states = tuple(reference for reference, v in enumerate(listed) if v.group == "state")
+    spin = (references[SPIN.name],) if interface_inputs == "hub-torque" else ()
+    states = (*spin, *(reference for reference, v in enumerate(listed) if v.group == "state"))
     hub, wheel = interface_inputs in HUB, interface_inputs != "slip"
     named = [v.name for v in listed if v.group == "extra" and not is_indicator(v)]
     named = [*(q.name for q in book.outputs), *(name for name in named if name in book.structure.quantities)]
@@ -398,6 +408,8 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
     return tuple(
         replace(v, depends=depends(v), derivative_of=references[_stem(v.name)] if v.group == "derivative" else None)
         if v.group in ("motion", "force", "extra", "derivative") and v.causality != "hidden"
+        else replace(v, depends=spin)
+        if references[v.name] in spin
         else v
         for v in listed
     )

@@ -68,7 +68,7 @@ def export(
         standstill and in reverse. A tire without relaxation has default relaxation lengths there; the FMU logs them.
         ``hub``: position, orientation and velocities of the wheel carrier, spin of the wheel and the road. The FMU
         computes contact point, load and slips, and the forces at the wheel centre. ``hub-torque``: the spin follows
-        from drive and brake torque (Co-Simulation only).
+        from drive and brake torque.
     axes : {"iso", "sae"}
         TYDEX W (z up), or SAE (z down, y to the right), as `signs` of `Tire.evaluate`.
     quantities : bool
@@ -245,7 +245,7 @@ def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: st
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed
     sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
-    header = Header(name, identifier, sentence, c_files(fmi, shown), native and not shown.spins, shown.relaxation_note)
+    header = Header(name, identifier, sentence, c_files(fmi, shown), native, shown.relaxation_note)
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}

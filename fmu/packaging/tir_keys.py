@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tirefmu.symbolic.contract import PropertyFile
 from tirefmu.symbolic.escaping import c_string
+from tirefmu.symbolic.model import INDISPENSABLE
 from tirefmu.symbolic.printers.definitions import comment
 from tirefmu.tires import Tire
 from tirefmu.tires.definition import RANGES
@@ -81,7 +82,11 @@ def tir_keys(shown: Interface) -> str:
         "EFFECT_NAMES": [c_string(name) for name in book.effects],
         "EFFECTS": effects,
         "OWNED": owned,
-        "NEEDED": [*_needed(shown, blank), f"{{{_END}, 0.0, 0}}"],
+        "STANDARD": [
+            repr(float(value)) for value in Tire(book.name, dict.fromkeys(INDISPENSABLE, 1.0)).values.values()
+        ],
+        "ASSUMED": [str(int(name not in blank.defaulted)) for name in book.coefficients],
+        "NEEDED": [*(str(targets.index(name)) for name in book.own_relaxation), str(_END)],
         "RANGES": [
             f"{{{shown.tire.inputs.index(name)}, {', '.join(str(targets.index(key)) for key in RANGES[name])}}}"
             for name in _ranged(shown)
@@ -142,14 +147,6 @@ def _effects(shown: Interface) -> tuple[list[str], list[str]]:
         effects.append(f"{{{', '.join(str(int(flag)) for flag in flags)}}}")
         owned += [*(str(i) for i, key in enumerate(coefficients) if key in book.owned(name)), str(_END)]
     return owned, effects
-
-
-def _needed(shown: Interface, blank: Tire) -> Iterable[str]:
-    """Yield the coefficients of the model's own relaxation lengths."""
-    book = shown.tire.book
-    for name in book.own_relaxation:
-        default = blank.values[name] if name in blank.defaulted else book.coefficients[name].default
-        yield f"{{{list(book.coefficients).index(name)}, {default!r}, {int(name not in blank.defaulted)}}}"
 
 
 def _ranged(shown: Interface) -> list[str]:

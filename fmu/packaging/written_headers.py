@@ -8,7 +8,7 @@ from math import inf, isfinite
 from tirefmu.symbolic.added.state import SPEED
 from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.printers.definitions import comment
-from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES
+from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES, SPIN
 from tirefmu.tires import states
 
 from ..description.interface import Interface, host_input_indices
@@ -117,7 +117,7 @@ def model_config(shown: Interface) -> str:
         comment("By extra output, by state."),
         *table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
         *(table("MEMORY_TABLE", _memory(shown)) if shown.memory else ()),
-        *table("STATE_NOMINALS", [repr(v.nominal) for v in shown.group("state")] or ["0.0"]),
+        *table("STATE_NOMINALS", [repr(float(nominal)) for nominal in shown.state_nominals] or ["0.0"]),
     ]
     return "\n".join(lines) + "\n"
 
@@ -138,7 +138,7 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define N_EXTRAS {len(shown.group('extra'))}"
     paths = [state for state in shown.memory if state.follows_a_path]
     yield f"#define N_MEMORY {len(shown.memory)}"
-    yield f"#define N_INDICATORS {len(paths)}"
+    yield f"#define N_INDICATORS {len(paths) + shown.spins}"
     yield f"#define N_DRIVES {len(shown.tire.book.drives)}"
     for name in ("FIRST_STEP", "GROWTH", "MOST_ITERATIONS", "ACCEPTED", "MOST_HALVINGS"):
         yield f"#define {name} {getattr(states, name)!r}"
@@ -149,6 +149,8 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define WHEEL {int(shown.wheel)}"
     yield f"#define HUB {int(shown.hub)}"
     yield f"#define SPIN {int(shown.spins)}"
+    names = [v.name for v in shown.contact_inputs]
+    yield f"#define SPIN_PLACE {names.index(SPIN.name) if shown.spins else 0}"
     optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
     for routine in ["forces", "quantities", *optional]:
         yield f"#define model_{routine} {model}_{routine}"

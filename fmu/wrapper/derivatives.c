@@ -11,6 +11,7 @@
 #include "contact.h"
 #include "hub.h"
 #include "slips.h"
+#include "spin.h"
 #include "tangents.h"
 
 #include <string.h>
@@ -23,6 +24,8 @@ static int is_state(unsigned reference)
 {
     unsigned state;
 
+    if (SPIN && reference == SPIN_VALUE)
+        return 1;
     for (state = FIRST_STATE; state < FIRST_DERIVATIVE; state++)
         if (reference == state)
             return 1;
@@ -71,6 +74,9 @@ static void prepare(State *state, double seeds[N_VALUES], const Radius *radius, 
     hub_differentiate(state, seeds, tangent->motion + HUB_CHANGE);
 #endif
     tangent_find(state, seeds, radius, tangent);
+#if SPIN
+    spin_differentiate(state, seeds, tangent->motion);
+#endif
 }
 
 /* Add the terms with one kind of slips for all seeds. */

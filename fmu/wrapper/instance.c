@@ -66,11 +66,6 @@ Instance *instance_create(const char *name, const char *token, const char *resou
         instance_free(self);
         return NULL;
     }
-    if (SPIN && kind == MODEL_EXCHANGE) {
-        instance_refuse(self, STATUS_ERROR, "this FMU is for Co-Simulation only");
-        instance_free(self);
-        return NULL;
-    }
     start_again(self);
     return self;
 }
@@ -234,6 +229,10 @@ Status instance_exit_initialization(Instance *self)
     slips_begin(&self->state);
 #if N_MEMORY > 0
     memory_begin(&self->state);
+#endif
+#if SPIN
+    if (self->state.kind == MODEL_EXCHANGE)
+        spin_settle(&self->state);
 #endif
     if (*self->tire.note)
         instance_refuse(self, STATUS_OK, "%s", self->tire.note);

@@ -69,6 +69,10 @@ static int is_state(const Instance *self, const State *state)
     for (i = 0; i < FIRST_STATE; i++)
         if ((i < FIRST_COMPUTED || i >= FIRST_PARAMETER) && !isfinite(state->values[i]))
             return 0;
+#if SPIN
+    if (state->brake_sense < -1 || state->brake_sense > 1)
+        return 0;
+#endif
     for (i = 0; i < N_LAGGING; i++)
         if (!isfinite(state->lagging[i]))
             return 0;

@@ -14,20 +14,14 @@ typedef struct {
     int owned;    /* where the coefficients that only this effect reads begin in OWNED; -1 ends them */
 } Effect;
 
-/* A coefficient that the relaxation lengths of the model need: its value if no file states it, and whether the field
-   assumes one. */
-typedef struct {
-    int coefficient;
-    double standard;
-    int assumed;
-} Needed;
-
 static const double MISSING[N_COEFFICIENTS] = TIR_MISSING;
 static const double NEUTRAL[N_COEFFICIENTS] = TIR_NEUTRAL;
+static const double STANDARD[N_COEFFICIENTS] = TIR_STANDARD; /* if no value is given or assumed */
+static const char ASSUMED[N_COEFFICIENTS] = TIR_ASSUMED;     /* the field assumes a value */
 static const char *const EFFECT_NAMES[] = TIR_EFFECT_NAMES;
 static const Effect EFFECTS[] = TIR_EFFECTS;
 static const int OWNED[] = TIR_OWNED;
-static const Needed NEEDED[] = TIR_NEEDED;
+static const int NEEDED[] = TIR_NEEDED; /* the scale of the model's own relaxation lengths, what they need; -1 */
 static const struct {
     int input, low, high;
 } RANGES[] = TIR_RANGES;
@@ -55,22 +49,25 @@ static int has_relaxation(const Reading *reading, const double parameters[])
     return 0;
 }
 
-/* A tire without relaxation has the lengths of its model, if it has values of the coefficients that they need.  The
-   first entry of NEEDED is the scale of these lengths. */
+/* Whether the file gives a coefficient, or the field assumes a value. */
+static int is_given(const Reading *reading, int n)
+{
+    if (!reading->known[n])
+        return ASSUMED[n];
+    return !(reading->assumed[n] && reading->found[n] == STANDARD[n]);
+}
+
+/* A tire without relaxation has the lengths of its model, if it has values of the coefficients that they need. */
 static void add_lengths(const Reading *reading, double parameters[])
 {
-    const Needed *needed;
+    const int *needed;
 
-    if (NEEDED->coefficient < 0 || has_relaxation(reading, parameters))
+    if (NEEDED[0] < 0 || has_relaxation(reading, parameters))
         return;
-    for (needed = NEEDED + 1; needed->coefficient >= 0; needed++) {
-        const int n = needed->coefficient;
-        const int listed = reading->assumed[n] && parameters[n] == needed->standard;
-
-        if (reading->known[n] ? listed : !needed->assumed)
+    for (needed = NEEDED + 1; *needed >= 0; needed++)
+        if (!is_given(reading, *needed))
             return;
-    }
-    parameters[NEEDED->coefficient] = 1.0;
+    parameters[NEEDED[0]] = 1.0;
 }
 
 static int check_effects(Reading *reading)
@@ -150,10 +147,10 @@ static int find_ranges(Reading *reading, TirTire *tire)
         const int low = RANGES[i].low, high = RANGES[i].high;
         double *range = tire->ranges[RANGES[i].input];
 
-        if (low < N_COEFFICIENTS && (reading->known[low] || reading->known[high])) {
+        if (low < N_COEFFICIENTS && is_given(reading, low) && is_given(reading, high)) {
             range[0] = tire->parameters[low];
             range[1] = tire->parameters[high];
-        } else if (reading->known[low] && reading->known[high]) {
+        } else if (low >= N_COEFFICIENTS && reading->known[low] && reading->known[high]) {
             range[0] = reading->found[low];
             range[1] = reading->found[high];
         }

@@ -104,12 +104,11 @@ def export(
     summary = {"ok": True, what: str(written), **described, "kind": kind, "bytes": size}
     write_json(json_file, summary)
     tires_of = f"{len(loaded)} tire{'s' if len(loaded) > 1 else ''}, " if ssp else ""
-    both = kind == "native" and inputs != "hub-torque"
     form = {
         "ssp": f"SSP {version - 1}.0, FMI {version}.0",
         "ssv": f"SSP {version - 1}.0 parameter set",
         "sti": "Standard Tyre Interface",
-        "fmu": f"FMI {version}.0 Co-Simulation{' and Model Exchange' if both else ''}, {kind}",
+        "fmu": f"FMI {version}.0 Co-Simulation{' and Model Exchange' if kind == 'native' else ''}, {kind}",
     }[what]
     shown = "" if kind == "sti" else f"{inputs} inputs, "
     terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
