@@ -11,6 +11,7 @@ from tirefmu.symbolic.wheel import quantities as hub
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
 from tirefmu.tires.property_file.text import number_and_rest
+from tirefmu.tires.roads.road import Road
 
 from .variables import Variable, input_variable
 
@@ -37,6 +38,8 @@ BRAKE_EVENT = Variable(
     group="extra",
     source="BRAKE_EVENT",
 )
+#: The plane of the road at the wheel.
+PLANE = ("road_z", "road_nx", "road_ny", "road_nz")
 #: Inputs of a wheel that spins inside the FMU.
 TORQUES = (
     Variable("T_drive", "input", "N m", "drive torque on the wheel about its axis", 0.0, nominal=100.0, group="input"),
@@ -61,7 +64,9 @@ RESULTS = (
 READ = (*hub.MOTION, FZ)
 
 
-def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: bool) -> list[Variable]:
+def hub_inputs(
+    tire: Tire, read: set[str], speed: float, spin: float, *, spins: bool, road: Road | None = None
+) -> list[Variable]:
     """Return the inputs: a freely rolling wheel with its nominal load at the start.
 
     Parameters
@@ -73,6 +78,8 @@ def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: 
         At the start, m/s and rad/s.
     spins : bool
         Whether the spin of the wheel is a state. It then is an output, whose start value can be set.
+    road : Road, optional
+        A road inside the FMU: its plane at the wheel is an output.
 
     Returns
     -------
@@ -90,6 +97,10 @@ def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: 
     starts |= {"R_11": 1.0, "R_22": 1.0, "R_33": 1.0, "road_nz": 1.0}
     moved = {"kappa", "alpha", "V", "phit", "distance", *(q.name for q in READ), *tire.book.states}
     inputs = [input_variable(q, starts.get(q.name, 0.0)) for q in (*hub.CARRIER, *hub.ROAD, hub.SPIN)]
+    if road is not None:
+        ground = float(road.height(0.0, 0.0))
+        inputs = [replace(v, causality="output", start=None) if v.name in PLANE else v for v in inputs]
+        inputs = [replace(v, start=(v.start or 0.0) + ground) if v.name == "r_z" else v for v in inputs]
     if spins:
         inputs = [*inputs[:-1], replace(inputs[-1], causality="output"), *TORQUES]
     if tire.book.friction_scales:

@@ -14,6 +14,7 @@ from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from tirefmu.symbolic.wheel.quantities import SPIN
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
+from tirefmu.tires.roads.road import Road
 
 from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters
 from .variables import (
@@ -79,6 +80,8 @@ class Interface:
         forces, parameters, states, their derivatives, extra outputs.
     relaxation_note : str
         The relaxation lengths assumed for a tire that has none; empty if none are assumed.
+    road : Road or None
+        The road inside the FMU.
     """
 
     tire: Tire
@@ -86,6 +89,7 @@ class Interface:
     axes: str
     variables: tuple[Variable, ...]
     relaxation_note: str = ""
+    road: Road | None = None
 
     def group(self, name: str) -> list[Variable]:
         """Return the variables of a group: input, motion, force, parameter, state, derivative or extra."""
@@ -137,7 +141,9 @@ class Interface:
         return any(variable.name == DISTANCE.name for variable in self.group("state"))
 
 
-def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False) -> Interface:
+def interface(
+    tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False, road: Road | None = None
+) -> Interface:
     """Return the interface of a native FMU of a tire.
 
     Parameters
@@ -151,6 +157,8 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         TYDEX W (z up), or SAE (z down, y to the right).
     quantities : bool
         Whether every named quantity of the model is an output.
+    road : Road, optional
+        A road inside the FMU, with hub inputs: its height and normal at the wheel are outputs.
 
     Returns
     -------
@@ -164,7 +172,8 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     UnknownName
         If inputs or axes do not exist.
     FmuError
-        If hub inputs have other axes than ISO, or the radius of a wheel or the nominal load at a hub is not positive.
+        If hub inputs have other axes than ISO, a road is given for other inputs, or the radius of a wheel or the
+        nominal load at a hub is not positive.
 
     Examples
     --------
@@ -178,6 +187,8 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     hub, spins = inputs in HUB, inputs == "hub-torque"
     if hub and axes != "iso":
         raise FmuError("hub inputs have ISO axes only")
+    if road is not None and not hub:
+        raise FmuError(f"a road inside the FMU needs hub inputs, not {inputs} inputs")
     tire = tire.in_signs(FORMULA[axes])
     book, wheel = tire.book, inputs != "slip"
     for needed in (*(("UNLOADED_RADIUS",) if wheel else ()), *(("FNOMIN",) if hub else ())):
@@ -192,7 +203,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         *((_state(DISTANCE),) if "distance" in read else ()),
     ]
     if hub:
-        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins), *hub_motion()]
+        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins, road=road), *hub_motion()]
     else:
         hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
@@ -218,7 +229,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned, book, inputs), note)
+    return Interface(tire, inputs, axes, _with_structure(turned, book, inputs), note, road)
 
 
 def with_lengths(tire: Tire) -> tuple[Tire, str]:
@@ -408,8 +419,8 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
     return tuple(
         replace(v, depends=depends(v), derivative_of=references[_stem(v.name)] if v.group == "derivative" else None)
         if v.group in ("motion", "force", "extra", "derivative") and v.causality != "hidden"
-        else replace(v, depends=spin)
-        if references[v.name] in spin
+        else replace(v, depends=spin if references[v.name] in spin else inputs)
+        if v.group == "input" and v.causality == "output"
         else v
         for v in listed
     )

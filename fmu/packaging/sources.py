@@ -36,13 +36,15 @@ CONTACT = {
 }
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = (
-    "instance.h", "tire.h", "contact.h", "slips.h", "memory.h", "standstill.h", "hub.h", "spin.h", "root.h",
-    "tangents.h", "terms.h", "chain_rule.h",
+    "instance.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h", "memory.h", "standstill.h",
+    "hub.h", "spin.h", "root.h", "tangents.h", "terms.h", "chain_rule.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
 STI_TIRE, TIR_KEYS = "sti_tire.h", "tir_keys.h"
 #: The source of the tire's values: compiled for one tire, or read from a file of the FMU.
 BUILT_IN, FROM_FILE = "built_in_tire.c", "tire_file.c"
+#: The sources of files of the FMU, and of a road inside it.
+RESOURCE, ROAD = "resource_file.c", "road.c"
 #: The laws of the states, equal for all models.
 LAWS = "state_laws.h"
 #: The functions of the kinematics of hub inputs, equal for all models.
@@ -70,7 +72,8 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
-    return (*WRAPPER[fmi], BUILT_IN, *_common_files(shown))
+    road = (RESOURCE, ROAD) if shown.road else ()
+    return (*WRAPPER[fmi], BUILT_IN, *road, *_common_files(shown))
 
 
 def _common_files(shown: Interface) -> tuple[str, ...]:
@@ -123,7 +126,7 @@ def generic_files(shown: Interface) -> tuple[str, ...]:
     >>> generic_files(interface(published("trento_hoosier")))[:4]
     ('fmi2.c', 'fmi3.c', 'fmi3_not_offered.c', 'tire_file.c')
     """
-    return (*(file for files in WRAPPER.values() for file in files), FROM_FILE, *_common_files(shown))
+    return (*(file for files in WRAPPER.values() for file in files), FROM_FILE, RESOURCE, *_common_files(shown))
 
 
 def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:

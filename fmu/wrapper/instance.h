@@ -31,6 +31,7 @@ enum {
     SPIN_RATE = FIRST_DERIVATIVE + N_STATES
 };
 
+#include "road.h"
 #include "tire.h"
 
 /* The kind of a value: a stored one can be set until initialization ends; a hidden one is not visible to the host and
@@ -111,7 +112,8 @@ typedef struct {
 } Hub;
 #endif
 
-/* Everything that changes in an instance.  It has no pointers: a copy is a saved state, the bytes a serialized one. */
+/* Everything that changes in an instance: a copy is a saved state, the bytes a serialized one.  The road is that of the
+   instance, also after a state has been restored. */
 typedef struct {
     char token[TOKEN_SIZE]; /* identifies the FMU of a serialized state */
     int kind, mode;
@@ -120,6 +122,9 @@ typedef struct {
 #if HUB
     int hub_known;
     Hub hub;
+#endif
+#if ROAD
+    const RoadGrid *road;
 #endif
 #if SPIN
     int brake_sense; /* of Model Exchange, see spin.h */
@@ -145,6 +150,7 @@ typedef void LogCallback(const Instance *self, Status status, const char *catego
 struct Instance {
     State state;
     Tire tire;
+    RoadGrid *road; /* or NULL */
     LogCallback *log_message;
     void (*logger)(void); /* the host's function; `log_message` converts its type */
     void *environment;

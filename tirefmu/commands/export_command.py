@@ -23,6 +23,7 @@ from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, com
 @click.option("--inputs", default="slip", show_default=True,
               help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
               " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
+@click.option("--road", type=FILE, help="OpenCRG file of a road inside the FMU, for hub and hub-torque.")
 @click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
 @click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
 @click.option(
@@ -58,6 +59,7 @@ def export(
     kind: str,
     platforms: str,
     values: str,
+    road: Path | None,
     quiet: bool,
     json_file: Path | None,
 ) -> int:
@@ -76,8 +78,10 @@ def export(
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
     if kind != "sti" and values != "built-in":
         raise TirefmuError("--values file is for --kind sti: a host sets the parameters of an FMU")
+    if road and (ssp or kind != "native"):
+        raise TirefmuError("--road is for one native FMU")
     check_output_paths(target, json_file)
-    check_input_paths(*tires)
+    check_input_paths(*tires, *([road] if road else []))
     from tirefmu.fmu import export as export_fmu
     from tirefmu.fmu import export_parameters, export_sti, export_system
     from tirefmu.fmu.description.interface import with_lengths
@@ -97,7 +101,8 @@ def export(
         elif kind == "sti":
             written = export_sti(loaded[0], target, platforms=platforms, values=values)
         else:
-            written = export_fmu(loaded[0], target, **shared, quantities=quantities, kind=kind, platforms=platforms)
+            several = {"quantities": quantities, "kind": kind, "platforms": platforms, "road": road}
+            written = export_fmu(loaded[0], target, **shared, **several)
     size = written.stat().st_size
     what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
     described = {} if kind == "sti" else {"fmi": version, "inputs": inputs}
