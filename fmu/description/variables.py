@@ -219,8 +219,8 @@ def _reached(book: Model, name: str) -> frozenset[str]:
 
 
 def is_indicator(variable: Variable) -> bool:
-    """Return whether a variable is an event indicator: the velocity along the path of a hysteresis."""
-    return variable.source.startswith("FIRST_PATH")
+    """Return whether a variable is an event indicator: the velocity along the path of a hysteresis, or of a brake."""
+    return variable.source.startswith("FIRST_PATH") or variable.source == "BRAKE_EVENT"
 
 
 def _input(quantity: Quantity, tire: Tire) -> Variable:
