@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -103,6 +103,12 @@ bench-startup: $(VENV)/installed  ## CPU time of short commands, of the first fi
 
 bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs: median, 99.99 %, longest of a million
 	$(BIN)/python benchmarks/step_times.py $(BENCH_ARGS)
+
+bench-streaming: $(VENV)/installed-dev  ## memory and time of commands over Parquet tables of up to ten million rows
+	$(BIN)/python benchmarks/streaming.py $(BENCH_ARGS)
+
+performance: $(VENV)/installed-dev  ## docs/performance.md: start-up, fits, evaluation, memory in one run, on an idle machine
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/performance.py --write $(BENCH_ARGS)
 
 # The packages are sub-packages of tirefmu only when installed; type checkers read this tree of links instead.
 types:
