@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -48,6 +48,10 @@ perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with 
 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
+
+compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process reach on the memory suite: a table of docs/discovery.md
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[comparison-methods]"
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/comparison_methods.py $(METHODS_ARGS)
 
 awkward: $(VENV)/installed-dev  ## docs/awkward_inputs.md: message and exit code of 46 awkward inputs
 	$(BIN)/python benchmarks/awkward_inputs.py --write
