@@ -197,7 +197,7 @@ class Simulator:
         deviation = np.maximum(np.sqrt(np.mean(error**2, axis=1)), 1e-9)[:, None]
         size = np.maximum(np.sqrt(np.mean(rows[indices] ** 2, axis=1)), 1e-6)
         found = estimated_starts(
-            lambda values: residual(simulated(spread(values))) / deviation,
+            lambda values, none: residual(simulated(spread(values))) / deviation,
             segment[signals.rows], rows[np.ix_(indices, np.flatnonzero(begins))], size,
         )  # fmt: skip
         return simulated(spread(found))

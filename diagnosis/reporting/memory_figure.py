@@ -18,8 +18,8 @@ from ..verdict.result import Diagnosis
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Intervals of slip whose mean residual is drawn, and the least number of rows of an interval.
-INTERVALS, MIN_ROWS = 24, 10
+#: Intervals of slip whose means are drawn, and the least number of rows of an interval: of a residual and of a force.
+INTERVALS, MIN_ROWS, MIN_ROWS_OF_FORCE = 24, 10, 2
 #: Distance from the most frequent load of the rows whose force is drawn, as a share of the nominal load.
 LOAD_BAND = 0.08
 #: Directions of slip: label, sign of the growth, color.
@@ -66,7 +66,7 @@ def draw_memory(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
     residuals[0].legend(fontsize=8)
     first: Axes | None = None
     for i, name in enumerate(states):
-        ax = figure.add_subplot(grid[1 + i, :], sharex=first)
+        ax = figure.add_subplot(grid[2 + i, :], sharex=first)
         first = first or ax
         ax.plot(diagnosis.rows["t"], computed[name], color="C0", lw=0.9)
         ax.set_ylabel(f"{name}\n({_unit(diagnosis.tire, name)})", fontsize=8)
@@ -95,9 +95,10 @@ def _draw_forces(ax: Axes, diagnosis: Diagnosis, computed: FloatArray, channel: 
     near = np.abs(load - frequent) <= width
     measured = rows[channel].to_numpy(dtype=np.float64)
     for label, direction, color in DIRECTIONS:
-        centers, mean = _means(diagnosis, measured, slip, direction, near)
+        centers, mean = _means(diagnosis, measured, slip, direction, near, MIN_ROWS_OF_FORCE)
         ax.plot(centers, mean, "o", ms=4, color=color, label=f"measured, {label}")
-        centers, mean = _means(diagnosis, np.where(np.isfinite(measured), computed, np.nan), slip, direction, near)
+        values = np.where(np.isfinite(measured), computed, np.nan)
+        centers, mean = _means(diagnosis, values, slip, direction, near, MIN_ROWS_OF_FORCE)
         ax.plot(centers, mean, "-", lw=1.3, color=color, label=f"tire, {label}")
     ax.text(0.98, 0.04, f"{LETTER['Fz']} near {frequent:.0f} N", transform=ax.transAxes, ha="right", fontsize=8)
 
@@ -106,13 +107,18 @@ def _draw_residuals(ax: Axes, diagnosis: Diagnosis, computed: FloatArray, channe
     """Draw the mean residual over slip for rows whose slip grows and for rows whose slip falls."""
     residual = diagnosis.rows[channel].to_numpy(dtype=np.float64) - computed
     for label, direction, color in DIRECTIONS:
-        centers, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool))
+        centers, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool), MIN_ROWS)
         ax.plot(centers, mean, "o-", ms=3, lw=1.2, color=color, label=label)
     ax.axhline(0.0, color="0.6", lw=0.8)
 
 
 def _means(
-    diagnosis: Diagnosis, values: FloatArray, slip: str, direction: float, chosen: npt.NDArray[np.bool_]
+    diagnosis: Diagnosis,
+    values: FloatArray,
+    slip: str,
+    direction: float,
+    chosen: npt.NDArray[np.bool_],
+    least: int,
 ) -> tuple[FloatArray, FloatArray]:
     """Return intervals of slip, in the drawn unit, and the mean value of the chosen rows of a direction in each."""
     rows = diagnosis.rows
@@ -123,7 +129,7 @@ def _means(
     known = chosen & (direction * growing > 0.0) & np.isfinite(values)
     count = np.bincount(place[known], minlength=INTERVALS)
     total = np.bincount(place[known], values[known], INTERVALS)
-    mean = np.where(count >= MIN_ROWS, total / np.maximum(count, 1), np.nan)
+    mean = np.where(count >= least, total / np.maximum(count, 1), np.nan)
     return 0.5 * (edges[1:] + edges[:-1]) * per_si(slip), mean
 
 

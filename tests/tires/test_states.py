@@ -19,7 +19,7 @@ ACTIVE = {
     "heat_friction": {"HMU": 0.2, "HTAU": 6.0, "HSLOW": 0.5, "HBODY": 20.0, "HLOAD": 0.5, "HCOOL": 0.02},
     "heat_stiffness": {"HK": 0.2, "HTAU": 6.0},
     "slip_history": {"SHMU": 0.05, "SHK": 0.08},
-    "hysteresis_force": {"HFY": 0.03, "HFPLAY": 0.02},
+    "hysteresis_force": {"HFY": 0.03, "HFPLAY": 0.02, "HFARM": -0.1},
     "load_lag": {"LLMU": 1.0, "LLK": 0.8},
     "break_in": {"BIMU": 0.2, "BIWORK": 2.5},
     "carcass_2nd_order": {"CASIG": 0.3, "CAFREQ": 60.0, "CADAMP": 0.2},
