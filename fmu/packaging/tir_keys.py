@@ -139,7 +139,9 @@ def _powers(unit: str, section: str, key: str, file: PropertyFile) -> list[int]:
 
 def _effects(shown: Interface) -> tuple[list[str], list[str]]:
     """Return the tables of the coefficients that effects own, and of effects."""
-    book, owned, effects = shown.tire.book, [], []
+    owned: list[str] = []
+    effects: list[str] = []
+    book = shown.tire.book
     coefficients, on_demand = list(book.coefficients), {effect for effect, _ in book.on_demand}
     for name in book.effects:
         demanded = (1 if name in shown.tire.has else -1) if name in on_demand else 0

@@ -87,7 +87,8 @@ static double advance_part(State *state, double size)
 
 void spin_advance(State *state, double h)
 {
-    const double wanted = ceil(h / LONGEST_PART);
+    /* The sizes of steps that are equal but for rounding have equal numbers of parts. */
+    const double wanted = ceil(h / LONGEST_PART * (1.0 - 1e-9));
     const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
     double braked = 0.0;
     int i;

@@ -101,7 +101,7 @@ def export(
         elif kind == "sti":
             written = export_sti(loaded[0], target, platforms=platforms, values=values)
         else:
-            several = {"quantities": quantities, "kind": kind, "platforms": platforms, "road": road}
+            several: dict[str, Any] = {"quantities": quantities, "kind": kind, "platforms": platforms, "road": road}
             written = export_fmu(loaded[0], target, **shared, **several)
     size = written.stat().st_size
     what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
