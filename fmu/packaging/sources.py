@@ -24,7 +24,7 @@ STI_HEADERS = {
     True: ("sti.h", "sti_values.h", "tir_text.h", "tir_entries.h", "tir_tire.h"),
 }
 COMMON = (
-    "instance.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "continuous.c",
+    "instance.c", "stepping.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "continuous.c",
     "saved_state.c",
 )  # fmt: skip
 #: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.

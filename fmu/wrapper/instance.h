@@ -139,6 +139,8 @@ typedef struct {
     double lengths[N_SLIPS];
     int length_is_default[N_SLIPS];
     Contact contact;
+    int interpolates; /* whether a slope is not 0 */
+    double slopes[N_HOST_INPUTS]; /* of the inputs over the next step */
     double values[N_VALUES];
 } State;
 
@@ -185,6 +187,9 @@ Status instance_set_experiment(Instance *self, double start, int stop_defined, d
 Status instance_enter_initialization(Instance *self);
 Status instance_exit_initialization(Instance *self);
 Status instance_step(Instance *self, double point, double size);
+/* The inputs change with these rates over the next step, from their present values. */
+Status instance_set_slopes(Instance *self, const unsigned references[], size_t n, const int orders[],
+                           const double slopes[]);
 Status instance_terminate(Instance *self);
 Status instance_reset(Instance *self);
 

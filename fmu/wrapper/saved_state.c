@@ -79,6 +79,9 @@ static int is_state(const Instance *self, const State *state)
     if (state->brake_sense < -1 || state->brake_sense > 1)
         return 0;
 #endif
+    for (i = 0; i < N_HOST_INPUTS; i++)
+        if (!isfinite(state->slopes[i]))
+            return 0;
     for (i = 0; i < N_LAGGING; i++)
         if (!isfinite(state->lagging[i]))
             return 0;
