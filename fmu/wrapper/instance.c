@@ -32,6 +32,9 @@ static void start_again(Instance *self)
 #if N_MEMORY > 0
     memcpy(self->state.memory, self->tire.starts + FIRST_MEMORY, sizeof self->state.memory);
 #endif
+#if ROAD
+    self->state.road = self->road;
+#endif
     self->warned = 0;
     memcpy(self->state.values, self->tire.starts, sizeof self->state.values);
 }
@@ -56,6 +59,10 @@ Instance *instance_create(const char *name, const char *token, const char *resou
     }
     strcpy(self->name, given_name);
     problem = tire_find(resources, &self->tire);
+#if ROAD
+    if (!problem)
+        problem = road_open(resources, &self->road);
+#endif
     if (problem) {
         instance_refuse(self, STATUS_ERROR, "%s", problem);
         instance_free(self);
@@ -66,19 +73,18 @@ Instance *instance_create(const char *name, const char *token, const char *resou
         instance_free(self);
         return NULL;
     }
-    if (SPIN && kind == MODEL_EXCHANGE) {
-        instance_refuse(self, STATUS_ERROR, "this FMU is for Co-Simulation only");
-        instance_free(self);
-        return NULL;
-    }
     start_again(self);
     return self;
 }
 
 void instance_free(Instance *self)
 {
-    if (self)
+    if (self) {
+#if ROAD
+        road_close(self->road);
+#endif
         free(self->name);
+    }
     free(self);
 }
 
@@ -234,6 +240,10 @@ Status instance_exit_initialization(Instance *self)
     slips_begin(&self->state);
 #if N_MEMORY > 0
     memory_begin(&self->state);
+#endif
+#if SPIN
+    if (self->state.kind == MODEL_EXCHANGE)
+        spin_settle(&self->state);
 #endif
     if (*self->tire.note)
         instance_refuse(self, STATUS_OK, "%s", self->tire.note);
