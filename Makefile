@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts readers examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -23,10 +23,10 @@ matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[matrix]"
 	$(BIN)/nox $(NOX_ARGS)
 
-docs: $(VENV)/installed-dev  ## the documentation site in build/site, without connections; warnings are errors
+docs: $(VENV)/installed-dev  ## the documentation site in build/site, without connections; warnings are errors; runs the notebooks
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[docs]"
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
-	$(BIN)/pytest tests/docs $(PYTEST_ARGS)
+	TIREFMU_NOTEBOOKS=1 $(BIN)/pytest tests/docs $(PYTEST_ARGS)
 
 release: $(VENV)/installed-dev  ## wheel and sdist in dist/, and the demo of the wheel in a clean environment
 	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py
@@ -83,6 +83,9 @@ examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, an
 
 hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX, PyTorch and rumoca where they are installed
 	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
+
+readers: $(VENV)/installed-dev  ## MFeval, OpenTirePython and Chrono on files of convert: TIREFMU_MFEVAL, TIREFMU_OPENTIRE, TIREFMU_CHRONO are their paths
+	$(BIN)/pytest tests/hosts/test_readers.py -rP
 
 check: $(VENV)/installed-dev types  ## lint, format, types, and generated/ compared with the equations
 	$(BIN)/ruff check .
