@@ -33,6 +33,7 @@ from .commands.compare_command import compare
 from .commands.diagnose_command import diagnose
 from .commands.example_command import example
 from .commands.explore_command import explore
+from .commands.export_command import export
 from .commands.fit_command import fit
 from .commands.fit_many_command import fit_many
 from .commands.generate_command import generate
@@ -100,126 +101,39 @@ def evaluate(
     check_output_paths(output, json_file)
     check_input_paths(tire, table)
     from tirefmu.measurements import convention_notes, recording_from, write_table
+    from tirefmu.measurements.large_table import LargeTable
     from tirefmu.tires import tire_from
 
+    from .evaluation import evaluate_to_file
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
     loaded = tire_from(tire, radius=radius)
-    recording = recording_from(table, signs=signs, where=where)
-    if incomplete := recording.about.get("incomplete"):
-        raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
-    terminal.selection(recording)
-    with terminal.working(f"evaluating {len(recording)} rows"):
-        result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
-        write_table(result, output)
+    large = LargeTable.of(table, signs) if where is None else None
+    if large and large.rows_are_independent(loaded, steady=conventions["steady"]):
+        with terminal.working(f"evaluating {large.rows} rows"):
+            recording, rows = large.survey, large.rows
+            columns = evaluate_to_file(loaded, large, output, code, **conventions)
+    else:
+        recording = recording_from(table, signs=signs, where=where)
+        if incomplete := recording.about.get("incomplete"):
+            raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
+        terminal.selection(recording)
+        with terminal.working(f"evaluating {len(recording)} rows"):
+            result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
+            write_table(result, output)
+        rows, columns = len(result), list(result.columns)
     absent = [name for name in loaded.inputs if name not in recording.table]
     warnings = convention_notes(recording)
     summary = {
-        "ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent,
+        "ok": True, "rows": rows, "signs": recording.signs, **conventions, "nominal": absent,
         "warnings": warnings,
     }  # fmt: skip
-    write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
-    terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
+    write_json(json_file, {**summary, "output": str(output), "columns": columns})
+    terminal.print(f"{rows} rows, {len(columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
     terminal.print(*(f"warning: {each}" for each in warnings))
-    return 0
-
-
-@cli.command()
-@click.argument("tires", metavar="TIRE...", type=FILE, nargs=-1, required=True)
-@click.option("-o", "--output", type=FILE, help="FMU to write; with --kind sti a library, with ssv a parameter set.")
-@click.option("--ssp", type=FILE, metavar="FILE",
-              help="Write a system of the tires (SSP): FMUs, parameter sets. Four are FL, FR, RL, RR.")  # fmt: skip
-@RADIUS
-@click.option("--fmi", type=click.Choice(["2", "3"]),
-              help="FMI version; 2 is SSP 1.0, 3 is SSP 2.0  [default: 3; pythonfmu, ssv, --ssp: 2]")  # fmt: skip
-@click.option("--inputs", default="slip", show_default=True,
-              help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
-              " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
-@click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
-@click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
-@click.option(
-    "--kind",
-    type=click.Choice(["native", "pythonfmu", "sti", "ssv"]),
-    default="native",
-    show_default=True,
-    help="FMU in C or in editable Python, library with the Standard Tyre Interface, or parameter set of SSP.",
-)
-@click.option(
-    "--platforms",
-    default="host",
-    show_default=True,
-    help="host, all, or FMI 3 names separated by commas (x86_64-windows, ...); to compile for others needs ziglang.",
-)
-@common
-def export(
-    tires: tuple[Path, ...],
-    output: Path | None,
-    ssp: Path | None,
-    fmi: str | None,
-    radius: float | None,
-    inputs: str,
-    axes: str,
-    quantities: bool,
-    kind: str,
-    platforms: str,
-    quiet: bool,
-    json_file: Path | None,
-) -> int:
-    """Export TIRE as an FMU: native (Co-Simulation and Model Exchange, no Python), or with editable Python.
-
-    Several tires are exported as a system with --ssp.
-    """
-    target = output or ssp
-    if target is None or (output and ssp):
-        raise TirefmuError("export writes one file: give -o or --ssp")
-    if output and len(tires) > 1:
-        raise TirefmuError("several tires are one file as a system only: give --ssp instead of -o")
-    if ssp and kind != "native":
-        raise TirefmuError(f"--ssp packs native FMUs, not kind {kind}")
-    if kind == "sti" and (fmi, inputs, axes, quantities) != (None, "slip", "iso", False):
-        raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
-    check_output_paths(target, json_file)
-    check_input_paths(*tires)
-    from tirefmu.fmu import export as export_fmu
-    from tirefmu.fmu import export_parameters, export_sti, export_system
-    from tirefmu.fmu.description.interface import with_lengths
-    from tirefmu.tires import tire_from
-
-    from .terminal import Terminal
-
-    terminal = Terminal(quiet)
-    loaded = [tire_from(tire, radius=radius) for tire in tires]
-    version = int(fmi) if fmi else 3 if kind == "native" and not ssp else 2
-    shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": axes}
-    with terminal.working("compiling" if kind in ("native", "sti") else "packing"):
-        if ssp:
-            written = export_system(loaded, target, **shared, quantities=quantities, platforms=platforms)
-        elif kind == "ssv":
-            written = export_parameters(loaded[0], target, **shared)
-        elif kind == "sti":
-            written = export_sti(loaded[0], target, platforms=platforms)
-        else:
-            written = export_fmu(loaded[0], target, **shared, quantities=quantities, kind=kind, platforms=platforms)
-    size = written.stat().st_size
-    what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
-    described = {} if kind == "sti" else {"fmi": version, "inputs": inputs}
-    summary = {"ok": True, what: str(written), **described, "kind": kind, "bytes": size}
-    write_json(json_file, summary)
-    tires_of = f"{len(loaded)} tire{'s' if len(loaded) > 1 else ''}, " if ssp else ""
-    both = kind == "native" and inputs != "hub-torque"
-    form = {
-        "ssp": f"SSP {version - 1}.0, FMI {version}.0",
-        "ssv": f"SSP {version - 1}.0 parameter set",
-        "sti": "Standard Tyre Interface",
-        "fmu": f"FMI {version}.0 Co-Simulation{' and Model Exchange' if both else ''}, {kind}",
-    }[what]
-    shown = "" if kind == "sti" else f"{inputs} inputs, "
-    terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
-    if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
-        terminal.print(f"note: {note}")
     return 0
 
 
@@ -249,16 +163,24 @@ def check(
     check_output_paths(json_file, report, folder=figures)
     check_input_paths(fmu, table)
     from tirefmu.fmu import check as run
+    from tirefmu.fmu.comparison.large_check import check_large
     from tirefmu.measurements import incomplete_rows, recording_from
+    from tirefmu.measurements.large_table import LargeTable
 
     from .terminal import Terminal
 
-    terminal = Terminal(quiet)
-    recording = recording_from(table, signs=signs, where=where)
-    terminal.selection(recording)
-    terminal.findings(incomplete_rows(recording))
-    with terminal.working(f"simulating {fmu.name} over {table.name}"):
-        result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
+    terminal, simulating = Terminal(quiet), f"simulating {fmu.name} over {table.name}"
+    large = LargeTable.of(table, signs) if where is None and not (figures or report) else None
+    result = None
+    if large:
+        with terminal.working(simulating):
+            result = check_large(fmu, large, tolerance=tolerance, timeout=timeout)
+    if result is None:
+        recording = recording_from(table, signs=signs, where=where)
+        terminal.selection(recording)
+        terminal.findings(incomplete_rows(recording))
+        with terminal.working(simulating):
+            result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
     terminal.print(*str(result).split("\n"))
     if figures:
@@ -368,6 +290,7 @@ for command in (
     effects,
     example,
     explore,
+    export,
     fit,
     fit_many,
     generate,

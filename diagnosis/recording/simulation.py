@@ -198,7 +198,7 @@ class Simulator:
         size = np.maximum(np.sqrt(np.mean(rows[indices] ** 2, axis=1)), 1e-6)
         found = estimated_starts(
             lambda values, none: residual(simulated(spread(values))) / deviation,
-            segment[signals.rows], rows[indices][:, begins], size,
+            segment[signals.rows], rows[indices][:, np.flatnonzero(begins)], size,
         )  # fmt: skip
         return simulated(spread(found))
 

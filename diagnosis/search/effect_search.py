@@ -91,6 +91,17 @@ class Search:
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
 
+    def extended(self) -> bool:
+        """Add the effects that pass the criteria to the model, and return whether there were any."""
+        before = len(self.found) + len(self.refinements)
+        for _ in range(ROUNDS):
+            best = self.best_effect()
+            if best is None:
+                break
+            self.accept(best)
+            self.progress(f"identified: {best.name} (gain {100 * best.gain:.2f} %)")
+        return len(self.found) + len(self.refinements) > before
+
     def round(self) -> Refit | Structure | None:
         """Return the best candidate that passes, or unexplained structure with a much larger gain."""
         best = self.best_effect()

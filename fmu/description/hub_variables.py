@@ -11,6 +11,7 @@ from tirefmu.symbolic.wheel import quantities as hub
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
 from tirefmu.tires.property_file.text import number_and_rest
+from tirefmu.tires.roads.road import Road
 
 from .variables import Variable, input_variable
 
@@ -18,11 +19,27 @@ from .variables import Variable, input_variable
 LEAST_FRICTION = 0.01
 #: Deflection by the nominal load, per free radius, of a tire without equations of deflection.
 DEFAULT_DEFLECTION = 0.06
+#: Vertical damping, N s/m, and the loaded radius at which the rim touches the road, per free radius.
+DEFAULT_DAMPING, DEFAULT_BOTTOM = 50.0, 0.5
 
 DEFLECTION = Quantity("deflection", "m", "free radius UNLOADED_RADIUS less loaded radius", typical=0.02)
 BRAKE = Quantity(
-    "brake_torque", "N m", "mean torque of the brake on the wheel in the last step, about its axis", typical=100.0
+    "brake_torque",
+    "N m",
+    "torque of the brake on the wheel about its axis; in Co-Simulation its mean in the last step",
+    typical=100.0,
 )
+BRAKE_EVENT = Variable(
+    "brake_event",
+    "local",
+    "1",
+    "event indicator: the spin, rad/s, or the torque that a holding brake could still apply, N m",
+    nominal=1.0,
+    group="extra",
+    source="BRAKE_EVENT",
+)
+#: The plane of the road at the wheel.
+PLANE = ("road_z", "road_nx", "road_ny", "road_nz")
 #: Inputs of a wheel that spins inside the FMU.
 TORQUES = (
     Variable("T_drive", "input", "N m", "drive torque on the wheel about its axis", 0.0, nominal=100.0, group="input"),
@@ -47,7 +64,9 @@ RESULTS = (
 READ = (*hub.MOTION, FZ)
 
 
-def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: bool) -> list[Variable]:
+def hub_inputs(
+    tire: Tire, read: set[str], speed: float, spin: float, *, spins: bool, road: Road | None = None
+) -> list[Variable]:
     """Return the inputs: a freely rolling wheel with its nominal load at the start.
 
     Parameters
@@ -59,6 +78,8 @@ def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: 
         At the start, m/s and rad/s.
     spins : bool
         Whether the spin of the wheel is a state. It then is an output, whose start value can be set.
+    road : Road, optional
+        A road inside the FMU: its plane at the wheel is an output.
 
     Returns
     -------
@@ -76,6 +97,10 @@ def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: 
     starts |= {"R_11": 1.0, "R_22": 1.0, "R_33": 1.0, "road_nz": 1.0}
     moved = {"kappa", "alpha", "V", "phit", "distance", *(q.name for q in READ), *tire.book.states}
     inputs = [input_variable(q, starts.get(q.name, 0.0)) for q in (*hub.CARRIER, *hub.ROAD, hub.SPIN)]
+    if road is not None:
+        ground = float(road.height(0.0, 0.0))
+        inputs = [replace(v, causality="output", start=None) if v.name in PLANE else v for v in inputs]
+        inputs = [replace(v, start=(v.start or 0.0) + ground) if v.name == "r_z" else v for v in inputs]
     if spins:
         inputs = [*inputs[:-1], replace(inputs[-1], causality="output"), *TORQUES]
     if tire.book.friction_scales:
@@ -116,11 +141,13 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
     ['VERTICAL_STIFFNESS', 'VERTICAL_DAMPING', 'BOTTOM_STIFF', 'BOTTOM_RADIUS']
     """
     rim = known_value(tire, "RIM_RADIUS", 0.0)
-    radius = rim + known_value(tire, "BOTTOM_OFFST", 0.0) if rim > 0.0 else 0.5 * tire.values["UNLOADED_RADIUS"]
+    radius = (
+        rim + known_value(tire, "BOTTOM_OFFST", 0.0) if rim > 0.0 else DEFAULT_BOTTOM * tire.values["UNLOADED_RADIUS"]
+    )
     bottom = known_value(tire, "BOTTOM_RADIUS", radius)
     entries = [
         ("VERTICAL_STIFFNESS", "N/m", "vertical stiffness", _stiffness(tire)),
-        ("VERTICAL_DAMPING", "N s/m", "vertical damping", known_value(tire, "VERTICAL_DAMPING", 50.0)),
+        ("VERTICAL_DAMPING", "N s/m", "vertical damping", known_value(tire, "VERTICAL_DAMPING", DEFAULT_DAMPING)),
         ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", known_value(tire, "BOTTOM_STIFF", 0.0)),
         ("BOTTOM_RADIUS", "m", "loaded radius at which the rim touches the road", bottom),
     ]

@@ -11,10 +11,12 @@ from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import FmuError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
+from tirefmu.symbolic.wheel.quantities import SPIN
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
+from tirefmu.tires.roads.road import Road
 
-from .hub_variables import hub_inputs, hub_motion, hub_outputs, hub_parameters
+from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters
 from .variables import (
     TIME,
     Variable,
@@ -44,6 +46,8 @@ MOTION = (
     Quantity("omega", "rad/s", "angular speed of the wheel; positive when rolling forward", typical=50.0),
 )
 YAWING = Quantity("psi_dot", "rad/s", "yaw rate of the wheel", typical=1.0)
+#: Relaxation length of a slip for which a tire has none, per free radius.
+DEFAULT_LENGTH = 0.5
 #: Default start value of the speed, m/s.
 SPEED = 15.0
 LOW_SPEED = Variable("LOW_SPEED", "parameter", "m/s", "speed below which standstill is approximated", 1.0, 1e-3, inf)
@@ -77,6 +81,8 @@ class Interface:
         forces, parameters, states, their derivatives, extra outputs.
     relaxation_note : str
         The relaxation lengths assumed for a tire that has none; empty if none are assumed.
+    road : Road or None
+        The road inside the FMU.
     """
 
     tire: Tire
@@ -84,6 +90,7 @@ class Interface:
     axes: str
     variables: tuple[Variable, ...]
     relaxation_note: str = ""
+    road: Road | None = None
 
     def group(self, name: str) -> list[Variable]:
         """Return the variables of a group: input, motion, force, parameter, state, derivative or extra."""
@@ -103,6 +110,11 @@ class Interface:
     def spins(self) -> bool:
         """True if the spin of the wheel is a state."""
         return self.inputs == "hub-torque"
+
+    @property
+    def state_nominals(self) -> list[float]:
+        """Typical sizes of the continuous states of Model Exchange, in the order of their derivatives."""
+        return [self.variables[v.derivative_of].nominal for v in self.variables if v.derivative_of is not None]
 
     @property
     def contact_inputs(self) -> list[Variable]:
@@ -130,7 +142,9 @@ class Interface:
         return any(variable.name == DISTANCE.name for variable in self.group("state"))
 
 
-def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False) -> Interface:
+def interface(
+    tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False, road: Road | None = None
+) -> Interface:
     """Return the interface of a native FMU of a tire.
 
     Parameters
@@ -144,6 +158,8 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         TYDEX W (z up), or SAE (z down, y to the right).
     quantities : bool
         Whether every named quantity of the model is an output.
+    road : Road, optional
+        A road inside the FMU, with hub inputs: its height and normal at the wheel are outputs.
 
     Returns
     -------
@@ -157,7 +173,8 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     UnknownName
         If inputs or axes do not exist.
     FmuError
-        If hub inputs have other axes than ISO, or the radius of a wheel or the nominal load at a hub is not positive.
+        If hub inputs have other axes than ISO, a road is given for other inputs, or the radius of a wheel or the
+        nominal load at a hub is not positive.
 
     Examples
     --------
@@ -171,6 +188,8 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     hub, spins = inputs in HUB, inputs == "hub-torque"
     if hub and axes != "iso":
         raise FmuError("hub inputs have ISO axes only")
+    if road is not None and not hub:
+        raise FmuError(f"a road inside the FMU needs hub inputs, not {inputs} inputs")
     tire = tire.in_signs(FORMULA[axes])
     book, wheel = tire.book, inputs != "slip"
     for needed in (*(("UNLOADED_RADIUS",) if wheel else ()), *(("FNOMIN",) if hub else ())):
@@ -185,7 +204,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         *((_state(DISTANCE),) if "distance" in read else ()),
     ]
     if hub:
-        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins), *hub_motion()]
+        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins, road=road), *hub_motion()]
     else:
         hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
@@ -203,6 +222,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         *(replace(parameter, group="parameter") for parameter in parameters),
         *states,
         *(_derivative(state) for state in states),
+        *((_derivative(next(v for v in hosts if v.name == SPIN.name)),) if spins else ()),
         *extras,
     )
     reverse = REVERSED_IN_SAE if axes == "sae" else frozenset()
@@ -210,7 +230,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned, book, inputs), note)
+    return Interface(tire, inputs, axes, _with_structure(turned, book, inputs), note, road)
 
 
 def with_lengths(tire: Tire) -> tuple[Tire, str]:
@@ -300,7 +320,7 @@ def _standstill(tire: Tire) -> tuple[Variable, ...]:
 
 def _default_length(tire: Tire) -> float:
     """Return a typical relaxation length where the tire does not determine one, m."""
-    return 0.5 * tire.values["UNLOADED_RADIUS"]
+    return DEFAULT_LENGTH * tire.values["UNLOADED_RADIUS"]
 
 
 def _state(state: Quantity) -> Variable:
@@ -345,6 +365,8 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
         found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
     found += [indicator(book.states[name], i) for i, name in enumerate(tire.states) if book.states[name].follows_a_path]
+    if inputs == "hub-torque":
+        found.append(BRAKE_EVENT)
     return found + [
         Variable(name, "output", *named[name], group="extra", source=f"FIRST_QUANTITY + {name}")
         for name in chosen
@@ -356,7 +378,8 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
     """Return the variables with the dependencies of outputs and derivatives, and the state of each derivative."""
     references = {variable.name: reference for reference, variable in enumerate(listed)}
     inputs = tuple(reference for reference, v in enumerate(listed) if v.causality == "input")
-    states = tuple(reference for reference, v in enumerate(listed) if v.group == "state")
+    spin = (references[SPIN.name],) if interface_inputs == "hub-torque" else ()
+    states = (*spin, *(reference for reference, v in enumerate(listed) if v.group == "state"))
     hub, wheel = interface_inputs in HUB, interface_inputs != "slip"
     named = [v.name for v in listed if v.group == "extra" and not is_indicator(v)]
     named = [*(q.name for q in book.outputs), *(name for name in named if name in book.structure.quantities)]
@@ -392,6 +415,8 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
     return tuple(
         replace(v, depends=depends(v), derivative_of=references[_stem(v.name)] if v.group == "derivative" else None)
         if v.group in ("motion", "force", "extra", "derivative") and v.causality != "hidden"
+        else replace(v, depends=spin if references[v.name] in spin else inputs)
+        if v.group == "input" and v.causality == "output"
         else v
         for v in listed
     )

@@ -150,6 +150,8 @@ def _append_interface_type(root: ET.Element, kind: str, fmi: int, header: Header
     element = ET.SubElement(root, kind, {"modelIdentifier": header.identifier})
     if kind == "CoSimulation":
         element.set("canHandleVariableCommunicationStepSize", "true")
+        if fmi == 2 and header.model_exchange:
+            element.set("canInterpolateInputs", "true")
     for name in (f"canGetAndSet{states}", f"canSerialize{states}", derivatives):
         element.set(name, "true")
     if fmi == 3:  # sources/buildDescription.xml lists the sources

@@ -229,8 +229,8 @@ def indicator(state: State, index: int) -> Variable:
 
 
 def is_indicator(variable: Variable) -> bool:
-    """Return whether a variable is an event indicator, of a state along a path."""
-    return variable.source.startswith("FIRST_PATH")
+    """Return whether a variable is an event indicator: of a state along a path, or of a brake."""
+    return variable.source.startswith("FIRST_PATH") or variable.source == "BRAKE_EVENT"
 
 
 def _input(quantity: Quantity, tire: Tire) -> Variable:

@@ -18,15 +18,17 @@ from typing import Any
 from tirefmu.symbolic.errors import FmuError, WrongType, path_from
 from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
+from tirefmu.tires.roads.opencrg import read_crg
 
 from ..description.documentation import LICENSE, header_license, index_html
-from ..description.interface import AXES, INPUTS, Interface, interface
+from ..description.interface import AXES, HUB, INPUTS, Interface, interface
 from ..description.model_description import Header, model_description, with_token
 from ..description.terminals_and_icons import pictures
 from ..description.variables import variables, with_ranges
 from .binaries import binaries, chosen_platforms, host_platform
 from .prebuilt import VALUES_FILE, generic, has_prebuilt, prebuilt_binary, values_file
 from .python_variant import python_contents
+from .road_file import ROAD_FILE, road_file
 from .sources import VALUES, build_description, c_files, sources
 from .written_headers import tire_values
 
@@ -46,6 +48,7 @@ def export(
     quantities: bool = False,
     kind: str = "native",
     platforms: str | Iterable[str] = "host",
+    road: str | os.PathLike[str] | None = None,
 ) -> Path:
     """Write a tire as a native FMU for Co-Simulation and Model Exchange.
 
@@ -68,7 +71,7 @@ def export(
         standstill and in reverse. A tire without relaxation has default relaxation lengths there; the FMU logs them.
         ``hub``: position, orientation and velocities of the wheel carrier, spin of the wheel and the road. The FMU
         computes contact point, load and slips, and the forces at the wheel centre. ``hub-torque``: the spin follows
-        from drive and brake torque (Co-Simulation only).
+        from drive and brake torque.
     axes : {"iso", "sae"}
         TYDEX W (z up), or SAE (z down, y to the right), as `signs` of `Tire.evaluate`.
     quantities : bool
@@ -81,6 +84,8 @@ def export(
         x86_64-windows, x86_64-darwin, aarch64-darwin); on Linux for a C library of 2012 or later. A tire without
         added effects needs no compiler where the installation contains binaries, as wheels do. Otherwise the system's
         compiler builds for this machine, and ziglang, the package's extra `cross`, for the others.
+    road : path-like, optional
+        A road inside the FMU, an OpenCRG file with text data, for hub inputs. Such an FMU is compiled.
 
     Returns
     -------
@@ -116,12 +121,15 @@ def export(
     checked_interface(inputs, axes)
     if kind == "pythonfmu" and (inputs, axes, quantities) != ("slip", "iso", False):
         raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
+    if road is not None and (kind, inputs in HUB) != ("native", True):
+        raise FmuError(f"a road inside the FMU needs a native FMU with hub inputs, not {inputs} inputs")
     requested = chosen_platforms(platforms)
     target, tire = path_from(path), tire_from(tire)
     if kind == "pythonfmu" and tire.states:
         raise FmuError(f"the pythonfmu variant has no states of effects ({', '.join(tire.states)}): use kind native")
     identifier = c_identifier(target.stem)
-    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities)
+    ground = None if road is None else read_crg(path_from(road))
+    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities, road=ground)
     files, token = _described(tire, shown, version, identifier, kind)
     if kind == "native":
         ready, values = _prebuilt(tire, shown, token, requested)
@@ -135,7 +143,7 @@ def _prebuilt(
     tire: Tire, shown: Interface, token: str, requested: Iterable[str]
 ) -> tuple[dict[str, bytes], dict[str, bytes]]:
     """Return the binaries that were built beforehand, by platform, and the file of values that they read."""
-    if not has_prebuilt():
+    if shown.road or not has_prebuilt():
         return {}, {}
     found = generic(tire, inputs=shown.inputs, axes=shown.axes)
     names = {host_platform() if name == "host" else name for name in requested}
@@ -245,12 +253,13 @@ def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: st
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed
     sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
-    header = Header(name, identifier, sentence, c_files(fmi, shown), native and not shown.spins, shown.relaxation_note)
+    header = Header(name, identifier, sentence, c_files(fmi, shown), native, shown.relaxation_note)
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}
+    data = {ROAD_FILE: road_file(shown.road)} if shown.road else {}
     blank_description = model_description(fmi, header, listed, "")
-    token = fingerprint({**blank, "modelDescription.xml": blank_description})
+    token = fingerprint({**blank, **data, "modelDescription.xml": blank_description})
     description = with_token(fmi, blank_description, token)
     packaged = {
         "modelDescription.xml": description,
@@ -264,7 +273,7 @@ def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: st
     code = {**blank, VALUES: tire_values(shown, token).encode()}
     packaged |= {f"sources/{file}": text for file, text in code.items()}
     packaged["resources/interface.json"] = (json.dumps({"inputs": inputs, "axes": axes}) + "\n").encode()
-    packaged |= pictures(fmi, listed)
+    packaged |= pictures(fmi, listed) | data
     if fmi == 3:
         packaged["sources/buildDescription.xml"] = build_description(identifier, header.sources)
     return packaged, token

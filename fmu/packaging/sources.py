@@ -11,13 +11,20 @@ from tirefmu.tires.code.modules import c_folder
 from ..description.interface import Interface
 from ..description.model_description import xml_bytes
 from .model_code import model_files, split_code
+from .tir_keys import tir_keys
 from .written_headers import model_config, tire_values
 
 #: The translation units of the wrapper, by FMI version; those of the Standard Tyre Interface.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
 STI = ("sti.c", "sti_entries.c")
+#: The source of a library's tire: compiled in, or read from the property file that the host names.
+STI_VALUES = {False: ("sti_built_in.c",), True: ("sti_file.c", "tir_text.c", "tir_entries.c", "tir_tire.c")}
+STI_HEADERS = {
+    False: ("sti.h", "sti_values.h"),
+    True: ("sti.h", "sti_values.h", "tir_text.h", "tir_entries.h", "tir_tire.h"),
+}
 COMMON = (
-    "instance.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "continuous.c",
+    "instance.c", "stepping.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "continuous.c",
     "saved_state.c",
 )  # fmt: skip
 #: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.
@@ -29,13 +36,15 @@ CONTACT = {
 }
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = (
-    "instance.h", "tire.h", "contact.h", "slips.h", "memory.h", "standstill.h", "hub.h", "spin.h", "root.h",
-    "tangents.h", "terms.h", "chain_rule.h",
+    "instance.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h", "memory.h", "standstill.h",
+    "hub.h", "spin.h", "root.h", "tangents.h", "terms.h", "chain_rule.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
-STI_TIRE = "sti_tire.h"
+STI_TIRE, TIR_KEYS = "sti_tire.h", "tir_keys.h"
 #: The source of the tire's values: compiled for one tire, or read from a file of the FMU.
 BUILT_IN, FROM_FILE = "built_in_tire.c", "tire_file.c"
+#: The sources of files of the FMU, and of a road inside it.
+RESOURCE, ROAD = "resource_file.c", "road.c"
 #: The laws of the states, equal for all models.
 LAWS = "state_laws.h"
 #: The functions of the kinematics of hub inputs, equal for all models.
@@ -63,7 +72,8 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
-    return (*WRAPPER[fmi], BUILT_IN, *_common_files(shown))
+    road = (RESOURCE, ROAD) if shown.road else ()
+    return (*WRAPPER[fmi], BUILT_IN, *road, *_common_files(shown))
 
 
 def _common_files(shown: Interface) -> tuple[str, ...]:
@@ -73,7 +83,7 @@ def _common_files(shown: Interface) -> tuple[str, ...]:
     return (*files, *model_files(shown.tire.model))
 
 
-def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
+def sti_sources(shown: Interface, tire_header: str, *, from_file: bool) -> dict[str, bytes]:
     """Return every source file of a library with the Standard Tyre Interface.
 
     Parameters
@@ -81,15 +91,20 @@ def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
     shown : Interface
         With hub inputs.
     tire_header : str
-        Content of sti_tire.h: the macros TIRE_TITLE and TIRE_WIDTH.
+        Content of sti_tire.h.
+    from_file : bool
+        Whether the library reads the values from the file that the host names.
 
     Returns
     -------
     dict of str to bytes
         By file name.
     """
-    code = code_files((*STI, BUILT_IN, *_common_files(shown)), shown)
+    code = code_files((*STI, *STI_VALUES[from_file], BUILT_IN, *_common_files(shown)), shown)
+    wrapper = files("tirefmu.fmu") / "wrapper"
+    code |= {name: (wrapper / name).read_bytes() for name in STI_HEADERS[from_file]}
     written = {CONFIG: model_config(shown), VALUES: tire_values(shown, ""), STI_TIRE: tire_header}
+    written |= {TIR_KEYS: tir_keys(shown)} if from_file else {}
     return {**code, **{name: text.encode() for name, text in written.items()}}
 
 
@@ -111,7 +126,7 @@ def generic_files(shown: Interface) -> tuple[str, ...]:
     >>> generic_files(interface(published("trento_hoosier")))[:4]
     ('fmi2.c', 'fmi3.c', 'fmi3_not_offered.c', 'tire_file.c')
     """
-    return (*(file for files in WRAPPER.values() for file in files), FROM_FILE, *_common_files(shown))
+    return (*(file for files in WRAPPER.values() for file in files), FROM_FILE, RESOURCE, *_common_files(shown))
 
 
 def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
@@ -156,8 +171,7 @@ def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
     """
     wrapper, generated, model = files("tirefmu.fmu") / "wrapper", c_folder(shown.tire.book), shown.tire.model
     own = [name for name in names if name not in model_files(model)]
-    headers = (*HEADERS, "sti.h") if set(STI) <= set(own) else HEADERS
-    found = {name: (wrapper / name).read_bytes() for name in (*own, *headers)}
+    found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
     found |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
     found[LAWS] = (files("tirefmu.generated") / "c" / LAWS).read_bytes()

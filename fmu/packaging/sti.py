@@ -9,26 +9,37 @@ from pathlib import Path
 from tirefmu.symbolic.errors import FmuError, path_from
 from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.printers.definitions import comment
-from tirefmu.tires import Tire, TireLike, tire_from
+from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.code.compiler import suffix
 
 from ..description.hub_variables import known_value
-from ..description.interface import interface
+from ..description.interface import Interface, interface
 from .binaries import SYSTEMS, binary, chosen_platforms, host_binary, host_platform
 from .cross_compiler import PLATFORMS, ziglang
 from .export import fmi_headers, write_file
 from .sources import sti_sources
+from .tir_keys import nominal_inputs
+from .written_headers import table
 
 #: Texts of the interface have 256 characters with their end.
 _LONGEST_TITLE = 200
 
 
-def export_sti(tire: TireLike, path: str | os.PathLike[str], *, platforms: str | Iterable[str] = "host") -> Path:
+#: Where a library has the values of its tire: compiled in, or in the property file that the host names.
+VALUES = ("built-in", "file")
+
+
+def export_sti(
+    tire: TireLike,
+    path: str | os.PathLike[str],
+    *,
+    platforms: str | Iterable[str] = "host",
+    values: str = "built-in",
+) -> Path:
     """Write a tire as a library with the tyre subroutine of the Standard Tyre Interface.
 
-    The library has the equations of an FMU with hub inputs, and the values of the tire. It needs no other file. Its
-    subroutines are ``tirefmu_sti_`` (Fortran, road of Adams), ``tirefmu_sti`` (C, as MotionSolve calls it) and
-    ``dtyre_`` (Fortran, road of STI 1.2).
+    The library has the equations of an FMU with hub inputs. Its subroutines are ``tirefmu_sti_`` (Fortran, road of
+    Adams), ``tirefmu_sti`` (C, as MotionSolve calls it) and ``dtyre_`` (Fortran, road of STI 1.2).
 
     Parameters
     ----------
@@ -38,6 +49,10 @@ def export_sti(tire: TireLike, path: str | os.PathLike[str], *, platforms: str |
     platforms : str or iterable of str
         One platform, as for `export`. ``host`` with the ending of another system is the platform of that system with an
         x86_64 processor.
+    values : {"built-in", "file"}
+        ``built-in``: the values of the tire are part of the library, which needs no other file. ``file``: the library
+        reads the property file (.tir) that the host names, of any tire with the same model; the tire determines the
+        model, and whether turn slip is part of it.
 
     Returns
     -------
@@ -47,7 +62,8 @@ def export_sti(tire: TireLike, path: str | os.PathLike[str], *, platforms: str |
     Raises
     ------
     FmuError
-        If the platform does not have libraries with this ending, there is no compiler or it fails, or the file cannot
+        If the platform does not have libraries with this ending, `values` is unknown, the tire has added effects and
+        `values` is ``file``, there is no compiler or it fails, or the file cannot
         be written. No partial file remains.
     UnknownName
         If there is neither a file nor a published tire of that name.
@@ -67,9 +83,15 @@ def export_sti(tire: TireLike, path: str | os.PathLike[str], *, platforms: str |
     """
     requested, target = chosen_platforms(platforms), path_from(path)
     platform = _platform(requested, target)
-    iso = tire_from(tire).in_signs("iso")
+    if values not in VALUES:
+        raise FmuError(f"values {values!r} are unknown: known are {', '.join(VALUES)}")
+    iso, from_file = tire_from(tire).in_signs("iso"), values == "file"
+    if from_file and iso.added:
+        names = ", ".join(effect.name for effect in iso.added)
+        raise FmuError(f"a library that reads property files has no added effects ({names}): use values built-in")
     shown = interface(iso, inputs="hub")
-    sources, include = sti_sources(shown, tire_header(iso)), fmi_headers()
+    sources = sti_sources(shown, tire_header(shown, from_file=from_file), from_file=from_file)
+    include = fmi_headers()
     if platform == host_platform():
         write_file(target, host_binary(sources, iso.model, include))
     else:
@@ -77,20 +99,36 @@ def export_sti(tire: TireLike, path: str | os.PathLike[str], *, platforms: str |
     return target
 
 
-def tire_header(tire: Tire) -> str:
-    """Return the header with the name and the width of a tire.
+def tire_header(shown: Interface, *, from_file: bool = False) -> str:
+    """Return the header with what a library knows of its tire without the values of its equations.
+
+    Parameters
+    ----------
+    shown : Interface
+        With hub inputs.
+    from_file : bool
+        Whether the library reads the file of its tire.
+
+    Returns
+    -------
+    str
 
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> print(tire_header(published("trento_hoosier")).splitlines()[1])
+    >>> shown = interface(published("trento_hoosier"), inputs="hub")
+    >>> print(tire_header(shown).splitlines()[1])
     #define TIRE_TITLE "tirefmu: Hoosier 6.0/18.0-10 LCO (Trento team 6), Magic Formula 1996, Trento form"
     """
-    title = f"tirefmu: {tire.name or 'tire'}, {tire.book.title}"[:_LONGEST_TITLE]
-    macros = {"TITLE": c_string(title), "WIDTH": repr(float(known_value(tire, "WIDTH", 0.0)))}
+    tire = shown.tire
+    title = "" if from_file else f"{tire.name or 'tire'}, "
+    title = f"tirefmu: {title}{tire.book.title}"[:_LONGEST_TITLE]
+    width = repr(float(known_value(tire, "WIDTH", 0.0)))
+    macros = {"TITLE": c_string(title), "WIDTH": width, "FROM_FILE": int(from_file)}
     lines = [
         comment("Written by tirefmu for one tire."),
         *(f"#define TIRE_{name} {text}" for name, text in macros.items()),
+        *table("TIRE_NOMINAL_INPUTS", nominal_inputs(shown)),
     ]
     return "\n".join(lines) + "\n"
 

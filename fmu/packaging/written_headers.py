@@ -8,7 +8,7 @@ from math import inf, isfinite
 from tirefmu.symbolic.added.state import SPEED
 from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.printers.definitions import comment
-from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES
+from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES, SPIN
 from tirefmu.tires import states
 
 from ..description.interface import Interface, host_input_indices
@@ -63,7 +63,7 @@ def tire_values(shown: Interface, token: str) -> str:
         comment("Written by tirefmu for one tire."),
         f"#define INSTANTIATION_TOKEN {c_string(token)}",
         f"#define RELAXATION_NOTE {c_string(shown.relaxation_note)}",
-        *(line for name, entries in tables.items() for line in _table(name, entries)),
+        *(line for name, entries in tables.items() for line in table(name, entries)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -112,12 +112,12 @@ def model_config(shown: Interface) -> str:
         *_inputs(shown),
         "",
         comment("By value reference."),
-        *(line for name, entries in tables.items() for line in _table(name, entries)),
+        *(line for name, entries in tables.items() for line in table(name, entries)),
         "",
         comment("By extra output, by state."),
-        *_table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
-        *(_table("MEMORY_TABLE", _memory(shown)) if shown.memory else ()),
-        *_table("STATE_NOMINALS", [repr(v.nominal) for v in shown.group("state")] or ["0.0"]),
+        *table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
+        *(table("MEMORY_TABLE", _memory(shown)) if shown.memory else ()),
+        *table("STATE_NOMINALS", [repr(float(nominal)) for nominal in shown.state_nominals] or ["0.0"]),
     ]
     return "\n".join(lines) + "\n"
 
@@ -138,7 +138,7 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define N_EXTRAS {len(shown.group('extra'))}"
     paths = [state for state in shown.memory if state.follows_a_path]
     yield f"#define N_MEMORY {len(shown.memory)}"
-    yield f"#define N_INDICATORS {len(paths)}"
+    yield f"#define N_INDICATORS {len(paths) + shown.spins}"
     yield f"#define N_DRIVES {len(shown.tire.book.drives)}"
     for name in ("FIRST_STEP", "GROWTH", "MOST_ITERATIONS", "ACCEPTED", "MOST_HALVINGS"):
         yield f"#define {name} {getattr(states, name)!r}"
@@ -149,6 +149,9 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define WHEEL {int(shown.wheel)}"
     yield f"#define HUB {int(shown.hub)}"
     yield f"#define SPIN {int(shown.spins)}"
+    yield f"#define ROAD {int(shown.road is not None)}"
+    names = [v.name for v in shown.contact_inputs]
+    yield f"#define SPIN_PLACE {names.index(SPIN.name) if shown.spins else 0}"
     optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
     for routine in ["forces", "quantities", *optional]:
         yield f"#define model_{routine} {model}_{routine}"
@@ -190,9 +193,9 @@ def _indices(shown: Interface) -> Iterable[str]:
         yield f"#define OWN_{name} {own.index(name)}"
     if shown.hub:
         forces = [q.name for q in CONTACT_FORCES]
-        yield from _table("CONTACT_FORCES", [str(forces.index(name)) for name in tire.outputs])
+        yield from table("CONTACT_FORCES", [str(forces.index(name)) for name in tire.outputs])
         scales = [f"{prefix}_{name}" for name in tire.book.friction_scales]
-        yield from _table("FRICTION_PARAMETERS", [*scales, "-1"])
+        yield from table("FRICTION_PARAMETERS", [*scales, "-1"])
         if not scales:
             yield "#define HOST_FRICTION 0"  # not read
 
@@ -228,9 +231,9 @@ def _inputs(shown: Interface) -> Iterable[str]:
         tire.nominal(name) if index < 0 and name not in computed else 0.0
         for name, index in zip(tire.inputs, indices, strict=True)
     ]
-    yield from _table("MODEL_INPUT_NAMES", [c_string(name) for name in tire.inputs])
-    yield from _table("HOST_INPUT_INDICES", [str(index) for index in indices])
-    yield from _table("UNCONNECTED_INPUTS", [repr(float(value)) for value in unconnected])
+    yield from table("MODEL_INPUT_NAMES", [c_string(name) for name in tire.inputs])
+    yield from table("HOST_INPUT_INDICES", [str(index) for index in indices])
+    yield from table("UNCONNECTED_INPUTS", [repr(float(value)) for value in unconnected])
 
 
 def _limit(value: float) -> str:
@@ -251,7 +254,7 @@ def _extra(variable: Variable, model: str) -> str:
     return f"{kind} + {model.upper()}_{name}" if name else kind
 
 
-def _table(name: str, entries: Sequence[str]) -> Iterable[str]:
+def table(name: str, entries: Sequence[str]) -> Iterable[str]:
     """Yield the lines of a macro that initializes an array, eight entries in each."""
     yield f"#define {name} {{ \\"
     for i in range(0, len(entries), 8):

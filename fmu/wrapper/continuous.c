@@ -4,6 +4,7 @@
 #include "contact.h"
 #include "memory.h"
 #include "slips.h"
+#include "spin.h"
 
 #include <math.h>
 
@@ -54,6 +55,9 @@ Status instance_update_discrete(Instance *self, int *states_changed)
     *states_changed = slips_settle(&self->state);
     if (*states_changed)
         state_changed(&self->state);
+#if SPIN
+    *states_changed |= spin_settle(&self->state);
+#endif
     return STATUS_OK;
 }
 
@@ -80,13 +84,13 @@ static Status copy_shown(Instance *self, size_t first, double shown[], size_t n,
 {
     size_t i;
 
-    if (expect_kind(self, what) != STATUS_OK || expect_array(self, shown, n, N_STATES, "states") != STATUS_OK)
+    if (expect_kind(self, what) != STATUS_OK || expect_array(self, shown, n, N_CONTINUOUS, "states") != STATUS_OK)
         return STATUS_ERROR;
     if (self->state.mode == INSTANTIATED)
         return instance_refuse(self, STATUS_ERROR, "there are no %s while instantiated", what);
     state_compute_outputs(&self->state);
     for (i = 0; i < n; i++)
-        shown[i] = self->state.values[first + i];
+        shown[i] = self->state.values[SPIN && first == FIRST_STATE && i == N_STATES ? SPIN_VALUE : first + i];
     return instance_expect_finite(self, shown, n, what);
 }
 
@@ -105,14 +109,19 @@ Status instance_set_states(Instance *self, const double states[], size_t n)
     size_t i;
 
     if (expect_kind(self, "setting states") != STATUS_OK ||
-        expect_array(self, states, n, N_STATES, "states") != STATUS_OK ||
+        expect_array(self, states, n, N_CONTINUOUS, "states") != STATUS_OK ||
         instance_expect(self, CONTINUOUS, CONTINUOUS, "setting states") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
         if (!isfinite(states[i]))
             return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g",
-                                   value_name((unsigned) (FIRST_STATE + i)), states[i]);
+                                   value_name((unsigned) (i < N_STATES ? FIRST_STATE + i : SPIN_VALUE)), states[i]);
     for (i = 0; i < n; i++) {
+#if SPIN
+        if (i == N_STATES)
+            self->state.values[SPIN_VALUE] = states[i];
+        else
+#endif
 #ifdef DISTANCE
         if (i == N_STATES - 1)
             self->state.distance = states[i];
@@ -134,14 +143,15 @@ Status instance_get_nominals(Instance *self, double nominals[], size_t n)
     size_t i;
 
     if (expect_kind(self, "nominal values of states") != STATUS_OK ||
-        expect_array(self, nominals, n, N_STATES, "states") != STATUS_OK)
+        expect_array(self, nominals, n, N_CONTINUOUS, "states") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
         nominals[i] = NOMINAL[i];
     return STATUS_OK;
 }
 
-/* Where one changes sign, the derivative of a state along a path jumps; see memory.h. */
+/* Where one changes sign, the derivative of a state along a path jumps; see memory.h.  The last one is that of the
+   brake. */
 Status instance_get_indicators(Instance *self, double indicators[], size_t n)
 {
 #if N_MEMORY > 0
@@ -157,6 +167,10 @@ Status instance_get_indicators(Instance *self, double indicators[], size_t n)
     for (i = 0; i < N_MEMORY; i++)
         if (memory_is_path(i))
             indicators[k++] = events[i];
+#endif
+#if SPIN
+    state_compute_outputs(&self->state);
+    indicators[N_INDICATORS - 1] = spin_indicator(&self->state);
 #endif
     return instance_expect_finite(self, indicators, n, "an event indicator");
 }

@@ -2,8 +2,8 @@
  *
  * terms.h has the derivatives of the unknowns by the model's operations, contact.h and slips.h those of the model's
  * inputs by the host's values.  chain_rule.h connects them: in forward mode for the directional derivative, in reverse
- * mode for the adjoint derivative.  Near standstill of a wheel, where limits and dampers act, the derivatives are
- * central differences.
+ * mode for the adjoint derivative.  Near standstill of a wheel, where limits and dampers act, and with a road inside the
+ * FMU, the derivatives are central differences.
  */
 #include "instance.h"
 
@@ -11,6 +11,7 @@
 #include "contact.h"
 #include "hub.h"
 #include "slips.h"
+#include "spin.h"
 #include "tangents.h"
 
 #include <string.h>
@@ -23,11 +24,15 @@ static int is_state(unsigned reference)
 {
     unsigned state;
 
+    if (SPIN && reference == SPIN_VALUE)
+        return 1;
     for (state = FIRST_STATE; state < FIRST_DERIVATIVE; state++)
         if (reference == state)
             return 1;
     return 0;
 }
+
+static int is_smooth(const State *state) { return !ROAD && contact_is_smooth(state); }
 
 static Status expect_differentiable(const Instance *self, const unsigned unknowns[], size_t n_unknowns,
                                     const unsigned knowns[], size_t n_knowns)
@@ -71,6 +76,9 @@ static void prepare(State *state, double seeds[N_VALUES], const Radius *radius, 
     hub_differentiate(state, seeds, tangent->motion + HUB_CHANGE);
 #endif
     tangent_find(state, seeds, radius, tangent);
+#if SPIN
+    spin_differentiate(state, seeds, tangent->motion);
+#endif
 }
 
 /* Add the terms with one kind of slips for all seeds. */
@@ -216,12 +224,12 @@ Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_u
     state_compute_outputs(state);
     for (i = 0; i < n_unknowns; i++)
         sensitivity[i] = 0.0;
-    for (j = 0; j < n_knowns && !contact_is_smooth(state); j++) {
+    for (j = 0; j < n_knowns && !is_smooth(state); j++) {
         find_differences(state, knowns[j], unknowns, n_unknowns, column);
         for (i = 0; i < n_unknowns; i++)
             sensitivity[i] += seed[j] * column[i];
     }
-    if (!contact_is_smooth(state))
+    if (!is_smooth(state))
         return instance_expect_finite(self, sensitivity, n_unknowns, "a derivative");
     for (j = 0; j < n_knowns; j++)
         seeds[knowns[j]] += seed[j] * value_direction(knowns[j]);
@@ -247,11 +255,11 @@ Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unkn
     if (expect_arrays(self, seed, n_unknowns, sensitivity, n_knowns) != STATUS_OK)
         return STATUS_ERROR;
     state_compute_outputs(state);
-    for (j = 0; j < n_knowns && !contact_is_smooth(state); j++) {
+    for (j = 0; j < n_knowns && !is_smooth(state); j++) {
         find_differences(state, knowns[j], unknowns, n_unknowns, column);
         sensitivity[j] = product(seed, column, n_unknowns);
     }
-    if (!contact_is_smooth(state))
+    if (!is_smooth(state))
         return instance_expect_finite(self, sensitivity, n_knowns, "a derivative");
     tangent_find_radius(state, &radius);
     find_gradient(state, GIVEN, unknowns, n_unknowns, seed, given);

@@ -181,7 +181,7 @@ fmi2Status fmi2CancelStep(fmi2Component c) { UNSUPPORTED(fmi2CancelStep); }
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[])
 {
-    UNSUPPORTED(fmi2SetRealInputDerivatives);
+    return (fmi2Status) instance_set_slopes(c, vr, nvr, order, value);
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,

@@ -328,6 +328,6 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventI
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates)
 {
     EXPECT(nContinuousStates, "the number");
-    *nContinuousStates = N_STATES;
+    *nContinuousStates = N_CONTINUOUS;
     return fmi3OK;
 }

@@ -5,16 +5,12 @@
 #include "memory.h"
 #include "slips.h"
 #include "spin.h"
-#include "state_laws.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Whether two times differ by rounding of the host only. */
-static int same_time(double a, double b) { return fabs(a - b) <= 1e-9 * (1.0 + fabs(b)); }
 
 /* ---------------------------------------------------------------- life cycle and log */
 
@@ -31,6 +27,9 @@ static void start_again(Instance *self)
 #endif
 #if N_MEMORY > 0
     memcpy(self->state.memory, self->tire.starts + FIRST_MEMORY, sizeof self->state.memory);
+#endif
+#if ROAD
+    self->state.road = self->road;
 #endif
     self->warned = 0;
     memcpy(self->state.values, self->tire.starts, sizeof self->state.values);
@@ -56,6 +55,10 @@ Instance *instance_create(const char *name, const char *token, const char *resou
     }
     strcpy(self->name, given_name);
     problem = tire_find(resources, &self->tire);
+#if ROAD
+    if (!problem)
+        problem = road_open(resources, &self->road);
+#endif
     if (problem) {
         instance_refuse(self, STATUS_ERROR, "%s", problem);
         instance_free(self);
@@ -66,19 +69,18 @@ Instance *instance_create(const char *name, const char *token, const char *resou
         instance_free(self);
         return NULL;
     }
-    if (SPIN && kind == MODEL_EXCHANGE) {
-        instance_refuse(self, STATUS_ERROR, "this FMU is for Co-Simulation only");
-        instance_free(self);
-        return NULL;
-    }
     start_again(self);
     return self;
 }
 
 void instance_free(Instance *self)
 {
-    if (self)
+    if (self) {
+#if ROAD
+        road_close(self->road);
+#endif
         free(self->name);
+    }
     free(self);
 }
 
@@ -235,77 +237,13 @@ Status instance_exit_initialization(Instance *self)
 #if N_MEMORY > 0
     memory_begin(&self->state);
 #endif
+#if SPIN
+    if (self->state.kind == MODEL_EXCHANGE)
+        spin_settle(&self->state);
+#endif
     if (*self->tire.note)
         instance_refuse(self, STATUS_OK, "%s", self->tire.note);
     self->state.mode = self->state.kind == MODEL_EXCHANGE ? EVENT : STEPPING;
-    return STATUS_OK;
-}
-
-#if N_STATES > 0
-void state_integrate(State *state, double h)
-{
-    contact_find(state);
-#if N_MEMORY > 0
-    memory_advance(state, h);
-#else
-    slips_advance(state, h);
-#endif
-    state->distance = state_sum_linear(state->distance, state->contact.speed, state->contact.speed, h);
-}
-
-/* Integrate the states, which remain unchanged if one would not be finite. */
-static Status advance(Instance *self, double size)
-{
-    State *state = &self->state;
-    const State before = *state;
-    Status status;
-
-#if SPIN
-    spin_advance(state, size);
-#else
-    state_integrate(state, size);
-#endif
-    status = instance_expect_finite(self, state->lagging, N_LAGGING, "a lagged slip");
-    if (status == STATUS_OK)
-        status = instance_expect_finite(self, &state->distance, 1, "the distance");
-#if N_MEMORY > 0
-    if (status == STATUS_OK)
-        status = instance_expect_finite(self, state->memory, N_MEMORY, "a state");
-#endif
-#if SPIN
-    if (status == STATUS_OK)
-        status = instance_expect_finite(self, state->values + FIRST_INPUT + HOST_SPIN, 1, "the spin");
-#endif
-    if (status != STATUS_OK)
-        *state = before;
-    return status;
-}
-#endif
-
-Status instance_step(Instance *self, double point, double size)
-{
-    if (expect_mode(self, STEPPING, "a step") != STATUS_OK)
-        return STATUS_ERROR;
-    if (!isfinite(size) || size <= 0.0)
-        return instance_refuse(self, STATUS_ERROR, "the step size must be positive and finite, not %g", size);
-    if (!isfinite(point) || !same_time(point, self->state.values[TIME]))
-        return instance_refuse(self, STATUS_ERROR, "the step starts at t = %.17g, the last one ended at %.17g",
-                               point, self->state.values[TIME]);
-    if (!isfinite(point + size))
-        return instance_refuse(self, STATUS_ERROR, "the step ends at t = %g", point + size);
-    if (self->state.stop_defined && point + size > self->state.stop_time &&
-        !same_time(point + size, self->state.stop_time))
-        return instance_refuse(self, STATUS_ERROR, "the step ends at t = %.17g, after the stop time %.17g",
-                               point + size, self->state.stop_time);
-#if N_STATES > 0
-    if (advance(self, size) != STATUS_OK)
-        return STATUS_DISCARD;
-#if defined DISTANCE || HUB
-    state_changed(&self->state); /* the model reads the distance; the load depends on the slips */
-#endif
-    self->state.outputs_known = self->state.extras_known = 0;
-#endif
-    self->state.values[TIME] = point + size; /* from the host's time, so that rounding errors do not accumulate */
     return STATUS_OK;
 }
 

@@ -24,10 +24,14 @@ enum {
     FIRST_STATE = FIRST_PARAMETER + N_HOST_PARAMETERS,
     FIRST_MEMORY = FIRST_STATE + LAGS * 2 + TWISTS, /* the states of effects; the distance is behind them */
     FIRST_DERIVATIVE = FIRST_STATE + N_STATES,
-    FIRST_EXTRA = FIRST_DERIVATIVE + N_STATES,
-    N_VALUES = FIRST_EXTRA + N_EXTRAS
+    N_CONTINUOUS = N_STATES + SPIN, /* of Model Exchange: the spin is the last one */
+    FIRST_EXTRA = FIRST_DERIVATIVE + N_CONTINUOUS,
+    N_VALUES = FIRST_EXTRA + N_EXTRAS,
+    SPIN_VALUE = SPIN ? FIRST_INPUT + SPIN_PLACE : 0,
+    SPIN_RATE = FIRST_DERIVATIVE + N_STATES
 };
 
+#include "road.h"
 #include "tire.h"
 
 /* The kind of a value: a stored one can be set until initialization ends; a hidden one is not visible to the host and
@@ -40,6 +44,7 @@ enum {
     KAPPA_GIVEN,
     ALPHA_GIVEN,
     ALPHA_LAGGED,
+    BRAKE_EVENT,
     FIRST_QUANTITY,
     FIRST_PATH = FIRST_QUANTITY + N_QUANTITIES,
     FIRST_HUB = FIRST_PATH + N_MEMORY
@@ -70,7 +75,8 @@ typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, EVENT, CONTINUOUS, TERMIN
 enum { LONGITUDINAL, LATERAL, N_SLIPS, TWIST = N_SLIPS, N_LAGGING = N_SLIPS + TWISTS };
 
 /* What the rates of lagged quantities depend on in addition to the model: |V|, sliding velocities, the yaw rate, the
-   default relaxation length, and the lagged quantities; then the results for the hub at constant contact forces. */
+   default relaxation length, and the lagged quantities; then the results for the hub at constant contact forces, and
+   the change of the spin, of its rate by torques and inertia, and of the margin of a brake that holds. */
 enum {
     ROLLING,
     SLIDING,
@@ -78,7 +84,10 @@ enum {
     DEFAULT_LENGTH,
     LAGGING,
     HUB_CHANGE = LAGGING + N_LAGGING,
-    N_MOTION = HUB_CHANGE + HUB * N_HUB_RESULTS
+    SPIN_MOVED = HUB_CHANGE + HUB * N_HUB_RESULTS,
+    SPIN_PUSHED,
+    SPIN_MARGIN,
+    N_MOTION = SPIN ? SPIN_MARGIN + 1 : SPIN_MOVED
 };
 
 /* The kinematics at the contact point; see contact.h. */
@@ -103,7 +112,8 @@ typedef struct {
 } Hub;
 #endif
 
-/* Everything that changes in an instance.  It has no pointers: a copy is a saved state, the bytes a serialized one. */
+/* Everything that changes in an instance: a copy is a saved state, the bytes a serialized one.  The road is that of the
+   instance, also after a state has been restored. */
 typedef struct {
     char token[TOKEN_SIZE]; /* identifies the FMU of a serialized state */
     int kind, mode;
@@ -112,6 +122,12 @@ typedef struct {
 #if HUB
     int hub_known;
     Hub hub;
+#endif
+#if ROAD
+    const RoadGrid *road;
+#endif
+#if SPIN
+    int brake_sense; /* of Model Exchange, see spin.h */
 #endif
     int stop_defined;
     double stop_time;
@@ -123,6 +139,8 @@ typedef struct {
     double lengths[N_SLIPS];
     int length_is_default[N_SLIPS];
     Contact contact;
+    int interpolates; /* whether a slope is not 0 */
+    double slopes[N_HOST_INPUTS]; /* of the inputs over the next step */
     double values[N_VALUES];
 } State;
 
@@ -134,6 +152,7 @@ typedef void LogCallback(const Instance *self, Status status, const char *catego
 struct Instance {
     State state;
     Tire tire;
+    RoadGrid *road; /* or NULL */
     LogCallback *log_message;
     void (*logger)(void); /* the host's function; `log_message` converts its type */
     void *environment;
@@ -168,6 +187,9 @@ Status instance_set_experiment(Instance *self, double start, int stop_defined, d
 Status instance_enter_initialization(Instance *self);
 Status instance_exit_initialization(Instance *self);
 Status instance_step(Instance *self, double point, double size);
+/* The inputs change with these rates over the next step, from their present values. */
+Status instance_set_slopes(Instance *self, const unsigned references[], size_t n, const int orders[],
+                           const double slopes[]);
 Status instance_terminate(Instance *self);
 Status instance_reset(Instance *self);
 

@@ -14,9 +14,6 @@
 #define ACCURACY 1e-13
 #define LEAST_SPIN 1e-3
 #define MOST_DOUBLINGS 60
-/* The moment about the spin axis, the fifth result of hub_wrench. */
-enum { SPIN_MOMENT = WRENCH_RESULT + 4 };
-
 /* A part of a step, and the state at its end for the spin tried last. */
 typedef struct {
     const State *begin;
@@ -24,7 +21,7 @@ typedef struct {
     double size, gain, brake;
 } Part;
 
-static double spin_of(const State *state) { return state->values[FIRST_INPUT + HOST_SPIN]; }
+static double spin_of(const State *state) { return state->values[SPIN_VALUE]; }
 
 /* By how much the spin that the torques cause at the end of a part exceeds the given one. */
 static double excess(void *context, double spin)
@@ -34,7 +31,7 @@ static double excess(void *context, double spin)
     double torque;
 
     *end = *part->begin;
-    end->values[FIRST_INPUT + HOST_SPIN] = spin;
+    end->values[SPIN_VALUE] = spin;
     end->values[FIRST_INPUT + HOST_TURNING] += spin - spin_of(part->begin);
     end->contact_known = end->lengths_known = 0;
     state_integrate(end, part->size);
@@ -90,7 +87,8 @@ static double advance_part(State *state, double size)
 
 void spin_advance(State *state, double h)
 {
-    const double wanted = ceil(h / LONGEST_PART);
+    /* The sizes of steps that are equal but for rounding have equal numbers of parts. */
+    const double wanted = ceil(h / LONGEST_PART * (1.0 - 1e-9));
     const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
     double braked = 0.0;
     int i;
@@ -99,4 +97,84 @@ void spin_advance(State *state, double h)
     for (i = 0; i < parts; i++)
         braked += advance_part(state, h / parts);
     state->hub.results[BRAKE_RESULT] = braked / parts;
+}
+
+/* ---------------------------------------------------------------- continuous time */
+
+static double drive_of(const State *state) { return state->values[FIRST_INPUT + HOST_DRIVE]; }
+
+static double capacity_of(const State *state) { return state->values[FIRST_INPUT + HOST_BRAKE]; }
+
+/* The torque on the wheel without that of the brake. */
+static double free_torque(const State *state) { return drive_of(state) + state->hub.results[SPIN_MOMENT]; }
+
+static int sign_of(double x) { return x > 0.0 ? 1 : x < 0.0 ? -1 : 0; }
+
+/* Before the first event of Model Exchange, and in Co-Simulation, the sense follows from the present values. */
+static int sense_of(const State *state)
+{
+    if (state->kind == MODEL_EXCHANGE && state_has_begun(state))
+        return state->brake_sense;
+    if (spin_of(state) != 0.0)
+        return sign_of(spin_of(state));
+    return fabs(free_torque(state)) <= capacity_of(state) ? 0 : sign_of(free_torque(state));
+}
+
+int spin_is_held(const State *state) { return sense_of(state) == 0; }
+
+static double braking(const State *state)
+{
+    return spin_is_held(state) ? -free_torque(state) : -sense_of(state) * capacity_of(state);
+}
+
+int spin_settle(State *state)
+{
+    const double before = spin_of(state);
+    const int arrived = before * state->brake_sense <= 0.0 && state->brake_sense != 0;
+
+    if (before == 0.0 || (arrived && capacity_of(state) > 0.0)) {
+        state->values[SPIN_VALUE] = 0.0;
+        state_changed(state);
+        state_compute_outputs(state);
+        state->brake_sense = fabs(free_torque(state)) <= capacity_of(state) ? 0 : sign_of(free_torque(state));
+        if (state->brake_sense != 0)
+            state->values[SPIN_VALUE] = before;
+    } else {
+        state->brake_sense = sign_of(before);
+    }
+    state_changed(state);
+    return spin_of(state) != before;
+}
+
+void spin_show(State *state)
+{
+    state->values[SPIN_RATE] =
+        spin_is_held(state) ? 0.0 : (free_torque(state) + braking(state)) * spin_gain(state);
+    if (state->kind == MODEL_EXCHANGE)
+        state->hub.results[BRAKE_RESULT] = braking(state);
+}
+
+double spin_indicator(const State *state)
+{
+    return spin_is_held(state) ? capacity_of(state) - fabs(free_torque(state)) : spin_of(state);
+}
+
+double spin_gain(const State *state)
+{
+    return spin_is_held(state) ? 0.0 : 1.0 / state->values[FIRST_PARAMETER + OWN_WHEEL_INERTIA];
+}
+
+double spin_margin_by_moment(const State *state) { return spin_is_held(state) ? -sign_of(free_torque(state)) : 0.0; }
+
+void spin_differentiate(const State *state, const double seeds[N_VALUES], double motion[N_MOTION])
+{
+    const double driven = seeds[FIRST_INPUT + HOST_DRIVE], braked = seeds[FIRST_INPUT + HOST_BRAKE];
+    const double heavier = seeds[FIRST_PARAMETER + OWN_WHEEL_INERTIA];
+    const int sense = sense_of(state);
+
+    motion[SPIN_MOVED] = seeds[SPIN_VALUE];
+    motion[SPIN_PUSHED] = spin_gain(state) * (driven - sense * braked - heavier * state->values[SPIN_RATE]);
+    motion[SPIN_MARGIN] = braked + spin_margin_by_moment(state) * driven;
+    if (state->kind == MODEL_EXCHANGE) /* in Co-Simulation it is the mean of the last step */
+        motion[HUB_CHANGE + BRAKE_RESULT] = sense == 0 ? -driven : -sense * braked;
 }

@@ -1,7 +1,6 @@
 /* The jobs of the Standard Tyre Interface.  See sti.h. */
-#include "sti.h"
+#include "sti_values.h"
 
-#include "sti_tire.h"
 #include "wheel_kinematics.h"
 
 #include <stdarg.h>
@@ -55,10 +54,11 @@ static int error_of(Status status)
     return status == STATUS_OK ? GOOD : status == STATUS_WARNING ? WARNING : status == STATUS_DISCARD ? DO_NOT_USE : FATAL;
 }
 
-/* The tire at its start values. */
-static int begin(Instance *self, Call *call)
+/* The tire at its start values; `takes`: those of the host's file, which are then stored. */
+static int begin(Instance *self, Call *call, int takes)
 {
     const char *missing;
+    int error;
 
     memset(self, 0, sizeof *self);
     self->log_message = write_line;
@@ -71,8 +71,10 @@ static int begin(Instance *self, Call *call)
         sti_write(call, missing);
         return FATAL;
     }
-    instance_reset(self);
-    return GOOD;
+    error = takes ? sti_take_values(call, &self->tire) : sti_stored_values(call, &self->tire);
+    if (error == GOOD)
+        instance_reset(self);
+    return error;
 }
 
 /* ---------------------------------------------------------------- jobs before the simulation */
@@ -108,24 +110,31 @@ double sti_radius(const Call *call) { return call->parameters[UNLOADED_RADIUS_OF
 /* Parameters and the states of a freely rolling tire. */
 static int initialize(Call *call)
 {
+    const int takes = *call->job != INITIAL_CONDITIONS;
     Instance self;
+    char title[STI_TITLE];
     int error = check_sizes(call);
 
     if (error == GOOD)
-        error = begin(&self, call);
+        error = begin(&self, call, takes);
     if (error != GOOD)
         return error;
-    memset(call->parameters, 0, STI_PARAMETERS * sizeof *call->parameters);
+    memset(call->parameters, 0, STI_OWN_PARAMETERS * sizeof *call->parameters);
     call->parameters[UNLOADED_RADIUS_OF_HOST] = own(&self, OWN_UNLOADED_RADIUS);
 #ifdef OWN_VERTICAL_STIFFNESS
     call->parameters[STIFFNESS_OF_HOST] = own(&self, OWN_VERTICAL_STIFFNESS);
 #endif
     call->parameters[DAMPING_OF_HOST] = own(&self, OWN_VERTICAL_DAMPING);
     call->integers[WARNED] = 0;
-    sti_write(call, TIRE_TITLE);
+    sti_write(call, sti_title(call, title));
     instance_enter_initialization(&self);
     error = error_of(instance_exit_initialization(&self));
-    return error == GOOD ? error_of(instance_get_states(&self, call->initial, N_STATES)) : error;
+    if (error == GOOD)
+        error = error_of(instance_get_states(&self, call->initial, N_STATES));
+    /* The start values of the motion are not those of the file's tire; without added effects, all states are 0. */
+    if (TIRE_FROM_FILE)
+        memset(call->initial, 0, N_STATES * sizeof *call->initial);
+    return error;
 }
 
 /* ---------------------------------------------------------------- evaluation */
@@ -198,7 +207,7 @@ static int evaluate(Call *call)
     int by_road, error = check_sizes(call);
 
     if (error == GOOD)
-        error = begin(&self, call);
+        error = begin(&self, call, 0);
     if (error != GOOD)
         return error;
     by_road = find_road(call, &road);

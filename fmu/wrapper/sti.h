@@ -2,12 +2,13 @@
  *
  * sti_entries.c has the subroutines that hosts call; each puts its arguments into a `Call`.  sti.c evaluates it with the
  * equations of an FMU with hub inputs for Model Exchange: the host integrates the states.  Nothing is stored between
- * two calls except in the host's arrays, so that any number of tires and threads may call.
+ * two calls except in the host's arrays (TYPARR, IWRKAR), so that any number of tires and threads may call.
  */
 #ifndef STI_H
 #define STI_H
 
 #include "instance.h"
+#include "sti_tire.h"
 
 /* Values of JOBFLG. */
 enum {
@@ -29,7 +30,10 @@ enum { GOOD = 0, WARNING = 1, DO_NOT_USE = 2, FATAL = 3 };
 /* Lengths of the arrays, and the indices of values in them. */
 enum {
     STI_TEXT = 256,
-    STI_PARAMETERS = 16,
+    STI_OWN_PARAMETERS = 16,
+    /* With the values of a tire file: mark, width, parameters, ranges.  Adams has 300 places. */
+    STI_PARAMETERS = STI_OWN_PARAMETERS + TIRE_FROM_FILE * (2 + N_HOST_PARAMETERS + 2 * N_INPUTS),
+    MOST_PARAMETERS = 300,
     STI_RESULTS = 75,
     STI_WORK = 1,
     STI_INTEGERS = 1,
@@ -57,6 +61,8 @@ struct Call {
     const double *states;
     int *n_parameters;
     double *parameters;
+    const int *n_file_name;
+    const char *file_name; /* of the tire */
     void (*host_road)(void);
     int *road_id, *n_road;
     double *road_parameters;

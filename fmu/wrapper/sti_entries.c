@@ -9,7 +9,7 @@
  */
 #include "sti.h"
 
-#include "sti_tire.h"
+#include "sti_values.h"
 #include "wheel_kinematics.h"
 
 #include <string.h>
@@ -37,14 +37,13 @@ enum { HIGH_ROAD_PROPERTIES = 1 };
     {                                                                                                                \
         .job = jobflg, .tire = idtyre, .time = time, .position = dis, .axes = tramat, .velocity = vel,               \
         .turning = omega, .spin = omegar, .n_states = ndeqvr, .states = deqvar, .n_parameters = ntypar,              \
-        .parameters = typarr, .host_road = (void (*)(void)) road, .road_id = idroad, .n_road = nropar,               \
+        .parameters = typarr, .n_file_name = nchtds, .file_name = chtdst, .host_road = (void (*)(void)) road, .road_id = idroad, .n_road = nropar,               \
         .road_parameters = ropar, .n_road_name = nchrds, .road_name = chrdst, .force = forces, .moment = torque,     \
         .initial = deqini, .rates = deqder, .text = tyrmod, .n_results = nvars, .results = varinf, .n_work = nwork,  \
         .n_integers = niwork, .integers = iwrkar                                                                     \
     }
-/* Arguments that no equation reads; the values of the tire are part of the library. */
-#define UNUSED_ARGUMENTS \
-    (void) ndev, (void) iswtch, (void) angtwc, (void) nchtds, (void) chtdst, (void) wrkarr
+/* Arguments that no equation reads. */
+#define UNUSED_ARGUMENTS (void) ndev, (void) iswtch, (void) angtwc, (void) wrkarr
 
 /* ---------------------------------------------------------------- results */
 
@@ -98,12 +97,13 @@ typedef void HeightRoad(const double *time, const double *place, const int *want
 
 /* The tire is a disk of its width: it has no points of a cross section. */
 static const int N_SHAPE = 0;
-static const double SHAPE[2] = {0.0, 0.0}, WIDTH = TIRE_WIDTH;
+static const double SHAPE[2] = {0.0, 0.0};
 
 static int find_adams_road(Call *call, const double place[3], Road *road)
 {
     double volume = 0.0, penetration = 0.0;
-    const double radius = *call->job == INQUIRE ? 0.0 : sti_radius(call);
+    const int is_known = *call->job != INQUIRE;
+    const double radius = is_known ? sti_radius(call) : 0.0, width = is_known ? sti_width(call) : 0.0;
     char text[STI_TEXT];
     int text_size = STI_TEXT, error = GOOD;
 
@@ -111,12 +111,12 @@ static int find_adams_road(Call *call, const double place[3], Road *road)
     if (call->padded)
         ((AdamsRoad *) call->host_road)(call->job, call->tire, call->time, place, call->axes, call->road_id,
                                         call->n_road, call->road_parameters, call->n_road_name, call->road_name,
-                                        &N_SHAPE, SHAPE, &radius, &WIDTH, &road->touched, &volume, &penetration,
+                                        &N_SHAPE, SHAPE, &radius, &width, &road->touched, &volume, &penetration,
                                         road->point, road->normal, &road->friction, &error, text, STI_TEXT, STI_TEXT);
     else
         ((MotionSolveRoad *) call->host_road)(call->job, call->tire, call->time, place, call->axes, call->road_id,
                                               call->n_road, call->road_parameters, call->n_road_name, call->road_name,
-                                              call->road_name_size, &N_SHAPE, SHAPE, &radius, &WIDTH,
+                                              call->road_name_size, &N_SHAPE, SHAPE, &radius, &width,
                                               &road->touched, &volume, &penetration, road->point, road->normal,
                                               &road->friction, &error, text, &text_size);
     if (error > WARNING) {

@@ -6,6 +6,7 @@
 #include "hub.h"
 #include "memory.h"
 #include "slips.h"
+#include "spin.h"
 
 #include <math.h>
 
@@ -104,12 +105,31 @@ static size_t hub_terms(const State *state, unsigned result, Term terms[MOST_TER
     double by[N_OUTPUTS];
     unsigned i;
 
-    if (result < WRENCH_RESULT || result == BRAKE_RESULT)
+    if (result < WRENCH_RESULT)
         return n;
     hub_by_forces(state, result, by);
     for (i = 0; i < N_OUTPUTS; i++)
         n = add(terms, n, ACTING, chain_force(i), by[i]);
     return n;
+}
+#endif
+
+#if SPIN
+/* `factor` times the moment of the tire about the spin axis, and an entry of the motion. */
+static size_t spin_terms(State *state, unsigned entry, double factor, Term terms[MOST_TERMS])
+{
+    size_t i, n = factor != 0.0 ? hub_terms(state, SPIN_MOMENT, terms) : 0;
+
+    for (i = 0; i < n; i++)
+        terms[i].factor *= factor;
+    return add(terms, n, MOTION, entry, 1.0);
+}
+
+/* The torque of a brake that holds balances the others. */
+static size_t brake_terms(State *state, Term terms[MOST_TERMS])
+{
+    const int balances = state->kind == MODEL_EXCHANGE && spin_is_held(state);
+    return spin_terms(state, HUB_CHANGE + BRAKE_RESULT, balances ? -1.0 : 0.0, terms);
 }
 #endif
 
@@ -121,8 +141,12 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
 #if HUB
     if (unknown == FIRST_INPUT + HOST_LOAD)
         return hub_terms(state, LOAD_RESULT, terms);
-    if (unknown < FIRST_COMPUTED)
-        return 0; /* the spin, a state */
+#if SPIN
+    if (unknown == SPIN_VALUE)
+        return add(terms, 0, MOTION, SPIN_MOVED, 1.0);
+    if (unknown == SPIN_RATE)
+        return spin_terms(state, SPIN_PUSHED, spin_gain(state), terms);
+#endif
     if (unknown < FIRST_OUTPUT)
         return hub_terms(state, unknown - FIRST_COMPUTED, terms);
 #endif
@@ -143,6 +167,12 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
     if (unknown < FIRST_EXTRA)
         return add(terms, 0, MOTION, ROLLING, 1.0); /* of the distance */
     shown = value_shows(unknown);
+#if SPIN
+    if (shown == BRAKE_EVENT)
+        return spin_terms(state, spin_is_held(state) ? SPIN_MARGIN : SPIN_MOVED, spin_margin_by_moment(state), terms);
+    if (shown == FIRST_HUB + BRAKE_RESULT)
+        return brake_terms(state, terms);
+#endif
     if (shown == FRICTION_USE)
         return friction_terms(state, terms);
 #if HUB

@@ -5,6 +5,7 @@
 #include "hub.h"
 #include "memory.h"
 #include "slips.h"
+#include "spin.h"
 
 #include <math.h>
 #include <string.h>
@@ -124,6 +125,9 @@ void state_compute_outputs(State *state)
 #if HUB
     hub_add_forces(state);
 #endif
+#if SPIN
+    spin_show(state);
+#endif
     show_states(state);
     state->outputs_known = 1;
 }
@@ -162,6 +166,10 @@ void state_compute_extras(State *state)
 #if HUB
         else if (EXTRA[i] >= FIRST_HUB)
             found = state->hub.results[EXTRA[i] - FIRST_HUB];
+#endif
+#if SPIN
+        else if (EXTRA[i] == BRAKE_EVENT)
+            found = spin_indicator(state);
 #endif
 #if N_MEMORY > 0
         else if (EXTRA[i] >= FIRST_PATH)

@@ -270,8 +270,8 @@ static inline double state_play(double z, double s, double s_end, double width)
     return (moved > 1.0 ? 1.0 : (moved < -1.0 ? -1.0 : moved));
 }
 
-/* Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in two parts as
-   Dahl's law. */
+/* Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two
+   parts. */
 static inline double state_play_size(double z, double a, double b, double a_end, double b_end, double width)
 {
     const double da = a_end - a;

@@ -197,8 +197,8 @@ def play(z, s, s_end, width):
 
 
 def play_size(z, a, b, a_end, b_end, width):
-    """Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in two parts as
-    Dahl's law.
+    """Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two
+    parts.
     """
     da = a_end - a
     db = b_end - b

@@ -43,12 +43,12 @@ from .unit_system import unit_system
 from .units import unit_contradicts
 
 #: Sections that only hold ``KEY = value``, in addition to those of the coefficients.
-_STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
+STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
 
 #: The coefficient that a caller can give if a file lacks it.
 RADIUS = "UNLOADED_RADIUS"
 #: By these the equations divide; files of tires that were measured for forces only state 0.
-_BODY = ("VERTICAL_STIFFNESS", "Q_RE0")
+BODY = ("VERTICAL_STIFFNESS", "Q_RE0")
 
 
 @dataclass(frozen=True)
@@ -224,7 +224,7 @@ class _Reader:
             in_si = entry.key in book.property_file.in_si
             factor = self.units.factor(declaration.unit, declaration.section, per_angle=book.property_file.per_angle)
             number = self._number(entry, 1.0 if in_si else factor)
-            if number == 0.0 and name in _BODY and declaration.assumed is not None:
+            if number == 0.0 and name in BODY and declaration.assumed is not None:
                 self.notes.append(
                     f"line {entry.line}: {entry.key} = 0 is not possible: {declaration.assumed:g} is assumed"
                 )
@@ -336,7 +336,7 @@ class _Reader:
         return ""
 
     def _refuse_rows(self, book: Model) -> None:
-        strict = {*_STRICT, *(section.title for section in book.sections)}
+        strict = {*STRICT, *(section.title for section in book.sections)}
         for row in self.rows:
             if row.section in strict and not row.in_table:
                 line = quoted(without_comment(row.text).strip())

@@ -69,18 +69,18 @@ class Road:
     @cached_property
     def nodes(self) -> FloatArray:
         """The points of the reference line, global, shape (n, 2), m."""
-        steps = self.increment * self._ahead
+        steps = self.increment * self.ahead
         return np.asarray(np.array(self.start) + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)]))
 
     @cached_property
-    def _ahead(self) -> FloatArray:
+    def ahead(self) -> FloatArray:
         """The directions of the n - 1 parts of the reference line."""
         return np.stack([np.cos(self.headings[1:]), np.sin(self.headings[1:])], axis=-1)
 
     @cached_property
-    def _across(self) -> FloatArray:
+    def across(self) -> FloatArray:
         """At each point, the direction of the reference line: the grid line there is normal to it."""
-        mean = np.concatenate([self._ahead[:1], self._ahead[:-1] + self._ahead[1:], self._ahead[-1:]])
+        mean = np.concatenate([self.ahead[:1], self.ahead[:-1] + self.ahead[1:], self.ahead[-1:]])
         return np.asarray(mean / np.linalg.norm(mean, axis=-1, keepdims=True))
 
     def along_and_across(self, x: ArrayLike, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -109,15 +109,15 @@ class Road:
             for part in np.array_split(points, 1 + points.size * len(self.nodes) // _CHUNK)
         ])  # fmt: skip
         last = len(self.nodes) - 2
-        past = np.einsum("ij,ij->i", points - self.nodes[nearest], self._across[nearest])
+        past = np.einsum("ij,ij->i", points - self.nodes[nearest], self.across[nearest])
         i = np.clip(np.where(past < 0.0, nearest - 1, nearest), 0, last)
         # Between two grid lines, u changes in proportion to the distances from them: continuous everywhere.
-        before = np.einsum("ij,ij->i", points - self.nodes[i], self._across[i])
-        after = np.einsum("ij,ij->i", self.nodes[i + 1] - points, self._across[i + 1])
+        before = np.einsum("ij,ij->i", points - self.nodes[i], self.across[i])
+        after = np.einsum("ij,ij->i", self.nodes[i + 1] - points, self.across[i + 1])
         straight = (before < 0.0) | (after < 0.0)
         u = i + np.where(straight, np.where(before < 0.0, before, self.increment - after) / self.increment,
                          before / np.where(straight, 1.0, before + after))  # fmt: skip
-        ahead, arm = self._ahead[i], points - self.nodes[i]
+        ahead, arm = self.ahead[i], points - self.nodes[i]
         v = ahead[:, 0] * arm[:, 1] - ahead[:, 1] * arm[:, 0]
         return (u * self.increment).reshape(given[0].shape), v.reshape(given[0].shape)
 

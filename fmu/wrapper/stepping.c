@@ -1,0 +1,172 @@
+/* Steps of Co-Simulation.  See instance.h. */
+#include "instance.h"
+
+#include "contact.h"
+#include "memory.h"
+#include "slips.h"
+#include "spin.h"
+#include "state_laws.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Parts of a step in which inputs change; a longer step has longer parts, so that it ends. */
+#define LONGEST_PART 1e-3
+#define MOST_PARTS 10000
+
+/* Whether two times differ by rounding of the host only. */
+static int same_time(double a, double b) { return fabs(a - b) <= 1e-9 * (1.0 + fabs(b)); }
+
+#if N_STATES > 0
+void state_integrate(State *state, double h)
+{
+    contact_find(state);
+#if N_MEMORY > 0
+    memory_advance(state, h);
+#else
+    slips_advance(state, h);
+#endif
+    state->distance = state_sum_linear(state->distance, state->contact.speed, state->contact.speed, h);
+}
+
+/* Integrate the states, which remain unchanged if one would not be finite. */
+static Status advance(Instance *self, double size)
+{
+    State *state = &self->state;
+    const State before = *state;
+    Status status;
+
+#if SPIN
+    spin_advance(state, size);
+#else
+    state_integrate(state, size);
+#endif
+    status = instance_expect_finite(self, state->lagging, N_LAGGING, "a lagged slip");
+    if (status == STATUS_OK)
+        status = instance_expect_finite(self, &state->distance, 1, "the distance");
+#if N_MEMORY > 0
+    if (status == STATUS_OK)
+        status = instance_expect_finite(self, state->memory, N_MEMORY, "a state");
+#endif
+#if SPIN
+    if (status == STATUS_OK)
+        status = instance_expect_finite(self, state->values + FIRST_INPUT + HOST_SPIN, 1, "the spin");
+#endif
+    if (status != STATUS_OK)
+        *state = before;
+    return status;
+}
+#endif
+
+/* Integrate with constant inputs. */
+static Status advance_held(Instance *self, double size)
+{
+#if N_STATES > 0
+    if (advance(self, size) != STATUS_OK)
+        return STATUS_DISCARD;
+#if defined DISTANCE || HUB
+    state_changed(&self->state); /* the model reads the distance; the load depends on the slips */
+#endif
+    self->state.outputs_known = self->state.extras_known = 0;
+#else
+    (void) self, (void) size;
+#endif
+    return STATUS_OK;
+}
+
+/* Set the inputs to their values at a time after the start of the step. */
+static Status move_inputs(Instance *self, const double start[], double time)
+{
+    State *state = &self->state;
+    double x;
+    size_t i;
+
+    for (i = 0; i < N_HOST_INPUTS; i++) {
+        const size_t reference = FIRST_INPUT + i;
+
+        if (state->slopes[i] == 0.0)
+            continue;
+        x = start[reference] + state->slopes[i] * time;
+        if (!(x >= self->tire.lower[reference] && x <= self->tire.upper[reference]))
+            return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g",
+                                   value_name((unsigned) reference), x, self->tire.lower[reference],
+                                   self->tire.upper[reference]);
+        state->values[reference] = x;
+    }
+    state_changed(state);
+    return STATUS_OK;
+}
+
+/* Integrate a step.  Inputs with slopes have their mean value in each part of it, and at its end their last value. */
+static Status integrate(Instance *self, double size)
+{
+    const State before = self->state;
+    const double wanted = before.interpolates ? ceil(size / LONGEST_PART * (1.0 - 1e-9)) : 1.0;
+    const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
+    Status status = STATUS_OK;
+    int i;
+
+    if (!before.interpolates)
+        return advance_held(self, size);
+    for (i = 0; i < parts && status == STATUS_OK; i++) {
+        status = move_inputs(self, before.values, (i + 0.5) * size / parts);
+        if (status == STATUS_OK)
+            status = advance_held(self, size / parts);
+    }
+    if (status == STATUS_OK)
+        status = move_inputs(self, before.values, size);
+    if (status != STATUS_OK) {
+        self->state = before;
+        return status;
+    }
+    memset(self->state.slopes, 0, sizeof self->state.slopes);
+    self->state.interpolates = 0;
+    return STATUS_OK;
+}
+
+Status instance_set_slopes(Instance *self, const unsigned references[], size_t n, const int orders[],
+                           const double slopes[])
+{
+    size_t i;
+
+    if (instance_expect_known(self, references, n) != STATUS_OK ||
+        instance_expect_pointer(self, orders, n, "orders") != STATUS_OK ||
+        instance_expect_pointer(self, slopes, n, "derivatives") != STATUS_OK ||
+        instance_expect(self, STEPPING, STEPPING, "setting derivatives of inputs") != STATUS_OK)
+        return STATUS_ERROR;
+    for (i = 0; i < n; i++) {
+        if (value_kind(references[i]) != INPUT || orders[i] != 1)
+            return instance_refuse(self, STATUS_ERROR, "only inputs have derivatives, of order 1");
+        if (!isfinite(slopes[i]))
+            return instance_refuse(self, STATUS_DISCARD, "the derivative of %s must be finite, not %g",
+                                   value_name(references[i]), slopes[i]);
+    }
+    for (i = 0; i < n; i++)
+        self->state.slopes[references[i] - FIRST_INPUT] = slopes[i];
+    self->state.interpolates = 0;
+    for (i = 0; i < N_HOST_INPUTS; i++)
+        if (self->state.slopes[i] != 0.0)
+            self->state.interpolates = 1;
+    return STATUS_OK;
+}
+
+Status instance_step(Instance *self, double point, double size)
+{
+    if (instance_expect(self, STEPPING, STEPPING, "a step") != STATUS_OK)
+        return STATUS_ERROR;
+    if (!isfinite(size) || size <= 0.0)
+        return instance_refuse(self, STATUS_ERROR, "the step size must be positive and finite, not %g", size);
+    if (!isfinite(point) || !same_time(point, self->state.values[TIME]))
+        return instance_refuse(self, STATUS_ERROR, "the step starts at t = %.17g, the last one ended at %.17g",
+                               point, self->state.values[TIME]);
+    if (!isfinite(point + size))
+        return instance_refuse(self, STATUS_ERROR, "the step ends at t = %g", point + size);
+    if (self->state.stop_defined && point + size > self->state.stop_time &&
+        !same_time(point + size, self->state.stop_time))
+        return instance_refuse(self, STATUS_ERROR, "the step ends at t = %.17g, after the stop time %.17g",
+                               point + size, self->state.stop_time);
+    if (integrate(self, size) != STATUS_OK)
+        return STATUS_DISCARD;
+    self->state.values[TIME] = point + size; /* from the host's time, so that rounding errors do not accumulate */
+    return STATUS_OK;
+}

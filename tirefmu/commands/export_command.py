@@ -1,0 +1,122 @@
+"""``tirefmu export``: an FMU, a library with the Standard Tyre Interface, a parameter set or a system of tires."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tirefmu.symbolic.errors import TirefmuError
+
+from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, common, write_json
+
+
+@click.command()
+@click.argument("tires", metavar="TIRE...", type=FILE, nargs=-1, required=True)
+@click.option("-o", "--output", type=FILE, help="FMU to write; with --kind sti a library, with ssv a parameter set.")
+@click.option("--ssp", type=FILE, metavar="FILE",
+              help="Write a system of the tires (SSP): FMUs, parameter sets. Four are FL, FR, RL, RR.")  # fmt: skip
+@RADIUS
+@click.option("--fmi", type=click.Choice(["2", "3"]),
+              help="FMI version; 2 is SSP 1.0, 3 is SSP 2.0  [default: 3; pythonfmu, ssv, --ssp: 2]")  # fmt: skip
+@click.option("--inputs", default="slip", show_default=True,
+              help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
+              " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
+@click.option("--road", type=FILE, help="OpenCRG file of a road inside the FMU, for hub and hub-torque.")
+@click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
+@click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
+@click.option(
+    "--kind",
+    type=click.Choice(["native", "pythonfmu", "sti", "ssv"]),
+    default="native",
+    show_default=True,
+    help="FMU in C or in editable Python, library with the Standard Tyre Interface, or parameter set of SSP.",
+)
+@click.option(
+    "--platforms",
+    default="host",
+    show_default=True,
+    help="host, all, or FMI 3 names separated by commas (x86_64-windows, ...); to compile for others needs ziglang.",
+)
+@click.option(
+    "--values",
+    type=click.Choice(["built-in", "file"]),
+    default="built-in",
+    show_default=True,
+    help="With --kind sti: the library has the values of TIRE, or reads the .tir file that the host names.",
+)
+@common
+def export(
+    tires: tuple[Path, ...],
+    output: Path | None,
+    ssp: Path | None,
+    fmi: str | None,
+    radius: float | None,
+    inputs: str,
+    axes: str,
+    quantities: bool,
+    kind: str,
+    platforms: str,
+    values: str,
+    road: Path | None,
+    quiet: bool,
+    json_file: Path | None,
+) -> int:
+    """Export TIRE as an FMU: native (Co-Simulation and Model Exchange, no Python), or with editable Python.
+
+    Several tires are exported as a system with --ssp.
+    """
+    target = output or ssp
+    if target is None or (output and ssp):
+        raise TirefmuError("export writes one file: give -o or --ssp")
+    if output and len(tires) > 1:
+        raise TirefmuError("several tires are one file as a system only: give --ssp instead of -o")
+    if ssp and kind != "native":
+        raise TirefmuError(f"--ssp packs native FMUs, not kind {kind}")
+    if kind == "sti" and (fmi, inputs, axes, quantities) != (None, "slip", "iso", False):
+        raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
+    if kind != "sti" and values != "built-in":
+        raise TirefmuError("--values file is for --kind sti: a host sets the parameters of an FMU")
+    if road and (ssp or kind != "native"):
+        raise TirefmuError("--road is for one native FMU")
+    check_output_paths(target, json_file)
+    check_input_paths(*tires, *([road] if road else []))
+    from tirefmu.fmu import export as export_fmu
+    from tirefmu.fmu import export_parameters, export_sti, export_system
+    from tirefmu.fmu.description.interface import with_lengths
+    from tirefmu.tires import tire_from
+
+    from ..terminal import Terminal
+
+    terminal = Terminal(quiet)
+    loaded = [tire_from(tire, radius=radius) for tire in tires]
+    version = int(fmi) if fmi else 3 if kind == "native" and not ssp else 2
+    shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": axes}
+    with terminal.working("compiling" if kind in ("native", "sti") else "packing"):
+        if ssp:
+            written = export_system(loaded, target, **shared, quantities=quantities, platforms=platforms)
+        elif kind == "ssv":
+            written = export_parameters(loaded[0], target, **shared)
+        elif kind == "sti":
+            written = export_sti(loaded[0], target, platforms=platforms, values=values)
+        else:
+            several: dict[str, Any] = {"quantities": quantities, "kind": kind, "platforms": platforms, "road": road}
+            written = export_fmu(loaded[0], target, **shared, **several)
+    size = written.stat().st_size
+    what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
+    described = {} if kind == "sti" else {"fmi": version, "inputs": inputs}
+    summary = {"ok": True, what: str(written), **described, "kind": kind, "bytes": size}
+    write_json(json_file, summary)
+    tires_of = f"{len(loaded)} tire{'s' if len(loaded) > 1 else ''}, " if ssp else ""
+    form = {
+        "ssp": f"SSP {version - 1}.0, FMI {version}.0",
+        "ssv": f"SSP {version - 1}.0 parameter set",
+        "sti": "Standard Tyre Interface",
+        "fmu": f"FMI {version}.0 Co-Simulation{' and Model Exchange' if kind == 'native' else ''}, {kind}",
+    }[what]
+    shown = "" if kind == "sti" else f"{inputs} inputs, "
+    terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
+    if (inputs != "slip" or (kind == "sti" and values == "built-in")) and (note := with_lengths(loaded[0])[1]):
+        terminal.print(f"note: {note}")
+    return 0
