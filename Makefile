@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts readers examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -23,10 +23,10 @@ matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[matrix]"
 	$(BIN)/nox $(NOX_ARGS)
 
-docs: $(VENV)/installed-dev  ## the documentation site in build/site, without connections; warnings are errors
+docs: $(VENV)/installed-dev  ## the documentation site in build/site, without connections; warnings are errors; runs the notebooks
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[docs]"
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
-	$(BIN)/pytest tests/docs $(PYTEST_ARGS)
+	TIREFMU_NOTEBOOKS=1 $(BIN)/pytest tests/docs $(PYTEST_ARGS)
 
 release: $(VENV)/installed-dev  ## wheel and sdist in dist/, and the demo of the wheel in a clean environment
 	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py
@@ -48,6 +48,10 @@ perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with 
 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
+
+compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process reach on the memory suite: a table of docs/discovery.md
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[comparison-methods]"
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/comparison_methods.py $(METHODS_ARGS)
 
 awkward: $(VENV)/installed-dev  ## docs/awkward_inputs.md: message and exit code of 46 awkward inputs
 	$(BIN)/python benchmarks/awkward_inputs.py --write
@@ -80,6 +84,9 @@ examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, an
 hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX, PyTorch and rumoca where they are installed
 	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
 
+readers: $(VENV)/installed-dev  ## MFeval, OpenTirePython and Chrono on files of convert: TIREFMU_MFEVAL, TIREFMU_OPENTIRE, TIREFMU_CHRONO are their paths
+	$(BIN)/pytest tests/hosts/test_readers.py -rP
+
 check: $(VENV)/installed-dev types  ## lint, format, types, and generated/ compared with the equations
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -103,6 +110,12 @@ bench-startup: $(VENV)/installed  ## CPU time of short commands, of the first fi
 
 bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs: median, 99.99 %, longest of a million
 	$(BIN)/python benchmarks/step_times.py $(BENCH_ARGS)
+
+bench-streaming: $(VENV)/installed-dev  ## memory and time of commands over Parquet tables of up to ten million rows
+	$(BIN)/python benchmarks/streaming.py $(BENCH_ARGS)
+
+performance: $(VENV)/installed-dev  ## docs/performance.md: start-up, fits, evaluation, memory in one run, on an idle machine
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/performance.py --write $(BENCH_ARGS)
 
 # The packages are sub-packages of tirefmu only when installed; type checkers read this tree of links instead.
 types:

@@ -34,6 +34,8 @@ class Delivered:
     ----------
     recording, holdout : float
         On the training rows and the hold-out rows of the recording.
+    recording_together, holdout_together : float
+        The same, of all channels together (root mean square of their ratios).
     true_recording, true_holdout : float
         On the same rows, against noise-free forces: noise that happens to resemble an effect does not count.
     manoeuvres, operating : float
@@ -48,6 +50,8 @@ class Delivered:
 
     recording: float
     holdout: float
+    recording_together: float
+    holdout_together: float
     true_recording: float
     true_holdout: float
     manoeuvres: float
@@ -98,6 +102,8 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     return Delivered(
         recording=max(after / before for before, after in on_rows["train"]),
         holdout=max(after / before for before, after in on_rows["holdout"]),
+        recording_together=_together(on_rows["train"]),
+        holdout_together=_together(on_rows["holdout"]),
         true_recording=_worst(true["train"], noise),
         true_holdout=_worst(true["holdout"], noise),
         manoeuvres=_worst(manoeuvres, noise),
@@ -165,6 +171,10 @@ def _spread(result: Diagnosis, case: Case, channels: Sequence[str]) -> FloatArra
         computed = replace(tire, values=values).evaluate(table, signs=case.signs)
         forces.append(computed[list(channels)].to_numpy())
     return np.sqrt(np.mean(np.var(forces, axis=0), axis=0)) if forces else np.zeros(len(channels))
+
+
+def _together(errors: list[tuple[float, float]]) -> float:
+    return _rms(np.array([after / before for before, after in errors]))
 
 
 def _worst(errors: FloatArray, noise: FloatArray) -> float:

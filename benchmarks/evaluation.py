@@ -1,8 +1,9 @@
 """Evaluation time per point: C code of CasADi, SymPy's lambdify and the generated code, in one run.
 
-Repetitions are interleaved, so that other load of the machine affects all equally. The result is the median.
+CPU time of the process; elapsed time for two threads. Repetitions are interleaved, so that other load of the machine
+affects all equally. The result is the median.
 
-    python benchmarks/evaluation.py [--model mf61] [--points 100,10000,1000000] [--json FILE]
+    python benchmarks/evaluation.py [--model mf61] [--points 100,10000,1000000] [--only NAME;...] [--json FILE]
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import casadi as ca
@@ -24,13 +26,14 @@ import sympy as sp
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import model as book_of
-from tirefmu.tires.code import code_for
+from tirefmu.tires.code import CHUNK, Code, code_for
 from tirefmu.tires.code.compiler import shared_library
 from tirefmu.tires.code.modules import casadi_module
 
 FloatArray = npt.NDArray[np.float64]
 RANGES = {"kappa": (-0.3, 0.3), "alpha": (-0.3, 0.3), "gamma": (-0.1, 0.1), "p": (1.8e5, 2.8e5), "V": (8.0, 30.0)}
 CASADI = "CasADi C, -O2"
+TWO_THREADS = "batch, 2 threads"
 #: s, time limit of one repetition. A slower candidate is skipped for larger numbers of points.
 TIME_LIMIT = 30.0
 LOOP = """
@@ -97,47 +100,73 @@ def lambdified(book: Model, values: FloatArray) -> Callable[[FloatArray], object
     return lambda columns: function(*columns)
 
 
-def in_chunks(routine: Callable[[FloatArray, FloatArray], object], columns: FloatArray, values: FloatArray) -> None:
-    """Evaluate the rows in chunks as a fit does: a Jacobian is used while it is in the cache."""
+def in_calls(routine: Callable[[FloatArray, FloatArray], object], values: FloatArray, columns: FloatArray) -> None:
+    """Evaluate the rows in calls of 64 rows, each with memory of its own."""
     for start in range(0, columns.shape[1], 64):
         routine(columns[:, start : start + 64], values)
 
 
-def candidates(book: Model, values: FloatArray) -> dict[str, Callable[[FloatArray], object]]:
-    """Return the compared functions by name."""
-    numpy, scalar, one, two = (
-        code_for(book, language, threads) for language, threads in (("numpy", 1), ("c", 1), ("batch", 1), ("batch", 2))
-    )
-    return {
-        CASADI: casadi_c(book, values),
-        "SymPy lambdify, cse": lambdified(book, values),
-        "NumPy, chunks": lambda x: numpy.forces(x, values),
-        "scalar C": lambda x: scalar.forces(x, values),
-        "batch": lambda x: one.forces(x, values),
-        "batch, 2 threads": lambda x: two.forces(x, values),
-        "scalar C, by inputs": lambda x: scalar.jacobian_inputs(x, values),
-        "batch, by inputs": lambda x: one.jacobian_inputs(x, values),
-        "scalar C, by coefficients": lambda x: in_chunks(scalar.jacobian_parameters, x, values),
-        "batch, by coefficients": lambda x: in_chunks(one.jacobian_entries, x, values),
+def in_chunks(code: Code, values: FloatArray, columns: FloatArray) -> None:
+    """Evaluate the Jacobian by the coefficients chunk by chunk: it is used while it is in the cache."""
+    for _ in code.jacobian_chunks(columns, values, CHUNK):
+        pass
+
+
+def candidates(book: Model, values: FloatArray, only: list[str]) -> dict[str, Callable[[FloatArray], object]]:
+    """Return the compared functions by name: all, or the chosen ones and the C code of CasADi."""
+
+    def numpy() -> Code:
+        return code_for(book, "numpy")
+
+    def scalar() -> Code:
+        return code_for(book, "c")
+
+    def batch(threads: int = 1) -> Code:
+        return code_for(book, "batch", threads)
+
+    builders: dict[str, Callable[[], Callable[[FloatArray], object]]] = {
+        CASADI: lambda: casadi_c(book, values),
+        "SymPy lambdify, cse": lambda: lambdified(book, values),
+        "NumPy, chunks": lambda: forces_of(numpy(), values),
+        "scalar C": lambda: forces_of(scalar(), values),
+        "batch": lambda: forces_of(batch(), values),
+        TWO_THREADS: lambda: forces_of(batch(2), values),
+        "scalar C, by inputs": lambda: by_inputs_of(scalar(), values),
+        "batch, by inputs": lambda: by_inputs_of(batch(), values),
+        "scalar C, by coefficients": lambda: partial(in_calls, scalar().jacobian_parameters, values),
+        "batch, by coefficients, 64 rows a call": lambda: partial(in_calls, batch().jacobian_entries, values),
+        "batch, by coefficients": lambda: partial(in_chunks, batch(), values),
     }
+    return {name: build() for name, build in builders.items() if not only or name in (CASADI, *only)}
 
 
-def measured(book: Model, numbers: list[int], repetitions: int) -> dict[int, dict[str, float]]:
+def forces_of(code: Code, values: FloatArray) -> Callable[[FloatArray], object]:
+    """Return the function of the forces."""
+    return lambda columns: code.forces(columns, values)
+
+
+def by_inputs_of(code: Code, values: FloatArray) -> Callable[[FloatArray], object]:
+    """Return the function of the derivatives by the inputs."""
+    return lambda columns: code.jacobian_inputs(columns, values)
+
+
+def measured(book: Model, numbers: list[int], repetitions: int, only: list[str]) -> dict[int, dict[str, float]]:
     """Return the median time per point in nanoseconds, by number of points and candidate."""
     values = parameters(book)
-    functions = candidates(book, values)
+    functions = candidates(book, values, only)
     times_of: dict[int, dict[str, float]] = {}
     slow: set[str] = set()
     for n in numbers:
         rows = points(book, n)
         times: dict[str, list[float]] = {name: [] for name in functions if name not in slow}
-        calls = max(1, 2000 // n)
+        calls = max(1, 20_000 // n)
         for repetition in range(repetitions + 1):  # the first one is a warm-up
             for name in list(times):
-                start = time.perf_counter()
+                clock = time.perf_counter if name == TWO_THREADS else time.process_time
+                start = clock()
                 for _ in range(calls):
                     functions[name](rows)
-                taken = (time.perf_counter() - start) / calls
+                taken = (clock() - start) / calls
                 if repetition:
                     times[name].append(taken / n * 1e9)
                 if 10 * taken > TIME_LIMIT:
@@ -149,13 +178,13 @@ def measured(book: Model, numbers: list[int], repetitions: int) -> dict[int, dic
 def table(measured_times: dict[int, dict[str, float]]) -> str:
     """Return the times and their ratios to the C code of CasADi as text."""
     names = list(next(iter(measured_times.values())))
-    lines = ["ns per point (ratio to CasADi's C)".ljust(36) + "".join(f"{n:>18,}" for n in measured_times)]
+    lines = ["ns per point (ratio to CasADi's C)".ljust(40) + "".join(f"{n:>18,}" for n in measured_times)]
     for name in names:
         cells = []
         for row in measured_times.values():
             shown = f"{row[name]:.1f} ({row[name] / row[CASADI]:.2f})" if name in row and CASADI in row else "-"
             cells.append(f"{shown:>18}")
-        lines.append(name.ljust(36) + "".join(cells))
+        lines.append(name.ljust(40) + "".join(cells))
     return "\n".join(lines)
 
 
@@ -165,10 +194,12 @@ def main() -> None:
     parser.add_argument("--model", default="mf61")
     parser.add_argument("--points", default="100,1000,10000,100000,1000000")
     parser.add_argument("--repetitions", type=int, default=7)
+    parser.add_argument("--only", default="", help="candidates, separated by semicolons")
     parser.add_argument("--json", type=Path, help="also write the times to this file")
     given = parser.parse_args()
     book = book_of(given.model)
-    measured_times = measured(book, [int(n) for n in given.points.split(",")], given.repetitions)
+    only = [name for name in given.only.split(";") if name]
+    measured_times = measured(book, [int(n) for n in given.points.split(",")], given.repetitions, only)
     print(
         f"{book.title}: {len(book.outputs)} outputs, {len(book.coefficients)} coefficients\n\n{table(measured_times)}"
     )

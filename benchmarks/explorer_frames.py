@@ -29,6 +29,18 @@ MOVE = """(frames) => new Promise((resolve) => {
   requestAnimationFrame(step);
 })"""
 
+#: Adds up the time in which curves are computed, apart from drawing them.
+COUNT = """() => {
+  const original = sweep;
+  window.computed = 0;
+  window.sweep = (...given) => {
+    const start = performance.now();
+    const found = original(...given);
+    window.computed += performance.now() - start;
+    return found;
+  };
+}"""
+
 
 def recording(tire: Tire) -> Recording:
     """Return one sweep of the slip angle with noise."""
@@ -57,9 +69,11 @@ def main() -> None:
         points = page.evaluate("measured.conditions[0].rows")
         session = page.context.new_cdp_session(page)
         session.send("Performance.enable")
+        page.evaluate(COUNT)
         before = metrics(session)
         frames = np.array(page.evaluate(MOVE, FRAMES))
         used = {name: 1e3 * (value - before[name]) / FRAMES for name, value in metrics(session).items()}
+        used = {"computing the curves": page.evaluate("window.computed") / FRAMES, **used}
         visible = page.evaluate("charts.filter((each) => each.visible).length")
         chromium.close()
     print(f"{points} points, 5 loads, {visible} visible charts, {FRAMES} frames, software rendering")

@@ -10,7 +10,12 @@ Mz, white and correlated over time.
 - Initial values: the true tire with every coefficient multiplied by 1 +- 30 % or 60 % at random is the start tire. A
   result is good if no channel differs from the best fit by more than a tenth of the noise.
 
-    python benchmarks/recovery.py [--quick] [--models mf96,mf52,mf61] [--seeds 100] [--starts 50] [--processes 2]
+With `--bootstrap N` also the coverage of the percentile intervals of coefficients from N replicates. With `--results`
+each fit is stored as it finishes, and what the file has is not computed again; `--write` writes all stored coverages
+into docs/recovery.md.
+
+    python benchmarks/recovery.py [--quick] [--models mf96,mf52,mf61] [--noise white,correlated] [--seeds 100]
+        [--starts 50] [--bootstrap N] [--results FILE [--write]] [--processes 2]
 """
 
 from __future__ import annotations
@@ -19,9 +24,9 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
@@ -32,7 +37,9 @@ from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
 from known_tires import CHANNELS, NOMINAL, SIZES, known_tire, moved, recorded
+from recovery_table import PREDICTED, Refit, Task, store, stored, write
 
+from tirefmu.batch.intervals import bootstrap
 from tirefmu.fitting import FitResult, fit
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
@@ -42,8 +49,7 @@ MODELS = ("mf96", "mf52", "mf61")
 #: s, correlation time of the noise. The sample interval is 0.1 to 0.3 s.
 CORRELATIONS = {"white": 0.0, "correlated": 1.0}
 SHARES = (0.3, 0.6)
-#: Quantities whose intervals are compared with the true tire, and the operating conditions, in adapted SAE.
-PREDICTED = ("Fx", "Fy", "Mz", "K_xkappa", "K_yalpha", "mu_x", "mu_y")
+#: Operating conditions at which intervals are compared with the true tire, in adapted SAE.
 CONDITIONS = pd.DataFrame(
     [
         {"Fz": load, "alpha": alpha, "kappa": kappa, "gamma": 0.02, "p": NOMINAL["p0"], "V": NOMINAL["V0"]}
@@ -53,18 +59,6 @@ CONDITIONS = pd.DataFrame(
 )
 #: Largest difference of a good result from the best one, relative to the noise.
 GOOD = 0.1
-
-
-@dataclass(frozen=True)
-class Refit:
-    """One fit to new noise."""
-
-    ok: bool
-    missed: float  # the largest difference of a channel from the exact forces, relative to the noise
-    covered: int
-    intervals: int
-    seconds: float
-    predictions_covered: dict[str, int]  # by quantity, of `CONDITIONS`
 
 
 def predicted(tire: Tire, recording: Recording) -> FloatArray:
@@ -102,17 +96,30 @@ def predictions_covered(result: FitResult, truth: Tire) -> dict[str, int]:
     return covered
 
 
-def refitted(model: str, correlation: float, rows: int, seed: int) -> Refit:
+def bootstrap_coverage_of(result: FitResult, truth: Tire) -> tuple[int, int]:
+    """Return the number of percentile intervals that contain the true value, and the number of intervals."""
+    tire, inside, counted = truth.in_signs(result.signs), 0, 0
+    bounded = {coefficient.name for coefficient in result.coefficients if coefficient.at_bound}
+    for each in result.bootstrap.intervals if result.bootstrap else ():
+        if np.isfinite(each.lower) and each.name not in bounded:
+            counted += 1
+            inside += each.lower <= tire.values[each.name] <= each.upper
+    return inside, counted
+
+
+def refitted(task: Task) -> Refit:
     """Fit a recording of the known tire with the noise of a seed, from generic values."""
-    truth = known_tire(model)
-    recording = recorded(truth, rows, seed=seed, correlation_time=correlation)
+    truth = known_tire(task.model)
+    recording = recorded(truth, task.rows, seed=task.seed, correlation_time=CORRELATIONS[task.noise])
     start = time.process_time()
     with threadpool_limits(limits=1, user_api="blas"):
-        result = fit([recording], model, nominal=NOMINAL)
-    seconds = time.process_time() - start
+        result = fit([recording], task.model, nominal=NOMINAL)
+        seconds = time.process_time() - start
+        if task.replicates:
+            result = bootstrap(result, [recording], task.replicates, seed=task.seed, workers=1)
     return Refit(
-        result.ok, difference_of(result.tire, truth, recording), *coverage_of(result, truth), seconds,
-        predictions_covered(result, truth),
+        task, result.ok, difference_of(result.tire, truth, recording), *coverage_of(result, truth), seconds,
+        len(CONDITIONS), predictions_covered(result, truth), *bootstrap_coverage_of(result, truth),
     )  # fmt: skip
 
 
@@ -148,10 +155,22 @@ def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
         quantity: sum(run.predictions_covered[quantity] for run in done) / (len(done) * len(CONDITIONS))
         for quantity in PREDICTED
     }
+    if percentiles := sum(run.bootstrap_intervals for run in done):
+        print(f"    coverage of percentiles: {sum(run.bootstrap_covered for run in done) / percentiles:.1%}")
     print("    coverage of predictions: " + ", ".join(f"{q} {share:.1%}" for q, share in predicted_shares.items()))
     return {
         "name": name, "runs": [asdict(run) for run in done], "coverage": total, "predictions": predicted_shares,
     }  # fmt: skip
+
+
+def all_refits(pool: ProcessPoolExecutor, tasks: Sequence[Task], path: Path | None) -> list[Refit]:
+    """Return the results of tasks in their order; those of the file are not computed again."""
+    known = {refit.task: refit for refit in stored(path)}
+    for future in as_completed([pool.submit(refitted, task) for task in tasks if task not in known]):
+        refit = future.result()
+        store(path, refit)
+        known[refit.task] = refit
+    return [known[task] for task in tasks]
 
 
 def of_ends(name: str, ends: Iterable[tuple[float, bool]]) -> dict[str, object]:
@@ -168,12 +187,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="8 seeds, 5 starts")
     parser.add_argument("--models", default=",".join(MODELS))
+    parser.add_argument("--noise", default=",".join(CORRELATIONS))
     parser.add_argument("--seeds", type=int, default=100, help="refits of each model and kind of noise")
     parser.add_argument("--starts", type=int, default=50, help="of each model and size")
     parser.add_argument("--rows", type=int, default=6000)
+    parser.add_argument("--bootstrap", type=int, default=0, help="replicates; 0: no bootstrap")
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--results", type=Path, help="file of the single fits: continued if it exists")
+    parser.add_argument("--write", action="store_true", help="write the coverages of that file into docs/recovery.md")
     parser.add_argument("--json", type=Path, help="also write the results to this file")
     given = parser.parse_args()
+    if given.write and not given.results:
+        parser.error("--write writes what a file of --results has")
     seeds, starts = (8, 5) if given.quick else (given.seeds, given.starts)
     models = given.models.split(",")
     refits, ends = [], []
@@ -182,9 +207,9 @@ def main() -> None:
             print(f"{'':18}{'fits':>6}{'ok':>6}{'missed':>10}{'most':>8}{'coverage':>12}{'range':>15}"
                   f"{'intervals':>10}{'CPU s':>6}")  # fmt: skip
         for model in models if seeds else ():
-            for kind, correlation in CORRELATIONS.items():
-                runs = pool.map(partial(refitted, model, correlation, given.rows), range(seeds))
-                refits.append(of_refits(f"{model}, {kind}", runs))
+            for kind in given.noise.split(","):
+                tasks = [Task(model, kind, given.rows, seed, given.bootstrap) for seed in range(seeds)]
+                refits.append(of_refits(f"{model}, {kind}", all_refits(pool, tasks, given.results)))
         if starts:
             print(f"\n{'':18}{'starts':>6}{'good':>6}{'farthest':>10}")
         for model in models if starts else ():
@@ -192,6 +217,8 @@ def main() -> None:
             for share in SHARES:
                 found = pool.map(partial(ended, model, share, given.rows, best), range(starts))
                 ends.append(of_ends(f"{model}, +-{100 * share:.0f} %", found))
+    if given.write:
+        write(list(stored(given.results)))
     if given.json:
         given.json.write_text(json.dumps({"refits": refits, "starts": ends}, indent=2) + "\n")
 

@@ -1,6 +1,6 @@
 """CPU time of short commands, and of the first fit and diagnosis of a process beyond the second ones.
 
-    python benchmarks/startup.py [--runs 3] [--only info,evaluate]
+    python benchmarks/startup.py [--runs 3] [--only info,evaluate] [--json FILE]
 
 Each command runs in a process of its own; the result is the median of the runs in CPU seconds, with its ratio to
 ``python -c "import pandas"`` in the same run, because machines differ. The cache of compiled code is warm except for
@@ -10,6 +10,7 @@ Each command runs in a process of its own; the result is the median of the runs 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import statistics
 import subprocess
@@ -92,6 +93,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--only", default="", help="Names that begin with one of these, separated by commas.")
+    parser.add_argument("--json", type=Path, help="also write the times to this file")
     given = parser.parse_args()
     wanted = tuple(given.only.split(","))
     with tempfile.TemporaryDirectory() as name:
@@ -110,6 +112,8 @@ def main() -> None:
                 times[key] = statistics.median(samples[1:])
         for key, seconds in times.items():
             print(f"{key:<42} {seconds:6.2f} s CPU   {seconds / reference:5.2f} x import pandas")
+        if given.json:
+            given.json.write_text(json.dumps(times, indent=2) + "\n")
 
 
 def measured(

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
-from tirefmu.measurements import TableLike, check_convention, recording_from
+from tirefmu.estimation.turn_slip import with_turn_slip
+from tirefmu.measurements import Recording, TableLike, check_convention, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.errors import UnknownName, no_single_text
@@ -86,19 +87,32 @@ def diagnose(
     selected = tuple(one for one in candidates or () if isinstance(one, str))
     start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), user_defined)
     candidates_tried = _chosen(candidates_for(start), selected)
-    signals = signals_of(recording.table, start, recording.signs)
+    turning = _with_derived_turn_slip(recording, start, candidates_tried)
+    derived = {"phit"} if turning is not recording else set()
+    if derived:
+        candidates_tried["turn_slip"] = replace(candidates_tried["turn_slip"], has_states=True)
+    signals = signals_of(turning.table, start, recording.signs, derived=derived)
     with threadpool_limits(limits=1, user_api="blas"):  # the matrices are too small for threads
         report("fitting the baseline model")
         problem, solution = fit_baseline(start, signals, known=tire is not None)
-        recorded = signals_of(recording.table, start, recording.signs, smooth=False)
+        recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
         if worse_by_smoothing(problem, solution, recorded):
             problem, solution = fit_baseline(start, recorded, known=tire is not None)
         before, search = searched(problem, solution, candidates_tried, report)
         unknown, start = _unknown_structure(start, search, report)
         settled = settle(search, before)
         report("computing confounded explanations and detectable sizes")
-        outcome = SearchOutcome(recording, start, candidates_tried, settled, search, unknown)
+        turns = any(one.name == "turn_slip" for one in search.found)
+        outcome = SearchOutcome(turning if turns else recording, start, candidates_tried, settled, search, unknown)
         return composed(outcome, began).in_signs("iso")
+
+
+def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:
+    """Return a recording with phit from the rate of alpha if it was not recorded and turn slip may be missing."""
+    absent = "phit" not in recording.table and {"t", "alpha", "V"} <= set(recording.table)
+    if absent and "turn_slip" in candidates and "phit" in start.inputs:
+        return with_turn_slip(recording)
+    return recording
 
 
 def _start_model(

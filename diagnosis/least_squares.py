@@ -144,14 +144,26 @@ class LeastSquares:
         before, after : Solution
             Channels are weighted by the misfit of `before` on the training rows.
         """
+        return float(self.holdout_gains(before, after).sum())
+
+    def holdout_gains(self, before: Solution, after: Solution) -> FloatArray:
+        """Return the contribution of each block of the hold-out set to `holdout_gain`, shape (n_blocks,).
+
+        Parameters
+        ----------
+        before, after : Solution
+        """
         signals = self.simulator.signals
         holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0
-        sums = np.zeros(2)
+        squares = np.zeros((2, holdout.shape[1]))
         for i in range(len(signals.channels)):
             if training[i].any():
                 scale = float(np.mean(before.residual[i][training[i]] ** 2))
-                sums += [float(np.sum(each.residual[i][holdout[i]] ** 2)) / scale for each in (before, after)]
-        return float(1.0 - sums[1] / sums[0]) if sums[0] > 0.0 else 0.0
+                squares += [np.where(holdout[i], each.residual[i], 0.0) ** 2 / scale for each in (before, after)]
+        total = float(squares[0].sum())
+        blocks = signals.block[signals.holdout]
+        gains = [float(np.subtract(*squares[:, signals.block == block].sum(axis=1))) for block in np.unique(blocks)]
+        return np.asarray(gains) / total if total > 0.0 else np.zeros(len(gains))
 
     def misfit(self, parameters: FloatArray) -> FloatArray:
         """Return measured minus simulated forces, shape (n_channels, n)."""

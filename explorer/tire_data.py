@@ -134,7 +134,7 @@ def _state(tire: Tire, name: str) -> dict[str, Any]:
     effects = [effect for effect in tire.book.effects if effect in tire.has and name in tire.book.states_of([effect])]
     return {
         "name": name, "text": excerpt(state.description or name), "unit": "" if state.unit == "1" else state.unit,
-        "settles": state.settles, "declares_start": bool(state.start), "target": target, "start": start,
+        "settles": state.settles, "declares_start": state.has_start_value, "target": target, "start": start,
         "lines": state.line_names, "effects": effects,
     }  # fmt: skip
 

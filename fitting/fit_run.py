@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 from math import nan
@@ -158,7 +158,7 @@ class FitRun:
 
     def _run(self, stage: Stage) -> None:
         """Solve one stage and store its values in the tire."""
-        self._simulate_states()
+        self._simulate_states(())
         table, channels = self._table(stage)
         if not channels and not stage.free:
             return  # the recipe covers channels that were not measured
@@ -178,15 +178,18 @@ class FitRun:
         self._solve(stage, part, free, channels)
         for _ in range(STATE_ROUNDS if self._tire.states else 0):
             del self._stages[solved:], self._ends[ended:]
-            self._simulate_states()
+            self._simulate_states(free)
             rows = Rows.of(self._table(stage)[0], self._tire, channels)
             part = rows.sample(stage.rows) if stage.rows else rows
             self._solve(stage, part, {name: self._bounds(name, stage) for name in free}, channels)
 
-    def _simulate_states(self) -> None:
-        """Put the course of the states of effects, simulated with the present values, into the data."""
+    def _simulate_states(self, free: Collection[str]) -> None:
+        """Put the course of the states of effects, simulated with the present values, into the data.
+
+        Starts that are fitted to segments are estimated together with the free coefficients.
+        """
         if self._tire.states:
-            self._data = with_states(self._fit_data, self._tire)
+            self._data = with_states(self._fit_data, self._tire, free)
 
     def _channels_of(self, stage: Stage) -> list[str]:
         return [name for name in self._fitted if not stage.channels or name in stage.channels]

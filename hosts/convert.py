@@ -22,6 +22,8 @@ from .lint import Finding, host_named, lint, lost_effects
 #: Typical dimensions where a model has none, as shares of the unloaded radius; hosts draw the tire and do not compute
 #: forces with them.
 SHAPE = {"WIDTH": 0.65, "RIM_RADIUS": 0.65, "ASPECT_RATIO": 0.55}
+#: Kinds of physical constraints that a tire of another model may violate.
+NOT_ENFORCED = ("curvature", "friction_falling")
 #: Key and value that several hosts insist on and that a file may lack.
 GENERAL = {"LONGVL": 16.7, "VXLOW": 1.0}
 
@@ -144,13 +146,20 @@ def refitted(tire: Tire, model: str, lacking: Collection[str] = ()) -> tuple[Tir
 
 
 def _of_model(plain: Tire, model: str, table: pd.DataFrame, truth: pd.DataFrame) -> Tire:
-    """Fit another model to the forces of a tire."""
+    """Fit another model to the forces of a tire.
+
+    Of the physical constraints, those of signs are enforced: a tire may violate the others itself (E_t of the Trento
+    tire is above 1), and then the fit would not converge.
+    """
     declared = MODELS[model].coefficients
     common = {name: value for name, value in plain.values.items() if name in declared and name not in plain.defaulted}
     common |= {key: plain.values[key] for key in ("FNOMIN", "UNLOADED_RADIUS")}
     start = Tire(model, common)
     measured = truth[[name for name in (*table, *start.outputs) if name in truth]]
-    found = fit(measured, model, start=start, recipe="joint", screening=False, rows="equal", effects=start.has)
+    found = fit(
+        measured, model, start=start, recipe="joint", screening=False, rows="equal", effects=start.has,
+        without_constraints=NOT_ENFORCED,
+    )  # fmt: skip
     return replace(found.tire.in_signs("iso"), name=plain.name, side=plain.side, ranges=plain.ranges)
 
 
@@ -164,5 +173,5 @@ def _operating_range(tire: Tire) -> pd.DataFrame:
     kappas = np.linspace(max(kappa_low, -0.3), min(kappa_high, 0.3), 15)
     alphas = np.linspace(max(alpha_low, -0.3), min(alpha_high, 0.3), 15)
     rows = [(0.0, alpha, gamma, load) for alpha, gamma, load in product(alphas, gammas, loads)]
-    rows += [(kappa, alpha, 0.0, load) for kappa, alpha, load in product(kappas, (-0.1, 0.0, 0.1), loads)]
+    rows += list(product(kappas, (-0.1, 0.0, 0.1), gammas, loads))
     return pd.DataFrame(rows, columns=["kappa", "alpha", "gamma", "Fz"])

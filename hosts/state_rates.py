@@ -62,6 +62,8 @@ def state_rates(
             decay, derivative = r, frequency**2 * (target - row[position.name]) - r * x
         elif state.settles:
             decay, derivative = r, r * (u - x)
+        elif state.kind == "play":
+            decay, derivative = np.zeros_like(u), np.where(x * np.sign(u) < 1.0, u * r, 0.0)
         elif state.follows_a_path:
             decay = np.abs(u) * r
             derivative = (np.sign(u) - x) * decay

@@ -88,6 +88,8 @@ class Detection:
     requires : tuple of str
         Inputs that must all vary, and outputs that must be measured: the cross-talk of an output can be removed only if
         it is measured.
+    rate : float
+        Rows per second that a recording must have, 0 if any rate is sufficient.
     channels : tuple of str
         Outputs that the effect changes, one of which must be measured; all if empty.
     forms : tuple of Form
@@ -107,6 +109,7 @@ class Detection:
     """
 
     requires: tuple[str, ...] = ()
+    rate: float = 0.0
     channels: tuple[str, ...] = ()
     forms: tuple[Form, ...] = ()
     refinements: tuple[Form, ...] = ()

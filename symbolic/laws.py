@@ -215,6 +215,31 @@ def dahl_size(
 
     The size falls to the point of the path that is nearest to zero and grows from there on: two parts without a turn.
     """
+    fall, rise = _parts(eq, a, b, a_end, b_end, width)
+    fallen = eq("law", "fallen", where(fall < 0, (z + 1) * sp.exp(fall) - 1, z), named=False)
+    return where(rise > 0, 1 + (fallen - 1) * sp.exp(-rise), fallen)
+
+
+def play(eq: Chapter, z: sp.Expr, s: sp.Expr, s_end: sp.Expr, width: sp.Expr) -> sp.Expr:
+    """Play dz = ds / width between -1 and 1 along a path that goes from s to s_end without turning back."""
+    moved = eq("law", "moved", z + (s_end - s) / width, named=False)
+    return where(moved > 1, 1, where(moved < -1, -1, moved))
+
+
+def play_size(
+    eq: Chapter, z: sp.Expr, a: sp.Expr, b: sp.Expr, a_end: sp.Expr, b_end: sp.Expr, width: sp.Expr
+) -> sp.Expr:
+    """Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two parts."""
+    fall, rise = _parts(eq, a, b, a_end, b_end, width)
+    lowered = eq("law", "lowered", z + fall, named=False)
+    fallen = eq("law", "fallen", where(lowered < -1, -1, lowered), named=False)
+    return where(fallen + rise > 1, 1, fallen + rise)
+
+
+def _parts(
+    eq: Chapter, a: sp.Expr, b: sp.Expr, a_end: sp.Expr, b_end: sp.Expr, width: sp.Expr
+) -> tuple[sp.Expr, sp.Expr]:
+    """Return by how many widths sqrt(a^2 + b^2) falls (negative) and then grows along a straight path."""
     da, db = (eq("law", f"d{n}", end - n, named=False) for n, end in ((a, a_end), (b, b_end)))
     squared = eq("law", "squared", da**2 + db**2, named=False)
     path = eq("law", "path", where(squared > NO_PATH, squared, 1), named=False)
@@ -223,12 +248,13 @@ def dahl_size(
     least = eq("law", "least", sp.sqrt((a + part * da) ** 2 + (b + part * db) ** 2), named=False)
     fall = eq("law", "fall", (least - sp.sqrt(a**2 + b**2)) / width, named=False)
     rise = eq("law", "rise", (sp.sqrt(a_end**2 + b_end**2) - least) / width, named=False)
-    fallen = eq("law", "fallen", where(fall < 0, (z + 1) * sp.exp(fall) - 1, z), named=False)
-    return where(rise > 0, 1 + (fallen - 1) * sp.exp(-rise), fallen)
+    return fall, rise
 
 
 #: Every law by name.
 LAWS: dict[str, Law] = {
     each.__name__: _law(each)
-    for each in (lag, lag_curved, sum_linear, sum_curved, oscillator, oscillator_speed, dahl, dahl_size)
-}
+    for each in (
+        lag, lag_curved, sum_linear, sum_curved, oscillator, oscillator_speed, dahl, dahl_size, play, play_size
+    )
+}  # fmt: skip

@@ -101,27 +101,36 @@ def evaluate(
     check_output_paths(output, json_file)
     check_input_paths(tire, table)
     from tirefmu.measurements import convention_notes, recording_from, write_table
+    from tirefmu.measurements.large_table import LargeTable
     from tirefmu.tires import tire_from
 
+    from .evaluation import evaluate_to_file
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
     loaded = tire_from(tire, radius=radius)
-    recording = recording_from(table, signs=signs, where=where)
-    if incomplete := recording.about.get("incomplete"):
-        raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
-    terminal.selection(recording)
-    with terminal.working(f"evaluating {len(recording)} rows"):
-        result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
-        write_table(result, output)
+    large = LargeTable.of(table, signs) if where is None else None
+    if large and large.rows_are_independent(loaded, steady=conventions["steady"]):
+        with terminal.working(f"evaluating {large.rows} rows"):
+            recording, rows = large.survey, large.rows
+            columns = evaluate_to_file(loaded, large, output, code, **conventions)
+    else:
+        recording = recording_from(table, signs=signs, where=where)
+        if incomplete := recording.about.get("incomplete"):
+            raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
+        terminal.selection(recording)
+        with terminal.working(f"evaluating {len(recording)} rows"):
+            result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
+            write_table(result, output)
+        rows, columns = len(result), list(result.columns)
     absent = [name for name in loaded.inputs if name not in recording.table]
     warnings = convention_notes(recording)
     summary = {
-        "ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent,
+        "ok": True, "rows": rows, "signs": recording.signs, **conventions, "nominal": absent,
         "warnings": warnings,
     }  # fmt: skip
-    write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
-    terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
+    write_json(json_file, {**summary, "output": str(output), "columns": columns})
+    terminal.print(f"{rows} rows, {len(columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
     terminal.print(*(f"warning: {each}" for each in warnings))
@@ -154,16 +163,24 @@ def check(
     check_output_paths(json_file, report, folder=figures)
     check_input_paths(fmu, table)
     from tirefmu.fmu import check as run
+    from tirefmu.fmu.comparison.large_check import check_large
     from tirefmu.measurements import incomplete_rows, recording_from
+    from tirefmu.measurements.large_table import LargeTable
 
     from .terminal import Terminal
 
-    terminal = Terminal(quiet)
-    recording = recording_from(table, signs=signs, where=where)
-    terminal.selection(recording)
-    terminal.findings(incomplete_rows(recording))
-    with terminal.working(f"simulating {fmu.name} over {table.name}"):
-        result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
+    terminal, simulating = Terminal(quiet), f"simulating {fmu.name} over {table.name}"
+    large = LargeTable.of(table, signs) if where is None and not (figures or report) else None
+    result = None
+    if large:
+        with terminal.working(simulating):
+            result = check_large(fmu, large, tolerance=tolerance, timeout=timeout)
+    if result is None:
+        recording = recording_from(table, signs=signs, where=where)
+        terminal.selection(recording)
+        terminal.findings(incomplete_rows(recording))
+        with terminal.working(simulating):
+            result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
     terminal.print(*str(result).split("\n"))
     if figures:

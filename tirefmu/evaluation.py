@@ -1,13 +1,17 @@
-"""`tirefmu.evaluate`: a tire evaluated over a table."""
+"""`tirefmu.evaluate`: a tire evaluated over a table, in memory or from file to file."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from tirefmu.measurements.channels import OUTPUTS
 from tirefmu.measurements.column_names import check_names
+from tirefmu.measurements.files.writing import write_tables
+from tirefmu.measurements.large_table import LargeTable
 from tirefmu.measurements.recording import Recording
 from tirefmu.tires import Tire, TireLike, tire_from
 
@@ -67,3 +71,40 @@ def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:
         outputs = tire.evaluate(rows, signs=recording.signs)
         pieces.append(outputs[[name for name in OUTPUTS if name in tire.outputs]])
     return pd.concat(pieces, ignore_index=True)
+
+
+def evaluate_to_file(tire: Tire, table: LargeTable, output: Path, code: str = "auto", **options: Any) -> list[str]:
+    """Evaluate a tire over a large table part by part, and write the result.
+
+    Parameters
+    ----------
+    tire : Tire
+    table : LargeTable
+        Whose rows are independent (`LargeTable.rows_are_independent`).
+    output : pathlib.Path
+        CSV or Parquet file to write.
+    code : str
+        As for `Tire.evaluate`; "auto" is the fastest for all rows, for each part.
+    **options
+        Those of `Tire.evaluate`.
+
+    Returns
+    -------
+    list of str
+        The columns of the result.
+
+    Raises
+    ------
+    DataError
+        If the table cannot be used or the file cannot be written.
+    """
+    columns: list[str] = []
+
+    def results() -> Iterator[pd.DataFrame]:
+        for part in table.parts():
+            result = tire.evaluate(part, signs=table.signs, code=code, **options)
+            columns[:] = result.columns
+            yield result
+
+    write_tables(results(), output)
+    return columns

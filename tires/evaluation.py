@@ -187,7 +187,9 @@ def _acting(
             "kappa": lagged_course(t, named["kappa"], named["V"], along, hold=hold),
             "alpha": lagged_course(t, np.tan(named["alpha"]), named["V"], across, hold=hold),
         }
-    simulation = Simulation(tire.book, code, t, rows, parameters, hold, slips, tire.states)
+    fitted = [name for name in tire.states if tire.book.states[name].start_is_fitted and name in table]
+    starts = {name: rows[tire.inputs.index(name)] for name in fitted}
+    simulation = Simulation(tire.book, code, t, rows, parameters, hold, slips, tire.states, starts)
     return simulation.acting(), tuple(slips)
 
 

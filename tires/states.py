@@ -26,7 +26,8 @@ from tirefmu.symbolic.model import Model
 from .code import Code
 from .code.modules import state_laws
 from .oscillator import Oscillation, Part
-from .transient import Course, followed, recursion
+from .path import PathCourse
+from .transient import Course, followed, recursion, segment_starts
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -63,6 +64,8 @@ class Simulation:
         The courses of kappa and tan(alpha), by input, if they lag.
     names : collection of str
         The states that are simulated; the others are 0.
+    starts : mapping of str to ndarray, shape (n,)
+        The values with which states begin at the rows where a segment begins (`transient.segment_starts`), by name.
     """
 
     book: Model
@@ -73,6 +76,7 @@ class Simulation:
     hold: bool
     slips: Mapping[str, Course]
     names: Collection[str]
+    starts: Mapping[str, FloatArray] = field(default_factory=dict)
     _courses: dict[str, _Course] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -81,6 +85,7 @@ class Simulation:
         self.rows[[self.index[name] for name in self.book.states]] = 0.0
         self.states = [state for name, state in self.book.states.items() if name in self.names]
         self.h = np.diff(self.t)
+        self._begins = segment_starts(self.t) if self.starts else np.zeros(len(self.t), dtype=bool)
         for state in self.states:
             if state.oscillates:
                 self._courses |= self._oscillation(state)
@@ -153,36 +158,51 @@ class Simulation:
     def _course(self, state: State, lines: Mapping[str, FloatArray]) -> Course | _Sum:
         """Return the course of a state that changes with time, for its lines at each row."""
         target, rate, start = (lines[name] for name in state.line_names[:3])
+        begins = None
+        if state.name in self.starts:
+            start, begins = self.starts[state.name], self._begins
+        elif state.settles and not state.has_start_value:
+            start = target
         if state.settles:
-            return followed(self.t, target, rate, start if state.start else target, hold=self.hold)
-        return _Sum(target, self.h, start, self.hold)
+            return followed(self.t, target, rate, start, hold=self.hold, begins=begins)
+        return _Sum(target, self.h, start, self.hold, self.h < 0.0 if begins is None else begins[1:])
 
     def _oscillation(self, state: State) -> dict[str, Part]:
         """Return the courses of position and speed of an oscillator."""
         target, frequency, start = self._of(state)
         speed = self.book.states[state.speed_name]
         _, damping, _ = self._of(speed)
-        whole = Oscillation(target, frequency, damping, self.h, start if state.start else target, self.hold)
+        start = start if state.has_start_value else target
+        whole = Oscillation(target, frequency, damping, self.h, start, self.hold)
         return {state.name: Part(whole, 0), speed.name: Part(whole, 1)}
 
     def _hysteresis(self, state: State) -> _Course:
         _, rate, start = self._of(state)
         lags = [self._courses[name] for name in state.drive]
-        return _Path(lags, rate, start, np.flatnonzero(self.h < 0.0))
+        return PathCourse(lags, rate, start, np.flatnonzero(self.h < 0.0), state.kind)
 
     # ------------------------------------------------------------ states that forces drive
 
     def _drive(self, rows: FloatArray, driven: list[State]) -> None:
         """Simulate states that are driven by forces, and put them into the acting rows."""
         starts = [0, *(np.flatnonzero(self.h < 0.0) + 1).tolist(), len(self.t)]
-        at_start = equilibrium(self.book, self.code, rows[:, starts[:-1]], self.parameters, self.names, start=True)
+        given = {name: values[starts[:-1]] for name, values in self.starts.items()}
+        at_start = equilibrium(
+            self.book, self.code, rows[:, starts[:-1]], self.parameters, self.names, given, start=True
+        )
         indices = [self.index[state.name] for state in driven]
         for k, (first, end) in enumerate(pairwise(starts)):
             x = at_start[indices, k]
             rows[indices, first] = x
-            steps = self._steps(first, end - 1, driven)
-            for chunk in np.array_split(np.arange(len(steps.h)), max(1, -(-len(steps.h) // WINDOW))):
-                x = self._solve(steps.take(chunk), driven, x, rows)
+            gaps = (first + 1 + np.flatnonzero(self._begins[first + 1 : end])).tolist()
+            for begin, last in pairwise([first, *gaps, end - 1]):
+                steps = self._steps(begin, last, driven)
+                for chunk in np.array_split(np.arange(len(steps.h)), max(1, -(-len(steps.h) // WINDOW))):
+                    x = self._solve(steps.take(chunk), driven, x, rows)
+                if last in gaps:
+                    x = np.array([self.starts.get(state.name, rows[i])[last]
+                                  for state, i in zip(driven, indices, strict=True)])  # fmt: skip
+                    rows[indices, last] = x
 
     def _steps(self, first: int, last: int, driven: list[State]) -> _Steps:
         """Return the steps from row to row: the longer ago the inputs have changed, the longer they are."""
@@ -290,13 +310,13 @@ class _Sum:
     h: FloatArray
     start: FloatArray
     hold: bool
+    again: npt.NDArray[np.bool_]
 
     @cached_property
     def value(self) -> FloatArray:
         last = self.flow[:-1] if self.hold else self.flow[1:]
         gained = state_laws.sum_linear(0.0, self.flow[:-1], last, self.h)
-        back = self.h < 0.0
-        return recursion(self.start[0], np.where(back, 0.0, 1.0), np.where(back, self.start[1:], gained))
+        return recursion(self.start[0], np.where(self.again, 0.0, 1.0), np.where(self.again, self.start[1:], gained))
 
     def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
         first = self.flow[interval]
@@ -304,33 +324,7 @@ class _Sum:
         return np.asarray(state_laws.sum_linear(self.value[interval], first, last, self.h[interval] * share))
 
 
-@dataclass(frozen=True)
-class _Path:
-    """The course of a hysteresis along one lag, or along the size of two."""
-
-    lags: list[_Course]
-    rate: FloatArray
-    start: FloatArray
-    restarts: IntArray
-
-    def _law(self, z: float | FloatArray, rows: IntArray, ends: list[FloatArray]) -> FloatArray:
-        law = state_laws.dahl if len(self.lags) == 1 else state_laws.dahl_size
-        return np.asarray(law(z, *(lag.value[rows] for lag in self.lags), *ends, 1.0 / self.rate[rows]))
-
-    @cached_property
-    def value(self) -> FloatArray:
-        rows = np.arange(len(self.start) - 1)
-        ends = [lag.value[1:] for lag in self.lags]
-        gained = self._law(0.0, rows, ends)  # the law is linear in the state
-        decay = self._law(1.0, rows, ends) - gained
-        decay[self.restarts], gained[self.restarts] = 0.0, self.start[self.restarts + 1]
-        return recursion(self.start[0], decay, gained)
-
-    def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
-        return self._law(self.value[interval], interval, [lag.between(interval, share) for lag in self.lags])
-
-
-_Course = Course | _Sum | _Path | Part
+_Course = Course | _Sum | PathCourse | Part
 
 
 def _integrated(state: State, drive: FloatArray, rate: FloatArray, h: FloatArray, x: float) -> FloatArray:
@@ -354,7 +348,14 @@ def _integrated(state: State, drive: FloatArray, rate: FloatArray, h: FloatArray
 
 
 def equilibrium(
-    book: Model, code: Code, rows: FloatArray, parameters: FloatArray, names: Collection[str], *, start: bool = False
+    book: Model,
+    code: Code,
+    rows: FloatArray,
+    parameters: FloatArray,
+    names: Collection[str],
+    given: Mapping[str, FloatArray] | None = None,
+    *,
+    start: bool = False,
 ) -> FloatArray:
     """Return inputs with every state in equilibrium at constant inputs; a state that has none is at its start value.
 
@@ -366,6 +367,8 @@ def equilibrium(
     parameters : ndarray, shape (n_parameters,)
     names : collection of str
         The states of the tire; the others are 0.
+    given : mapping of str to ndarray, shape (n,), optional
+        Values of states that are not computed.
     start : bool
         Whether a state that declares a start value has that value, as at the begin of a recording.
 
@@ -388,7 +391,9 @@ def equilibrium(
         after = before.copy()
         for k, state in enumerate(states):
             target, _, first, _ = state.line_names
-            if state.settles and not (start and state.start):
+            if given and state.name in given:
+                after[k] = given[state.name][moving]
+            elif state.settles and not (start and state.has_start_value):
                 after[k] = lines[target] if i == 0 else (before[k] + lines[target]) / 2.0
             else:
                 after[k] = lines[first]

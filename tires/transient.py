@@ -49,7 +49,33 @@ class Course:
         return np.asarray(state_laws.lag(self.value[interval], first, last, way))
 
 
-def followed(t: FloatArray, target: FloatArray, rate: FloatArray, start: FloatArray, *, hold: bool) -> Course:
+#: A longer step in time is a gap, in median steps.
+GAP = 5.0
+
+
+def segment_starts(t: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return whether a segment of a recording begins at a row: the first one, where time goes back, after a gap.
+
+    Examples
+    --------
+    >>> segment_starts(np.array([0.0, 0.1, 0.2, 20.0, 20.1, 0.0])).tolist()
+    [True, False, False, True, False, True]
+    """
+    step = np.diff(t)
+    forward = step[step > 0.0]
+    longest = GAP * float(np.median(forward)) if len(forward) else np.inf
+    return np.concatenate([[True], (step < 0.0) | (step > longest)])[: len(t)]
+
+
+def followed(
+    t: FloatArray,
+    target: FloatArray,
+    rate: FloatArray,
+    start: FloatArray,
+    *,
+    hold: bool,
+    begins: npt.NDArray[np.bool_] | None = None,
+) -> Course:
     """Return the course of a lag.
 
     Parameters
@@ -61,6 +87,8 @@ def followed(t: FloatArray, target: FloatArray, rate: FloatArray, start: FloatAr
     start : ndarray, shape (n,)
         The value with which a recording that begins at a row starts.
     hold : bool
+    begins : ndarray of bool, shape (n,), optional
+        The rows at which a recording begins. Default: the first one, and where time goes backward.
 
     Returns
     -------
@@ -74,9 +102,8 @@ def followed(t: FloatArray, target: FloatArray, rate: FloatArray, start: FloatAr
     # A law is linear in the state.
     gained = state_laws.lag(0.0, target[:-1], target[:-1] if hold else target[1:], way)
     decay = state_laws.lag(1.0, 0.0, 0.0, way)
-    if not len(t):
-        return Course(target, rate, way, target, hold)
-    value = recursion(start[0], np.where(h < 0, 0.0, decay), np.where(h < 0, start[1:], gained))
+    again = h < 0 if begins is None else begins[1:]
+    value = recursion(start[0], np.where(again, 0.0, decay), np.where(again, start[1:], gained))
     return Course(target, rate, way, np.where(np.isinf(rate), target, value), hold)
 
 

@@ -17,6 +17,8 @@ from ..thresholds import MIN_JOINT_SHARE, MIN_VARIATION, MIN_VARIATION_IN_NOISE
 
 #: Inputs whose common deviation from zero an effect of two of them requires.
 SLIPS = ("kappa", "alpha", "gamma", "phit")
+#: The steps of a recording may be longer by this factor than the declared rate requires.
+RATE_TOLERANCE = 1.02
 #: The outputs of an effect that declares none.
 CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
 
@@ -37,7 +39,9 @@ class Candidate:
     contains : str
         An effect that is a special case of this one, or ''.
     has_states : bool
-        Whether it depends on the past by states of its own.
+        Whether it depends on the past by states of its own, or on the rate of an input.
+    rate : float
+        Rows per second that a recording must have.
     """
 
     name: str
@@ -46,6 +50,7 @@ class Candidate:
     channels: tuple[str, ...]
     contains: str = ""
     has_states: bool = False
+    rate: float = 0.0
 
 
 def candidates_for(tire: Tire) -> dict[str, Candidate]:
@@ -90,7 +95,7 @@ def declared_candidate(name: str, book: Model, present: frozenset[str] = frozens
         forms = forms or tuple(form for form in detection.forms if not form.given)
         stateful = any(effect.states for effect in book.added if effect.name == name)
         channels = detection.channels or CHANNELS
-        return Candidate(name, forms, detection.requires, channels, detection.contains, stateful)
+        return Candidate(name, forms, detection.requires, channels, detection.contains, stateful, detection.rate)
     own = name in {effect.name for effect in book.own_effects}
     if name not in book.effects or name in {effect.name for effect in book.added} or not (detection or own):
         return None
@@ -110,7 +115,7 @@ def _undeclared(name: str, book: Model) -> Candidate | None:
             detection = effect.detection or Detection()
             channels = detection.channels or CHANNELS
             form, stateful = _by_bounds(effect.declarations), bool(effect.states)
-            return Candidate(name, (form,), detection.requires, channels, detection.contains, stateful)
+            return Candidate(name, (form,), detection.requires, channels, detection.contains, stateful, detection.rate)
     return None
 
 
@@ -153,6 +158,19 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
     ]
 
 
+def testable(signals: Signals, tire: Tire, candidate: Candidate) -> bool:
+    """Return whether a recording is fast enough for a candidate, and its inputs vary (`excited`)."""
+    return rows_per_second(signals) >= candidate.rate and excited(signals, tire, candidate.requires)
+
+
+def rows_per_second(signals: Signals) -> float:
+    """Return the median rate of a recording, infinite if it has no time and its rate does not matter."""
+    if not signals.timed:
+        return float("inf")
+    steps = np.diff(signals.t)
+    return RATE_TOLERANCE / float(np.median(steps[steps > 0.0]))
+
+
 def excited(signals: Signals, tire: Tire, names: Sequence[str]) -> bool:
     """Return whether inputs vary by more than their noise in a recording, and jointly.
 
@@ -182,7 +200,7 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
         return signals.timed
     if name in CHANNELS:
         return name in signals.channels
-    if name not in signals.recorded or name not in signals.names:
+    if name not in signals.recorded | signals.derived or name not in signals.names:
         return False
     values = signals.named()[name]
     return float(values.max() - values.min()) > _least_variation(signals, tire, name)

@@ -54,6 +54,7 @@ def recording_errors(
         "quantisation": {name: quantisation(table[name].to_numpy(np.float64)) for name in signals.channels},
         "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else [],
         "left_aside": dict(signals.excluded_channels),
+        "derived_columns": sorted(signals.derived & set(table)),
         "ignored_columns": [str(name) for name in table if name not in known],
     }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -77,6 +77,8 @@ class Signals:
         Measured channels that are not compared, and the reason.
     skew : float, s
         Time by which the inputs were delayed, because the forces are recorded later.
+    derived : frozenset of str
+        Inputs that were computed from recorded ones.
     """
 
     names: tuple[str, ...]
@@ -96,6 +98,7 @@ class Signals:
     timed: bool
     excluded_channels: Mapping[str, str] = field(default_factory=dict)
     skew: float = 0.0
+    derived: frozenset[str] = frozenset()
 
     def delayed(self, seconds: float) -> Signals:
         """Return the signals with inputs that are delayed by a further time, s."""
@@ -127,7 +130,9 @@ def _delayed(t: FloatArray, rows: FloatArray, seconds: float) -> FloatArray:
         return np.asarray(PchipInterpolator(t[known], rows[:, known], axis=1)(at))
 
 
-def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = True) -> Signals:
+def signals_of(
+    table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = True, derived: Collection[str] = ()
+) -> Signals:
     """Preprocess a table.
 
     Parameters
@@ -181,7 +186,7 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
         raise DataError(f"the recording has {len(rows)} rows under load: a diagnosis needs at least {MIN_ROWS}")
     measured = np.stack([given[name].to_numpy(dtype=np.float64)[rows] for name in channels])
     block = _blocks(t[rows])
-    recorded = frozenset(name for name in names if name in given) | ({"distance"} if timed else set())
+    recorded = frozenset(name for name in names if name in given) - set(derived) | ({"distance"} if timed else set())
     output_index = np.array([outputs.index(name) for name in channels])
     holdout = block % HOLDOUT_EVERY == HOLDOUT_EVERY // 2 + 1
     present = np.isfinite(measured)
@@ -196,7 +201,7 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
     simulated = np.union1d(thin, rows)
     return Signals(
         names, t[simulated], inputs[:, simulated], np.searchsorted(simulated, rows), rows, loaded, channels,
-        output_index, measured, present, block, holdout, recorded, noise, timed, excluded,
+        output_index, measured, present, block, holdout, recorded, noise, timed, excluded, 0.0, frozenset(derived),
     )  # fmt: skip
 
 

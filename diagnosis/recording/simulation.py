@@ -10,11 +10,12 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.state_starts import estimated_starts
 from tirefmu.symbolic.model.state_lines import owners_of
 from tirefmu.tires.code import Code, chosen_derivatives, fastest_code
 from tirefmu.tires.states import Simulation, equilibrium
 from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import Course, lagged_course
+from tirefmu.tires.transient import Course, lagged_course, segment_starts
 
 from .signals import Signals
 
@@ -157,11 +158,49 @@ class Simulator:
         if not signals.timed:
             return equilibrium(book, self._code, inputs[:, signals.rows], values, states)
         slips = self._lagged(inputs, values)
-        simulation = Simulation(book, self._code, signals.t, inputs, values, False, slips, states)
-        guess = self._courses if signals.t is self._courses_at else {}
-        rows = simulation.acting_with_linear_drives(guess, STATE_TOLERANCE)
-        self._courses, self._courses_at = {name: rows[signals.names.index(name)] for name in states}, signals.t
-        return rows[:, signals.rows]
+
+        def simulated(starts: Mapping[str, FloatArray]) -> FloatArray:
+            simulation = Simulation(book, self._code, signals.t, inputs, values, False, slips, states, starts)
+            guess = self._courses if signals.t is self._courses_at else {}
+            rows = simulation.acting_with_linear_drives(guess, STATE_TOLERANCE)
+            self._courses, self._courses_at = {name: rows[signals.names.index(name)] for name in states}, signals.t
+            return rows
+
+        rows = simulated({})
+        fitted = [name for name in states if book.states[name].start_is_fitted]
+        return (self._with_fitted_starts(fitted, rows, values, simulated) if fitted else rows)[:, signals.rows]
+
+    def _with_fitted_starts(
+        self,
+        names: list[str],
+        rows: FloatArray,
+        parameters: FloatArray,
+        simulated: Callable[[Mapping[str, FloatArray]], FloatArray],
+    ) -> FloatArray:
+        """Return simulated inputs in which states begin each segment with the value that the training rows determine.
+
+        Offsets and drift of the recording are part of the residual from which these values are estimated.
+        """
+        signals = self.signals
+        begins = segment_starts(signals.t)
+        segment, indices = np.cumsum(begins) - 1, [signals.names.index(name) for name in names]
+        used = signals.present & ~signals.holdout
+
+        def residual(acting: FloatArray) -> FloatArray:
+            forces = self._code.forces(acting[:, signals.rows], parameters)[signals.output_index]
+            return np.where(used, signals.measured - forces, 0.0)
+
+        def spread(values: FloatArray) -> dict[str, FloatArray]:
+            return dict(zip(names, values[:, segment], strict=True))
+
+        error = residual(rows)
+        deviation = np.maximum(np.sqrt(np.mean(error**2, axis=1)), 1e-9)[:, None]
+        size = np.maximum(np.sqrt(np.mean(rows[indices] ** 2, axis=1)), 1e-6)
+        found = estimated_starts(
+            lambda values, none: residual(simulated(spread(values))) / deviation,
+            segment[signals.rows], rows[indices][:, np.flatnonzero(begins)], size,
+        )  # fmt: skip
+        return simulated(spread(found))
 
     def _lagged(self, inputs: FloatArray, parameters: FloatArray) -> dict[str, Course]:
         """Return the courses of the lagged slips; none without relaxation."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -22,8 +23,10 @@ FloatArray = npt.NDArray[np.float64]
 BLOCKS = 4
 #: Largest number of measured points of a block that are drawn.
 POINTS = 400
-#: Inputs in the title of a block.
-CONDITIONS = ("Fz", "gamma", "p", "V", "T")
+#: Inputs in the title of a block, and their decimals.
+CONDITIONS = {"Fz": 0, "gamma": 1, "p": 1, "V": 1, "T": 0}
+#: A slip that changes less between 10 % and 90 % of the rows of a block is held there; rows elsewhere are not drawn.
+HELD = 0.02
 
 
 def draw_curves(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
@@ -89,18 +92,40 @@ def _draw(ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: dict[str
     slips = [name for name in ("alpha", "kappa") if name in rows]
     if not slips or not len(rows):
         return
-    slip = max(slips, key=lambda name: float(np.ptp(rows[name].to_numpy())))
+    slip, drawn = _swept(rows, slips)
+    rows, measured = rows[drawn], measured[drawn]
     x = rows[slip].to_numpy() * per_si(slip)
     thin = slice(None, None, max(1, len(rows) // POINTS))
     ax.plot(x[thin], measured[thin], ".", ms=3, color="0.6", label="measured")
     for name, (force, color) in computed.items():
-        ax.plot(x, force, color=color, lw=1.2, label=name)
+        ax.plot(x, force[drawn], color=color, lw=1.2, label=name)
     conditions = [
-        f"{LETTER.get(name, name)} {float(rows[name].mean()) * per_si(name):.3g} {drawn_unit(name)}"
-        for name in CONDITIONS
+        f"{LETTER.get(name, name)} {float(rows[name].mean()) * per_si(name):z.{decimals}f} {drawn_unit(name)}"
+        for name, decimals in CONDITIONS.items()
         if name in rows
     ]
     ax.set_title("\n".join([", ".join(conditions[:3]), ", ".join(conditions[3:])]).strip(), fontsize=7)
     ax.set_xlabel(f"{LETTER.get(slip, slip)} ({drawn_unit(slip)})")
     ax.ticklabel_format(useOffset=False)
     ax.tick_params(labelsize=7)
+
+
+def _swept(rows: pd.DataFrame, slips: Sequence[str]) -> tuple[str, npt.NDArray[np.bool_]]:
+    """Return the slip that varies most, and the rows in which slips that are held in most rows are.
+
+    A block of time may contain the end of one sweep and the start of another.
+
+    Examples
+    --------
+    >>> rows = pd.DataFrame({"alpha": [*np.linspace(-0.2, 0.2, 28), 0.0, 0.0], "kappa": [0.0] * 28 + [0.3, 0.5]})
+    >>> slip, drawn = _swept(rows, ["alpha", "kappa"])
+    >>> slip, int(drawn.sum())
+    ('alpha', 28)
+    """
+    spread = {name: float(np.ptp(np.quantile(rows[name], (0.1, 0.9)))) for name in slips}
+    swept = max(slips, key=lambda name: spread[name])
+    drawn = np.ones(len(rows), dtype=np.bool_)
+    for name in slips:
+        if name != swept and spread[name] < HELD:
+            drawn &= np.abs(rows[name].to_numpy() - rows[name].median()) < HELD
+    return swept, drawn

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.fmu import export
 from tirefmu.fmu.comparison.result import EVALUATION_TOLERANCE
 from tirefmu.fmu.simulation.simulate import loaded
@@ -61,6 +62,8 @@ def export_and_simulate(
         If an FMU cannot be built or run.
     """
     recording, additional = recording_from(recording, parameter="recording"), recordings_from(others)
+    if "phit" in diagnosis.recording["derived_columns"]:
+        recording, *additional = (with_turn_slip(one) for one in (recording, *additional))
     holdout = diagnosis.holdout_mask(len(recording))
     summary: dict[str, Any] = {}
     for when, tire, name in (("before", diagnosis.base_tire, "base"), ("after", diagnosis.tire, "improved")):

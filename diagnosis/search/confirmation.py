@@ -9,9 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
+from tirefmu.estimation.block_regression import error_of_sum
+
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
-from ..thresholds import CONFIRMED_STRETCHES, CONFIRMED_Z, MIN_HOLDOUT_GAIN, STRETCHES
+from ..thresholds import CONFIRMED_STRETCHES, CONFIRMED_Z, STRETCHES
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -32,8 +34,8 @@ class Confirmation:
     stretches : int
         Number of stretches of the recording (of `STRETCHES`) that the effect predicts better, estimated from the other
         stretches. They are equally long, or contain equal shares of the effect if it acts in few of these.
-    holdout_gain : float
-        Share of the squared misfit on the hold-out set that the effect removes.
+    holdout_gain, holdout_error : float
+        Share of the squared misfit on the hold-out set that the effect removes, and its standard error over blocks.
     compensated : bool
         Whether only the fit with the effect has more cross-talk than a bench: one compensates the other.
     within_noise : bool
@@ -44,13 +46,17 @@ class Confirmation:
     z: float
     stretches: int
     holdout_gain: float
+    holdout_error: float
     compensated: bool
     within_noise: bool
 
     @property
     def passes(self) -> bool:
-        """Whether the effect is significant, in nearly every stretch, no worse on the hold-out set, and plausible."""
-        predicts = self.stretches >= CONFIRMED_STRETCHES and self.holdout_gain > MIN_HOLDOUT_GAIN
+        """Whether the effect is significant, in nearly every stretch, no worse on the hold-out set, and plausible.
+
+        The hold-out set has four to eight blocks: an increase of its misfit within one standard error says nothing.
+        """
+        predicts = self.stretches >= CONFIRMED_STRETCHES and self.holdout_gain > -self.holdout_error
         return self.z > CONFIRMED_Z and predicts and not (self.compensated or self.within_noise)
 
     @property
@@ -106,11 +112,13 @@ def confirmation(
     size = float(response.estimate[0] / response.error[0]) if np.isfinite(response.error[0]) else 0.0
     z = joint_z(size, len(indices))
     edges = _stretches(screen, columns[:, :, 0], z)
+    holdout = problem.holdout_gains(without, solution)
     gains = screen.stretch_losses(edges) - Screen(problem, solution).stretch_losses(edges)
     return Confirmation(
         z,
         int(np.sum(gains > 0.0)),
-        problem.holdout_gain(without, solution),
+        float(holdout.sum()),
+        error_of_sum(holdout) if len(holdout) > 1 else 0.0,
         _has_implausible_cross_talk(problem, solution) and not _has_implausible_cross_talk(problem, without),
         has_states and bool(np.all(_rms(change) <= _change_by_noise(problem, solution))),
     )

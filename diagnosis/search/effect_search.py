@@ -13,7 +13,7 @@ from tirefmu.symbolic.detection import Form
 
 from ..least_squares import LeastSquares, Solution
 from ..probing.baseline_fit import readable
-from ..probing.candidates import Candidate, excited, refinements_for
+from ..probing.candidates import Candidate, refinements_for, testable
 from ..probing.confounding import correlations
 from ..probing.effect_probing import Response, Screen
 from ..thresholds import (
@@ -90,6 +90,17 @@ class Search:
                 self.progress(f"identified: {best.name} (gain {100 * best.gain:.2f} %)")
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
+
+    def extended(self) -> bool:
+        """Add the effects that pass the criteria to the model, and return whether there were any."""
+        before = len(self.found) + len(self.refinements)
+        for _ in range(ROUNDS):
+            best = self.best_effect()
+            if best is None:
+                break
+            self.accept(best)
+            self.progress(f"identified: {best.name} (gain {100 * best.gain:.2f} %)")
+        return len(self.found) + len(self.refinements) > before
 
     def round(self) -> Refit | Structure | None:
         """Return the best candidate that passes, or unexplained structure with a much larger gain."""
@@ -218,7 +229,7 @@ class Search:
         return [
             (candidate.name, point)
             for candidate in candidates
-            if excited(signals, tire, candidate.requires)
+            if testable(signals, tire, candidate)
             for form in candidate.forms
             for point in form.points()
         ]

@@ -16,8 +16,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.block_regression import error_of_sum
-
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen
@@ -26,7 +24,7 @@ from ..recording.skew import delay_response
 from ..thresholds import EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, LOAD_ERROR_PRIOR, MAX_SKEW, MIN_SKEW
 from . import alignment
 from .effect_search import Search
-from .refits import Tried
+from .refits import Tried, consistent
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -92,10 +90,10 @@ def _has_memory(search: Search, candidates: list[Candidate]) -> bool:
 
 
 def _is_significant(screen: Screen, tried: Tried, tests: int) -> bool:
-    """Return whether a linear response satisfies the criteria of an effect; its gain may be less certain."""
+    """Return whether a linear response satisfies the criteria of an effect, as a joint fit does (`Refit.passes`)."""
     response, loss = tried.response, screen.baseline.loss
     gains = loss - response.loss
-    material = float(gains.sum()) > max(error_of_sum(gains), EFFECT_GAIN * float(loss.sum()))
+    material = float(gains.sum()) > EFFECT_GAIN * float(loss.sum()) and consistent(gains)
     return material and response.p_coloured * tests < EFFECT_P and response.p_blocks < EFFECT_P_OF_BLOCKS
 
 

@@ -76,7 +76,7 @@ def settle(search: Search, before: Screen) -> Settled:
         search.solution = search.problem.solve(
             search.solution.parameters, search.solution.free, iterations=FINAL_ITERATIONS
         )
-    confirmed, rejected = _confirmed(search)
+    confirmed, rejected = _confirmed_or_replaced(search)
     if unchanged:
         before = Screen(search.problem, search.solution)
     elif set(search.solution.free) == set(before.solution.free):  # all was rejected: one tire, from the baseline fit
@@ -129,6 +129,21 @@ def _confirmed(search: Search) -> tuple[dict[str, Confirmation], dict[str, Confi
         rejected[worst.name] = evidence
         search.progress(f"not confirmed: {worst.name} ({evidence.reason_against})")
         _remove(search, worst)
+
+
+def _confirmed_or_replaced(search: Search) -> tuple[dict[str, Confirmation], dict[str, Confirmation]]:
+    """Continue the search without the effects that were not confirmed: another one may explain the same residual."""
+    candidates, rejected = search.candidates, dict[str, Confirmation]()
+    while True:
+        confirmed, failed = _confirmed(search)
+        rejected |= failed
+        search.candidates = {name: one for name, one in search.candidates.items() if name not in failed}
+        if failed.keys().isdisjoint(candidates) or not search.extended():
+            search.candidates = candidates
+            return confirmed, {name: one for name, one in rejected.items() if name not in confirmed}
+        search.solution = search.problem.solve(
+            search.solution.parameters, search.solution.free, iterations=FINAL_ITERATIONS
+        )
 
 
 def _evidence(search: Search, refit: Refit, absent: FloatArray) -> Confirmation:

@@ -17,6 +17,7 @@ from scipy.signal import lfilter
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
+from ..probing.candidates import excited
 from ..probing.effect_probing import Screen
 from ..recording.signals import Signals
 
@@ -41,6 +42,8 @@ class Feature:
         Whether an effect file can contain the formula.
     parts : tuple of str
         Texts of the two features of a product.
+    slips : frozenset of str
+        The slips that it contains other than as the magnitude of both.
     """
 
     text: str
@@ -49,6 +52,7 @@ class Feature:
     odd: bool = False
     expressible: bool = True
     parts: tuple[str, ...] = ()
+    slips: frozenset[str] = frozenset()
 
     def __mul__(self, other: Feature) -> Feature:
         return Feature(
@@ -58,6 +62,7 @@ class Feature:
             self.odd != other.odd,
             self.expressible and other.expressible,
             (self.text, other.text),
+            self.slips | other.slips,
         )
 
 
@@ -83,6 +88,8 @@ class Location:
         Multiplier of a term that makes its coefficient dimensionless; '' if none.
     flips : bool
         Whether such a term changes its sign between adapted SAE and ISO.
+    slips : frozenset of str
+        Without these slips it changes nothing.
     """
 
     name: str
@@ -91,6 +98,7 @@ class Location:
     coefficients: tuple[str, ...]
     per: str = ""
     flips: bool = False
+    slips: frozenset[str] = frozenset()
 
     @property
     def proportional_to(self) -> tuple[str, ...]:
@@ -109,6 +117,14 @@ LOCATIONS = {
     "longitudinal slip": ("term", ("shift_x",)),
     "aligning moment": ("term", ("residual_moment",)),
 }
+#: The slip without which the quantity of a role changes nothing.
+SLIP_OF_ROLE = {
+    "friction_x": "kappa",
+    "stiffness_x": "kappa",
+    "friction_y": "alpha",
+    "stiffness_y": "alpha",
+    "trail": "alpha",
+}
 
 
 def locations_of(book: Model) -> list[Location]:
@@ -122,13 +138,33 @@ def locations_of(book: Model) -> list[Location]:
     """
     declarations, found = book.coefficients, []
     for name, (how, roles) in LOCATIONS.items():
-        available = [book.roles[role] for role in roles if book.leading(role) in declarations]
+        acting = [role for role in roles if book.leading(role) in declarations]
+        available = [book.roles[role] for role in acting]
         if available:
             quantities = tuple(dict.fromkeys(role.quantity for role in available))
             leading = tuple(dict.fromkeys(role.leading for role in available))
             flips = how == "term" and declarations[leading[0]].flips
-            found.append(Location(name, how, quantities, leading, available[0].per if how == "term" else "", flips))
+            slips = frozenset(SLIP_OF_ROLE[role] for role in acting if role in SLIP_OF_ROLE)
+            per = available[0].per if how == "term" else ""
+            found.append(Location(name, how, quantities, leading, per, flips, slips))
     return found
+
+
+def determined(location: Location, feature: Feature, signals: Signals, tire: Tire) -> bool:
+    """Return whether a recording determines a formula with a feature at a location.
+
+    A slip in the formula of a quantity that acts through the other slip requires combined slip: where there is none,
+    noise of a slip that is zero has a large coefficient, with which the formula is far off elsewhere.
+
+    Parameters
+    ----------
+    location : Location
+    feature : Feature
+    signals : Signals
+    tire : Tire
+    """
+    needed = feature.slips | location.slips if feature.slips else feature.slips
+    return not feature.expressible or len(needed) < 2 or excited(signals, tire, sorted(needed))
 
 
 def directions(screen: Screen) -> dict[str, FloatArray]:
@@ -169,8 +205,11 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     def add(text: str, depends: str, values: FloatArray, *, odd: bool = False, expressible: bool = True) -> None:
         at = values[rows]
         size = float(np.std(at))
-        if size > 1e-9 and set(depends.split()) & (signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
-            (odd_ones if odd else even_ones).append(Feature(text, frozenset(depends.split()), at, odd, expressible))
+        names = frozenset(depends.split())
+        if size > 1e-9 and names & (signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
+            slips = names & {"alpha", "kappa"}
+            slips = slips if len(slips) == 1 else frozenset()
+            (odd_ones if odd else even_ones).append(Feature(text, names, at, odd, expressible, slips=slips))
 
     slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
     load = named["Fz"] / nominal["FNOMIN"]

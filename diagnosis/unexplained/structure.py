@@ -26,7 +26,7 @@ from ..thresholds import (
     TERM_ERRORS_OF_VARIABLE,
     TERM_GAIN,
 )
-from .features import Feature, Location, directions, features, locations_of
+from .features import Feature, Location, determined, directions, features, locations_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -225,7 +225,7 @@ def _dictionary(screen: Screen) -> tuple[FloatArray, list[tuple[Location, Featur
         if not np.any(at[location.name]):
             continue
         allowed = [*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even]
-        candidates += [(location, feature) for feature in allowed]
+        candidates += [(location, feature) for feature in allowed if determined(location, feature, signals, tire)]
     columns = np.stack([at[location.name] * feature.values for location, feature in candidates], axis=-1)
     return columns, candidates
 

@@ -10,6 +10,7 @@ from typing import Any
 from tirefmu.estimation.noise_floor import NoiseFloor
 
 from ..thresholds import INADEQUATE
+from .range_text import range_text
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def adequacies(
         if largest:
             over, worst = tuple(largest["over"]), largest["worst"]
             location = ", ".join(
-                f"{name} {lower:.3g} to {upper:.3g}"
+                range_text(name, lower, upper)
                 for name, lower, upper in zip(over, worst["from"], worst["to"], strict=True)
             )
         floor = floors[channel]

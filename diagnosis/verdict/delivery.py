@@ -36,7 +36,7 @@ def reasons_against(errors: FitErrors, undetermined: Mapping[str, float]) -> tup
             continue
         worst = max(ratios, key=lambda name: ratios[name] if isfinite(ratios[name]) else inf)
         total = (sum(ratio**2 for ratio in ratios.values()) / len(ratios)) ** 0.5
-        if not (total <= MAX_WORSE[part] and ratios[worst] <= MAX_WORSE_CHANNEL[part]):  # NaN is worse
+        if not (total <= MAX_WORSE and ratios[worst] <= MAX_WORSE_CHANNEL[part]):  # NaN is worse
             one, unit = errors[part][worst], "N" if worst.startswith("F") else "N m"
             reasons.append(
                 f"its residual on the {text} is larger than that of the baseline tire ({worst}: {one['after']:.3g} "

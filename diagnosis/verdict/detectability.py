@@ -10,7 +10,7 @@ from scipy import stats
 from tirefmu.symbolic.detection import LARGEST_IN_SIZES
 from tirefmu.tires.tire import Tire
 
-from ..probing.candidates import CHANNELS, Candidate, excited, varies
+from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies
 from ..search.effect_search import Search
 from ..thresholds import EFFECT_P, NOT_IDENTIFIABLE
 
@@ -51,6 +51,10 @@ def detectable_sizes(
             not_identifiable[name] = f"cross-talk of {' and '.join(unmeasured)}, which was not recorded, resembles it"
         elif lacking:
             not_identifiable[name] = f"{' and '.join(lacking)} does not vary or was not recorded"
+        elif (rate := rows_per_second(signals)) < candidate.rate:
+            others = [pair.other for pair in start.book.detections[name].confounded]
+            similar = f" to separate it from {' and '.join(others)}" if others else ""
+            not_identifiable[name] = f"it requires {candidate.rate:g} rows per second{similar}, not {rate:.0f}"
         elif not excited(signals, start, candidate.requires):
             not_identifiable[name] = f"{' and '.join(candidate.requires)} do not vary simultaneously"
         elif not responses or not set(candidate.channels) & set(signals.channels):

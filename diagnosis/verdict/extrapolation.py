@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ..least_squares import LeastSquares, Solution
 from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE
+from .range_text import range_text
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -48,7 +49,7 @@ class Extrapolation:
     def __str__(self) -> str:
         advice = "; do not use the model there without measurements" if self.doubtful else ""
         return (
-            f"{self.effect} was measured for {self.input} from {self.lower:.4g} to {self.upper:.4g}; up to half of "
+            f"{self.effect} was measured for {range_text(self.input, self.lower, self.upper)}; up to half of "
             f"that range outside, {self.channel} changes by up to {100.0 * self.change:.0f} %{advice}"
         )
 

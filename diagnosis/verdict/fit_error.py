@@ -14,6 +14,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.estimation.noise_floor import NoiseFloor, noise_floor
+from tirefmu.estimation.state_starts import with_fitted_starts
 from tirefmu.measurements import Recording
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
@@ -118,6 +119,7 @@ def preprocessed(recording: Recording, signals: Signals) -> Recording:
 
 def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) -> FloatArray:
     signals, disturbances = screen.signals, screen.problem.disturbances
+    recording = with_fitted_starts(tire, recording)
     inputs = [name for name in recording.table if name == "t" or name in tire.inputs]
     computed = tire.evaluate(recording.table[inputs], signs=recording.signs)
     channels = list(signals.channels)

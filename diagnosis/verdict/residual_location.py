@@ -35,7 +35,8 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
     """
     signals = screen.signals
     named = signals.named()
-    pairs = _pairs([name for name in named if varies(signals, screen.problem.simulator.tire, name)])
+    recorded = [name for name in named if name not in signals.derived]
+    pairs = _pairs([name for name in recorded if varies(signals, screen.problem.simulator.tire, name)])
     maps = []
     for channel, residual, inverse_noise in zip(
         signals.channels, screen.residual, screen.problem.inverse_noise, strict=True

@@ -26,7 +26,7 @@ from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "2.1"
+VERSION = "2.2"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

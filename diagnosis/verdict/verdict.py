@@ -43,6 +43,8 @@ def verdict_text(
     parts = [part for part in parts if part] or [_nothing(adequacy, detectable)]
     if against:
         parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")
+    if recording["derived_columns"]:
+        parts.append(f"not recorded, but computed from other columns: {', '.join(recording['derived_columns'])}")
     if recording["ignored_columns"]:
         parts.append(f"ignored columns: {', '.join(recording['ignored_columns'])}")
     return ". ".join(part[0].upper() + part[1:] for part in parts)

@@ -151,6 +151,16 @@ function render() {
   }, 150);
 }
 
+/** Draw all charts, also those out of sight: a printed page has them. */
+function drawForPrint() {
+  const shared = {};
+  for (const each of charts) {
+    each.update(shared);
+    each.settle?.(shared);
+    each.chart.describe();
+  }
+}
+
 function fillTable(table, head, rows) {
   const cells = (tag, row) => row.map((cell, i) => element(tag === "td" && i === 0 ? "th" : tag, tag === "th" ? { scope: "col" } : i ? {} : { scope: "row" }, cell));
   table.replaceChildren(
@@ -314,6 +324,7 @@ function start() {
   for (const id of ["search", "changed-only"]) {
     find(id).addEventListener("input", () => panel.filter(find("search").value, find("changed-only").checked));
   }
+  addEventListener("beforeprint", drawForPrint);
   addEventListener("hashchange", () => {
     readHash();
     showAll();

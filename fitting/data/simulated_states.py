@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import pandas as pd
 
+from tirefmu.estimation.state_starts import with_fitted_starts
+from tirefmu.measurements.recording import Recording
 from tirefmu.tires.tire import Tire
 
 from .fit_data import FitData
 
 
-def with_states(data: FitData, tire: Tire) -> pd.DataFrame:
+def with_states(data: FitData, tire: Tire, free: Collection[str] = ()) -> pd.DataFrame:
     """Return the included rows of a fit with the states of a tire as columns.
 
-    Excluded rows are simulated, too: a state remembers them.
+    Excluded rows are simulated, too: a state remembers them. States with a fitted start begin each segment with the
+    value that the measured forces determine (`tirefmu.estimation.state_starts`).
 
     Parameters
     ----------
     data : FitData
     tire : Tire
         In adapted SAE, as the data.
+    free : collection of str
+        Coefficients that are estimated together with fitted starts, but not returned.
 
     Returns
     -------
@@ -26,6 +33,7 @@ def with_states(data: FitData, tire: Tire) -> pd.DataFrame:
     """
     names = list(tire.states)
     recordings = data.table.groupby("recording", sort=False)
-    courses = pd.concat([tire.evaluate(part, signs=tire.signs)[names] for _, part in recordings])
+    parts = [with_fitted_starts(tire, Recording(part, tire.signs, str(name)), free).table for name, part in recordings]
+    courses = pd.concat([tire.evaluate(part, signs=tire.signs)[names] for part in parts])
     fitted = data.fitted
     return fitted.assign(**courses.loc[fitted.index])

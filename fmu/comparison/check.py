@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements.quality.convention import convention_notes
+from tirefmu.measurements.recording import Recording
 from tirefmu.measurements.table_argument import TableLike, recording_from
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.symbolic.escaping import excerpt
@@ -21,8 +21,9 @@ from tirefmu.tires.signs import convert_signs
 
 from ..simulation.archive import unpacked
 from ..simulation.simulate import read_description, simulate
+from .channel_errors import ChannelErrors
 from .resources import axes_of_inputs, embedded_tire
-from .result import Channel, CheckResult, WorstPoint
+from .result import CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -95,15 +96,7 @@ def check(
     with unpacked(fmu_path) as folder:
         description = read_description(fmu_path, folder)
         variables = {variable.name: variable for variable in description.modelVariables}
-        inputs, outputs = (
-            _columns(variables, TABLE_INPUTS, "input"),
-            _columns(variables, TABLE_OUTPUTS, "output"),
-        )
-        present = [name for name in inputs if name in table]
-        measured = [name for name in given.measured() if name in outputs]
-        for kind, needed, found in (("input", inputs, present), ("measured output", outputs, measured)):
-            if not found:
-                raise DataError(f"{given.source}: no {kind} of the FMU ({', '.join(needed)})")
+        present, measured, outputs = compared_columns(variables, given)
         time = _time(table)
         axes = axes_of_inputs(folder, fmu_path)
         tire = embedded_tire(folder, fmu_path, outputs)
@@ -118,8 +111,10 @@ def check(
         fmi_version=excerpt(description.fmiVersion),
         rows=len(table),
         segments=len(segments),
-        channels=tuple(_channel(name, _unit(variables[name]), table, simulated, present) for name in measured),
-        evaluation_difference=None if tire is None else _difference(_direct(tire, inputs_of_runs), simulated),
+        channels=tuple(
+            ChannelErrors.of(name, table, simulated, present).channel(unit_of(variables[name])) for name in measured
+        ),
+        evaluation_difference=None if tire is None else largest_difference(directly(tire, inputs_of_runs), simulated),
         problems=simulation.problems,
         tolerance=tolerance,
         simulated=simulated,
@@ -129,12 +124,31 @@ def check(
     )
 
 
-def _unit(variable: Any) -> str:
+def compared_columns(variables: Mapping[str, Any], recording: Recording) -> tuple[list[str], list[str], list[str]]:
+    """Return the inputs of an FMU and the measured outputs in a recording, and all outputs of the FMU.
+
+    Raises
+    ------
+    DataError
+        If the recording has none of the inputs or outputs.
+    """
+    inputs, outputs = (
+        columns_of(variables, names, kind) for names, kind in ((TABLE_INPUTS, "input"), (TABLE_OUTPUTS, "output"))
+    )
+    present = [name for name in inputs if name in recording.table]
+    measured = [name for name in recording.measured() if name in outputs]
+    for kind, needed, found in (("input", inputs, present), ("measured output", outputs, measured)):
+        if not found:
+            raise DataError(f"{recording.source}: no {kind} of the FMU ({', '.join(needed)})")
+    return present, measured, outputs
+
+
+def unit_of(variable: Any) -> str:
     """Return the unit of a variable as declared by the FMU, limited in length."""
     return excerpt(variable.unit or "", LONGEST_UNIT)
 
 
-def _columns(variables: Mapping[str, Any], names: Iterable[str], causality: str) -> list[str]:
+def columns_of(variables: Mapping[str, Any], names: Iterable[str], causality: str) -> list[str]:
     """Return the names that are variables of the FMU with this causality."""
     return [name for name in names if name in variables and variables[name].causality == causality]
 
@@ -146,12 +160,12 @@ def _time(table: pd.DataFrame) -> FloatArray:
     return STEP * np.arange(len(table), dtype=np.float64)
 
 
-def _direct(tire: Tire, runs: Iterable[pd.DataFrame]) -> pd.DataFrame:
+def directly(tire: Tire, runs: Iterable[pd.DataFrame]) -> pd.DataFrame:
     """Return the tire's outputs by direct evaluation of every run, with inputs constant over each step."""
     return pd.concat([tire.evaluate(run, hold=True)[list(tire.outputs)] for run in runs], ignore_index=True)
 
 
-def _difference(direct: pd.DataFrame, simulated: pd.DataFrame) -> float:
+def largest_difference(direct: pd.DataFrame, simulated: pd.DataFrame) -> float:
     """Return the largest |FMU - direct| / (1 + |direct|)."""
     worst = 0.0
     for name in simulated:
@@ -164,31 +178,3 @@ def _difference(direct: pd.DataFrame, simulated: pd.DataFrame) -> float:
         finite = np.where(same, 0.0, np.where(np.isnan(difference), np.inf, difference))
         worst = max(worst, float(np.max(finite, initial=0.0)))
     return worst
-
-
-def _channel(name: str, unit: str, table: pd.DataFrame, simulated: pd.DataFrame, inputs: list[str]) -> Channel:
-    """Compare one output with its measured values."""
-    data, model = table[name].to_numpy(dtype=np.float64), simulated[name].to_numpy()
-    rows = np.flatnonzero(~np.isnan(data))
-    y, error = data[rows], model[rows] - data[rows]
-    squared = float(error @ error)
-    rmse = float(np.sqrt(squared / len(rows)))
-    about_mean, about_zero = float(((y - y.mean()) ** 2).sum()), float((y**2).sum())
-    largest = float(np.abs(y).max())
-    worst = int(rows[np.argmax(np.abs(error))])  # argmax treats a NaN of the FMU as the largest
-    return Channel(
-        name,
-        unit,
-        len(rows),
-        rmse,
-        rmse / largest if largest else nan,
-        1.0 - squared / about_mean if about_mean else nan,
-        1.0 - squared / about_zero if about_zero else nan,
-        WorstPoint(
-            worst,
-            float(table["t"].iloc[worst]) if "t" in table else None,
-            {column: float(table[column].iloc[worst]) + 0.0 for column in inputs},
-            float(data[worst]),
-            float(model[worst]),
-        ),
-    )

@@ -21,6 +21,7 @@ from .variables import (
     TIME,
     Variable,
     feedthrough,
+    indicator,
     input_variable,
     is_indicator,
     option_variable,
@@ -273,7 +274,7 @@ def _memory_state(tire: Tire, name: str) -> Variable:
     """Return the state of an effect: in equilibrium at the start, or at a value that the host can set."""
     state = tire.book.states[name]
     start = None
-    if state.start or not state.settles:
+    if state.has_start_value or not state.settles:
         start = float(quantities_of(tire, {})[f"{name}_start"])
     what = state.description or f"state {name}"
     return Variable(name, "local", state.unit, what, start=start, nominal=1.0, group="state")
@@ -363,12 +364,7 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     if tire.lags or wheel:
         found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
-    found += [
-        Variable(f"{name}_velocity", "local", "1/s", f"velocity of {name} along its path, with an event at 0",
-                 nominal=1.0, group="extra", source=f"FIRST_PATH + {i}")
-        for i, name in enumerate(tire.states)
-        if book.states[name].follows_a_path
-    ]  # fmt: skip
+    found += [indicator(book.states[name], i) for i, name in enumerate(tire.states) if book.states[name].follows_a_path]
     if inputs == "hub-torque":
         found.append(BRAKE_EVENT)
     return found + [

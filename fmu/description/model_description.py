@@ -213,7 +213,7 @@ def _by_group(variables: Sequence[Variable]) -> tuple[list[int], list[int], list
 
 
 def _indicators(variables: Sequence[Variable]) -> list[int]:
-    """Return the value references of the event indicators: the velocities along the paths of hystereses."""
+    """Return the value references of the event indicators, of the states along paths."""
     return [reference for reference, variable in enumerate(variables) if is_indicator(variable)]
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import inf, isfinite
 
+from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Coefficient, Option, Quantity
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.options import signs
@@ -218,8 +219,17 @@ def _reached(book: Model, name: str) -> frozenset[str]:
     return frozenset(book.reached([name]))
 
 
+def indicator(state: State, index: int) -> Variable:
+    """Return the event indicator of a state along a path: its sign changes where the derivative jumps."""
+    ending, unit, what = "velocity", "1/s", f"velocity of {state.name} along its path, with an event at 0"
+    if state.kind == "play":
+        ending, unit, what = "event", "1", f"margin of {state.name} in its direction, -1 at its limit, event at 0"
+    name = f"{state.name}_{ending}"
+    return Variable(name, "local", unit, what, nominal=1.0, group="extra", source=f"FIRST_PATH + {index}")
+
+
 def is_indicator(variable: Variable) -> bool:
-    """Return whether a variable is an event indicator: the velocity along the path of a hysteresis, or of a brake."""
+    """Return whether a variable is an event indicator: of a state along a path, or of a brake."""
     return variable.source.startswith("FIRST_PATH") or variable.source == "BRAKE_EVENT"
 
 

@@ -54,8 +54,10 @@ class TireSlave(Fmi2Slave):
         self.outputs_known = False
         self.rejected = False
 
-    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        """Set the start time of the simulation."""
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
+        """Set the start time of the simulation; pythonfmu before 0.7 passes nothing else."""
         self.values[0] = start_time
 
     def exit_initialization_mode(self) -> None:

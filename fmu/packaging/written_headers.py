@@ -204,16 +204,17 @@ def _memory(shown: Interface) -> list[str]:
     """Return the entries of the table of the states of effects, as declared in memory.c."""
     book, names = shown.tire.book, [state.name for state in shown.memory]
     prefix, laws = book.name.upper(), {
-        "accumulation": "SUM", "hysteresis": "PATH", "oscillator": "POSITION", SPEED: "VELOCITY",
+        "accumulation": "SUM", "hysteresis": "PATH", "play": "PLAY", "oscillator": "POSITION", SPEED: "VELOCITY",
     }  # fmt: skip
     entries = []
     for state in shown.memory:
+        own_start = str(int(state.has_start_value))
         lags = [str(names.index(name)) for name in state.drive] if state.follows_a_path else []
         velocity, _, _, derivative = state.line_names
         fields = [
             f"{prefix}_{state.name}", str(book.drives.index(velocity)), laws.get(state.kind, "BALANCE"),
-            str(int(book.is_direct(state))), str(int(bool(state.start))), f"{{{', '.join([*lags, '-1', '-1'][:2])}}}",
-            f"{prefix}_{derivative}", f"{prefix}_{velocity}",
+            str(int(book.is_direct(state))), own_start, f"{{{', '.join([*lags, '-1', '-1'][:2])}}}",
+            f"{prefix}_{derivative}", f"{prefix}_{state.event_line or velocity}",
         ]  # fmt: skip
         entries.append(f"{{{', '.join(fields)}}}")
     return entries

@@ -150,12 +150,12 @@ Status instance_get_nominals(Instance *self, double nominals[], size_t n)
     return STATUS_OK;
 }
 
-/* The velocities along the paths of hystereses: where one changes sign, the derivative of the state jumps.  The last
-   one is that of the brake. */
+/* Where one changes sign, the derivative of a state along a path jumps; see memory.h.  The last one is that of the
+   brake. */
 Status instance_get_indicators(Instance *self, double indicators[], size_t n)
 {
 #if N_MEMORY > 0
-    double rates[N_MEMORY], velocities[N_MEMORY];
+    double rates[N_MEMORY], events[N_MEMORY];
     size_t i, k = 0;
 #endif
 
@@ -163,10 +163,10 @@ Status instance_get_indicators(Instance *self, double indicators[], size_t n)
         expect_array(self, indicators, n, N_INDICATORS, "event indicators") != STATUS_OK)
         return STATUS_ERROR;
 #if N_MEMORY > 0
-    memory_rates(&self->state, rates, velocities);
+    memory_rates(&self->state, rates, events);
     for (i = 0; i < N_MEMORY; i++)
         if (memory_is_path(i))
-            indicators[k++] = velocities[i];
+            indicators[k++] = events[i];
 #endif
 #if SPIN
     state_compute_outputs(&self->state);

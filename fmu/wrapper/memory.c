@@ -20,30 +20,30 @@
 /* By state: the index of its input, its first line in the results of `drives`, its kind, whether it is direct, whether
    it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities.  The speed of an
    oscillator is the state behind its position; both are direct. */
-typedef enum { BALANCE, SUM, PATH, POSITION, VELOCITY } Law;
+typedef enum { BALANCE, SUM, PATH, PLAY, POSITION, VELOCITY } Law;
 typedef struct {
     int input, line;
     Law law;
     int direct, started;
     int lags[2];
-    int derivative, velocity;
+    int derivative, event;
 } Memory;
 
 static const Memory TABLE[N_MEMORY] = MEMORY_TABLE;
 
-int memory_is_direct(size_t i) { return TABLE[i].direct || TABLE[i].law == PATH; }
+int memory_is_path(size_t i) { return TABLE[i].law == PATH || TABLE[i].law == PLAY; }
 
-int memory_is_path(size_t i) { return TABLE[i].law == PATH; }
+int memory_is_direct(size_t i) { return TABLE[i].direct || memory_is_path(i); }
 
 unsigned memory_derivative(size_t i) { return (unsigned) TABLE[i].derivative; }
 
-unsigned memory_velocity(size_t i) { return (unsigned) TABLE[i].velocity; }
+unsigned memory_event(size_t i) { return (unsigned) TABLE[i].event; }
 
 int memory_input(size_t i) { return TABLE[i].input; }
 
 static int is_driven(size_t i) { return !memory_is_direct(i); }
 
-static int settles(size_t i) { return TABLE[i].law != SUM && TABLE[i].law != PATH; }
+static int settles(size_t i) { return TABLE[i].law != SUM && !memory_is_path(i); }
 
 static double target(const double lines[], size_t i) { return lines[TABLE[i].line]; }
 
@@ -107,6 +107,14 @@ void memory_begin(State *state)
 
 /* ---------------------------------------------------------------- steps */
 
+/* A state along the path from (a, b) to (a_end, b_end), or from a to a_end if it has one lag. */
+static double follow_path(Law law, double x, double a, double b, double a_end, double b_end, int two, double width)
+{
+    if (law == PLAY)
+        return two ? state_play_size(x, a, b, a_end, b_end, width) : state_play(x, a, a_end, width);
+    return two ? state_dahl_size(x, a, b, a_end, b_end, width) : state_dahl(x, a, a_end, width);
+}
+
 /* The states that forces do not drive, h seconds after a change of the inputs. */
 static void follow_inputs(const double lines[], const double start[N_MEMORY], double h, double memory[N_MEMORY])
 {
@@ -124,10 +132,9 @@ static void follow_inputs(const double lines[], const double start[N_MEMORY], do
     }
     for (i = 0; i < N_MEMORY; i++) {
         const int a = TABLE[i].lags[0], b = TABLE[i].lags[1];
-        if (TABLE[i].law != PATH)
-            continue;
-        memory[i] = b < 0 ? state_dahl(start[i], start[a], memory[a], 1.0 / rate(lines, i))
-                          : state_dahl_size(start[i], start[a], start[b], memory[a], memory[b], 1.0 / rate(lines, i));
+        if (memory_is_path(i))
+            memory[i] = follow_path(TABLE[i].law, start[i], start[a], b < 0 ? 0.0 : start[b], memory[a],
+                                    b < 0 ? 0.0 : memory[b], b >= 0, 1.0 / rate(lines, i));
     }
 }
 
@@ -255,7 +262,7 @@ void memory_advance(State *state, double h)
 
 /* ---------------------------------------------------------------- derivatives */
 
-void memory_rates(State *state, double rates[N_MEMORY], double velocities[N_MEMORY])
+void memory_rates(State *state, double rates[N_MEMORY], double events[N_MEMORY])
 {
     double given[N_INPUTS], acting[N_INPUTS], at_given[N_DRIVES], at_acting[N_DRIVES];
     size_t i;
@@ -270,12 +277,16 @@ void memory_rates(State *state, double rates[N_MEMORY], double velocities[N_MEMO
         const double *lines = is_driven(i) ? at_acting : at_given;
         const double u = target(lines, i), r = rate(lines, i), x = given[TABLE[i].input];
 
-        velocities[i] = TABLE[i].law == PATH ? u : 0.0;
+        events[i] = TABLE[i].law == PATH ? u : 0.0;
         rates[i] = r * (u - x);
         if (TABLE[i].law == SUM) {
             rates[i] = u;
         } else if (TABLE[i].law == PATH) {
             rates[i] = ((u > 0.0) - (u < 0.0) - x) * fabs(u) * r;
+        } else if (TABLE[i].law == PLAY) {
+            const double margin = 1.0 - x * ((u > 0.0) - (u < 0.0));
+            events[i] = margin > 0.0 ? margin : -1.0;
+            rates[i] = margin > 0.0 ? u * r : 0.0;
         } else if (TABLE[i].law == POSITION) {
             rates[i] = given[TABLE[i + 1].input];
         } else if (TABLE[i].law == VELOCITY) {
@@ -283,7 +294,7 @@ void memory_rates(State *state, double rates[N_MEMORY], double velocities[N_MEMO
             rates[i] = frequency * frequency * (target(lines, i - 1) - given[TABLE[i - 1].input]) - r * x;
         }
         if (!state_has_begun(state))
-            rates[i] = velocities[i] = 0.0;
+            rates[i] = events[i] = 0.0;
     }
 }
 

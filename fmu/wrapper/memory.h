@@ -18,19 +18,21 @@ void memory_begin(State *state);
 /* Integrate the states, lagged slips included, over h > 0 seconds with constant inputs. */
 void memory_advance(State *state, double h);
 
-/* Compute the derivatives of the states, and the velocities along the paths of hystereses; 0 for other states. */
-void memory_rates(State *state, double rates[N_MEMORY], double velocities[N_MEMORY]);
+/* Compute the derivatives of the states, and what changes sign where the derivative of a state along a path jumps: the
+   velocity of a hysteresis, the margin of a play (1 - x in its direction, -1 while it is at its limit); 0 for other
+   states. */
+void memory_rates(State *state, double rates[N_MEMORY], double events[N_MEMORY]);
 
 /* Put the seeds of the states into the tangents of the inputs; call slips_differentiate before. */
 void memory_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent);
 
 /* Whether the derivative of a state depends on the given slips, not on the lagged ones. */
 int memory_is_direct(size_t i);
-/* Whether a state is a hysteresis. */
+/* Whether a state is a hysteresis or a play. */
 int memory_is_path(size_t i);
-/* Indices of named quantities: the derivative of a state, the velocity of a hysteresis. */
+/* Indices of named quantities: the derivative of a state, the event indicator of a state along a path. */
 unsigned memory_derivative(size_t i);
-unsigned memory_velocity(size_t i);
+unsigned memory_event(size_t i);
 /* Index of the model's input that is the state. */
 int memory_input(size_t i);
 #endif

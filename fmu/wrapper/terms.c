@@ -181,7 +181,7 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
 #endif
 #if N_MEMORY > 0
     if (shown >= FIRST_PATH)
-        return memory_terms(state, (unsigned) (shown - FIRST_PATH), memory_velocity((size_t) (shown - FIRST_PATH)), terms);
+        return memory_terms(state, (unsigned) (shown - FIRST_PATH), memory_event((size_t) (shown - FIRST_PATH)), terms);
 #endif
     if (shown == KAPPA_GIVEN)
         return add(terms, 0, GIVEN, KAPPA, state->contact.sense);

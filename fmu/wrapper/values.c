@@ -74,14 +74,14 @@ Status instance_expect_known(const Instance *self, const unsigned references[], 
 /* Before the end of initialization a state is in equilibrium, or has its start value. */
 static void show_memory(State *state, double states[], double rates[])
 {
-    double inputs[N_INPUTS], velocities[N_MEMORY];
+    double inputs[N_INPUTS], events[N_MEMORY];
     size_t i;
 
     memcpy(inputs, state->contact.inputs, sizeof inputs);
     memory_fill(state, inputs);
     for (i = 0; i < N_MEMORY; i++)
         states[i] = inputs[memory_input(i)];
-    memory_rates(state, rates, velocities);
+    memory_rates(state, rates, events);
 }
 #endif
 
@@ -149,7 +149,7 @@ void state_compute_extras(State *state)
     double inputs[N_INPUTS], quantities[N_QUANTITIES], found;
     size_t i;
 #if N_MEMORY > 0
-    double rates[N_MEMORY], velocities[N_MEMORY];
+    double rates[N_MEMORY], events[N_MEMORY];
 #endif
 
     if (state->extras_known)
@@ -158,7 +158,7 @@ void state_compute_extras(State *state)
     slips_acting(state, inputs);
     model_quantities(inputs, model_parameters(state), quantities);
 #if N_MEMORY > 0
-    memory_rates(state, rates, velocities);
+    memory_rates(state, rates, events);
 #endif
     for (i = 0; i < N_EXTRAS; i++) {
         if (EXTRA[i] == FRICTION_USE)
@@ -173,7 +173,7 @@ void state_compute_extras(State *state)
 #endif
 #if N_MEMORY > 0
         else if (EXTRA[i] >= FIRST_PATH)
-            found = velocities[EXTRA[i] - FIRST_PATH];
+            found = events[EXTRA[i] - FIRST_PATH];
 #endif
         else if (EXTRA[i] == KAPPA_GIVEN)
             found = state->contact.sense * state->contact.inputs[KAPPA];

@@ -263,4 +263,29 @@ static inline double state_dahl_size(double z, double a, double b, double a_end,
     return (rise > 0.0 ? 1.0 + (-1.0 + fallen)*exp(-rise) : fallen);
 }
 
+/* Play dz = ds / width between -1 and 1 along a path that goes from s to s_end without turning back. */
+static inline double state_play(double z, double s, double s_end, double width)
+{
+    const double moved = z + (s_end - s)/width;
+    return (moved > 1.0 ? 1.0 : (moved < -1.0 ? -1.0 : moved));
+}
+
+/* Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two
+   parts. */
+static inline double state_play_size(double z, double a, double b, double a_end, double b_end, double width)
+{
+    const double da = a_end - a;
+    const double db = b_end - b;
+    const double squared = square(da) + square(db);
+    const double path = (squared > 1e-300 ? squared : 1.0);
+    const double point = (-a*da - b*db)/path;
+    const double part = (point < 0.0 ? 0.0 : (point > 1.0 ? 1.0 : point));
+    const double least = sqrt(square(a + da*part) + square(b + db*part));
+    const double fall = (least - sqrt(square(a) + square(b)))/width;
+    const double rise = (sqrt(square(a_end) + square(b_end)) - least)/width;
+    const double lowered = fall + z;
+    const double fallen = (lowered < -1.0 ? -1.0 : lowered);
+    return (fallen + rise > 1.0 ? 1.0 : fallen + rise);
+}
+
 #endif

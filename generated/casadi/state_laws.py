@@ -188,3 +188,27 @@ def dahl_size(z, a, b, a_end, b_end, width):
     rise = (ca.sqrt(a_end**2 + b_end**2) - least)/width
     fallen = ca.if_else(fall < 0, -1 + (1 + z)*ca.exp(fall), z)
     return ca.if_else(rise > 0, 1 + (-1 + fallen)*ca.exp(-rise), fallen)
+
+
+def play(z, s, s_end, width):
+    """Play dz = ds / width between -1 and 1 along a path that goes from s to s_end without turning back."""
+    moved = z + (s_end - s)/width
+    return ca.if_else(moved > 1, 1, ca.if_else(moved < -1, -1, moved))
+
+
+def play_size(z, a, b, a_end, b_end, width):
+    """Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two
+    parts.
+    """
+    da = a_end - a
+    db = b_end - b
+    squared = da**2 + db**2
+    path = ca.if_else(squared > 1e-300, squared, 1)
+    point = (-a*da - b*db)/path
+    part = ca.if_else(point < 0, 0, ca.if_else(point > 1, 1, point))
+    least = ca.sqrt((a + da*part)**2 + (b + db*part)**2)
+    fall = (least - ca.sqrt(a**2 + b**2))/width
+    rise = (ca.sqrt(a_end**2 + b_end**2) - least)/width
+    lowered = fall + z
+    fallen = ca.if_else(lowered < -1, -1, lowered)
+    return ca.if_else(fallen + rise > 1, 1, fallen + rise)

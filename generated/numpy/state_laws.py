@@ -188,3 +188,27 @@ def dahl_size(z, a, b, a_end, b_end, width):
     rise = (np.sqrt(a_end**2 + b_end**2) - least)/width
     fallen = np.where(fall < 0, -1 + (1 + z)*np.exp(fall), z)
     return np.where(rise > 0, 1 + (-1 + fallen)*np.exp(-rise), fallen)
+
+
+def play(z, s, s_end, width):
+    """Play dz = ds / width between -1 and 1 along a path that goes from s to s_end without turning back."""
+    moved = z + (s_end - s)/width
+    return np.where(moved > 1, 1, np.where(moved < -1, -1, moved))
+
+
+def play_size(z, a, b, a_end, b_end, width):
+    """Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two
+    parts.
+    """
+    da = a_end - a
+    db = b_end - b
+    squared = da**2 + db**2
+    path = np.where(squared > 1e-300, squared, 1)
+    point = (-a*da - b*db)/path
+    part = np.where(point < 0, 0, np.where(point > 1, 1, point))
+    least = np.sqrt((a + da*part)**2 + (b + db*part)**2)
+    fall = (least - np.sqrt(a**2 + b**2))/width
+    rise = (np.sqrt(a_end**2 + b_end**2) - least)/width
+    lowered = fall + z
+    fallen = np.where(lowered < -1, -1, lowered)
+    return np.where(fallen + rise > 1, 1, fallen + rise)

@@ -140,16 +140,32 @@ def channels_in_si(
     """
     if table.empty:
         raise DataError(f"{source}: no rows")
+    converted = converted_channels(table, columns, source, location)
+    for column in columns:
+        if column.name in CHANNELS:
+            check_finite(converted[column.name].to_numpy(), column.name, source, location)
+    declared = " ".join(column.name for column in columns if column.unit is not None)
+    return converted, {"declared": declared}
+
+
+def converted_channels(
+    table: pd.DataFrame, columns: Sequence[Column], source: str, location: Callable[[int], str]
+) -> pd.DataFrame:
+    """Return the table with contract names and SI units; see `channels_in_si`. A channel may contain NaN or infinities.
+
+    Raises
+    ------
+    DataError
+        If a cell of a channel is not a number, or a declared unit is unknown or one of another quantity.
+    """
     columns_out: dict[str, pd.Series] = {}
     for number, column in enumerate(columns):
         cells = table.iloc[:, number].rename(column.name)
         if column.name in CHANNELS:
             values = _numbers(cells, source, location)
-            check_finite(values, column.name, source, location)
             cells = pd.Series(_converted(values, column, source), name=column.name)
         columns_out[column.name] = cells.reset_index(drop=True)
-    declared = " ".join(column.name for column in columns if column.unit is not None)
-    return pd.DataFrame(columns_out), {"declared": declared}
+    return pd.DataFrame(columns_out)
 
 
 def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:

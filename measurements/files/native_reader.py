@@ -43,7 +43,7 @@ class _Process:
         """Whether the process is running and was started by this process, not by one from which this was forked."""
         return self._owner == os.getpid() and self._popen.poll() is None
 
-    def send(self, request: tuple[str, str, int, int], seconds: float) -> tuple[str, Any]:
+    def send(self, request: tuple[str, str, int, int, tuple[Any, ...]], seconds: float) -> tuple[str, Any]:
         """Return the answer to a request.
 
         Raises
@@ -87,18 +87,20 @@ _lock = threading.Lock()
 _running: _Process | None = None
 
 
-def load(file_format: str, path: Path) -> Any:
+def load(wanted: str, path: Path, *arguments: Any) -> Any:
     """Return the content of a file, read by native code.
 
     Parameters
     ----------
-    file_format : {"matlab", "parquet"}
+    wanted : {"matlab", "parquet", "parquet header", "parquet part"}
     path : pathlib.Path
+    *arguments
+        Of a part: the first row and the largest number of rows.
 
     Returns
     -------
-    dict of str to Any, or pandas.DataFrame
-        The variables of a ``.mat`` file, or the table.
+    dict of str to Any, pandas.DataFrame, tuple or None
+        The variables of a ``.mat`` file, the table, its columns and number of rows, or a part of the table.
 
     Raises
     ------
@@ -113,7 +115,7 @@ def load(file_format: str, path: Path) -> Any:
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
     memory, largest = MEMORY + MEMORY_PER_BYTE * size, CONTENT + CONTENT_PER_BYTE * size
-    request = (file_format, os.path.abspath(path), memory, largest)
+    request = (wanted, os.path.abspath(path), memory, largest, arguments)
     with _lock:
         if _running is None or not _running.usable:
             _running = _Process()
@@ -126,7 +128,7 @@ def load(file_format: str, path: Path) -> Any:
     if status == "missing":
         raise MissingPackage(content)
     if status == "refused":
-        kind = {"matlab": "a MATLAB file", "parquet": "Parquet"}[file_format]
+        kind = "a MATLAB file" if wanted == "matlab" else "Parquet"
         raise DataError(f"{path}: cannot be read as {kind}: {content}")
     return content
 

@@ -1,14 +1,19 @@
-"""Parquet tables, with columns as in CSV tables."""
+"""Parquet tables, with columns as in CSV tables: as a whole, or in parts of a few rows."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import pandas as pd
 
 from tirefmu.symbolic.errors import DataError
 
 from ..recording import Recording
 from . import native_reader
-from .columns import channels_in_si, parse_header
+from .columns import Column, channels_in_si, converted_channels, parse_header
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
 
@@ -33,10 +38,59 @@ def read_parquet_table(path: Path, signs: str) -> Recording:
         rows from 1.
     """
     source = str(path)
-    try:
-        table = native_reader.load("parquet", path)
-    except native_reader.MissingPackage:
-        raise DataError(f"{source}: {EXTRA}") from None
+    table = _loaded("parquet", path)
     columns = parse_header([str(name) for name in table.columns], source)
     table, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
     return Recording(table, signs, path.name, about)
+
+
+@dataclass(frozen=True)
+class ParquetParts:
+    """A Parquet table that is read in parts, so that its size does not determine the memory.
+
+    Attributes
+    ----------
+    path : pathlib.Path
+    columns : tuple of Column
+    rows : int
+    """
+
+    path: Path
+    columns: tuple[Column, ...]
+    rows: int
+
+    @classmethod
+    def of(cls, path: Path) -> ParquetParts:
+        """Read the header of a file.
+
+        Raises
+        ------
+        DataError
+            If pyarrow is not installed, the file is not a Parquet file, or its columns cannot be used.
+        """
+        names, rows = _loaded("parquet header", path)
+        return cls(path, tuple(parse_header(names, str(path))), rows)
+
+    def tables(self, most: int) -> Iterator[tuple[int, pd.DataFrame]]:
+        """Yield the number of the first row of each part and its rows, `most` at most, channels in SI.
+
+        Raises
+        ------
+        DataError
+            If a channel cannot be used. The message counts rows from 1.
+        """
+        start = 0
+        while (table := _loaded("parquet part", self.path, start, most)) is not None:
+            yield start, converted_channels(table, self.columns, str(self.path), _numbered_from(start))
+            start += len(table)
+
+
+def _numbered_from(start: int) -> Callable[[int], str]:
+    return lambda row: f"row {start + row + 1}"
+
+
+def _loaded(wanted: str, path: Path, *arguments: int) -> Any:
+    try:
+        return native_reader.load(wanted, path, *arguments)
+    except native_reader.MissingPackage:
+        raise DataError(f"{path}: {EXTRA}") from None

@@ -1,8 +1,9 @@
 """Program that reads files by native code (MATLAB, HDF5, Arrow); `native_reader.py` starts it as a process.
 
 A damaged file can make such code crash, hang or fill the memory. Only this process ends then. It imports no module of
-tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of file format, path, memory limit
-and largest size of the answer. The answer is a pickled pair of a status and the content, the package or the reason.
+tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of what to load, path, memory limit,
+largest size of the answer and further arguments. The answer is a pickled pair of a status and the content, the package
+or the reason.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import pickle
 import signal
 import sys
 import warnings
+from collections.abc import Callable, Iterator
 from typing import Any, BinaryIO
 
 
@@ -57,14 +59,65 @@ def load_parquet(path: str) -> Any:
         raise MissingPackage("Parquet") from None
 
 
-LOADERS = {"matlab": load_matlab, "parquet": load_parquet}
+def load_parquet_header(path: str) -> tuple[list[str], int]:
+    """Return the names of the columns and the number of rows of a Parquet file."""
+    file = _parquet_file(path)
+    return [str(name) for name in file.schema_arrow.empty_table().to_pandas().columns], file.metadata.num_rows
 
 
-def answer(file_format: str, path: str, largest: int) -> bytes:
+class _Parts:
+    """A Parquet file that is read part by part, in the order of its rows.
+
+    The parts continue if the next request is for the row after the last one: the file is not opened again.
+    """
+
+    def __init__(self, path: str, most: int) -> None:
+        self.path, self.next_row = path, 0
+        self._parts: Iterator[Any] = _parquet_file(path).iter_batches(batch_size=most)
+
+    def following(self) -> Any:
+        """Return the next rows as a table; None at the end."""
+        for part in self._parts:
+            if part.num_rows:
+                self.next_row += part.num_rows
+                return part.to_pandas()
+        return None
+
+
+_reading: _Parts | None = None
+
+
+def load_parquet_part(path: str, start: int, most: int) -> Any:
+    """Return rows of a Parquet file from a row on, `most` at most; None beyond the last row."""
+    global _reading
+    if _reading is None or (_reading.path, _reading.next_row) != (path, start) or start == 0:
+        _reading = _Parts(path, most)
+        while _reading.next_row < start and _reading.following() is not None:
+            pass
+    return _reading.following()
+
+
+def _parquet_file(path: str) -> Any:
+    try:
+        from pyarrow.parquet import ParquetFile
+    except ImportError:
+        raise MissingPackage("Parquet") from None
+    return ParquetFile(path, buffer_size=1 << 20, pre_buffer=False)  # does not read a group of rows as a whole
+
+
+LOADERS: dict[str, Callable[..., Any]] = {
+    "matlab": load_matlab,
+    "parquet": load_parquet,
+    "parquet header": load_parquet_header,
+    "parquet part": load_parquet_part,
+}
+
+
+def answer(wanted: str, path: str, largest: int, arguments: tuple[Any, ...] = ()) -> bytes:
     """Return the pickled answer to a request: ("loaded", content), ("missing", kind) or ("refused", reason)."""
     too_large = pickle.dumps(("refused", "its content is far larger than a file of its size can contain"))
     try:
-        content = pickle.dumps(("loaded", LOADERS[file_format](path)))
+        content = pickle.dumps(("loaded", LOADERS[wanted](path, *arguments)))
         return content if len(content) <= largest else too_large
     except MissingPackage as error:
         return pickle.dumps(("missing", str(error)))
@@ -91,11 +144,11 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> None:
     """Answer requests until they end."""
     while True:
         try:
-            file_format, path, memory, largest = pickle.load(requests)
+            wanted, path, memory, largest, arguments = pickle.load(requests)
         except EOFError:
             return
         _limit_memory(memory)
-        answers.write(answer(file_format, path, largest))
+        answers.write(answer(wanted, path, largest, arguments))
         answers.flush()
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 
@@ -38,7 +40,63 @@ def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
     ...     print((Path(folder) / "out.csv").read_text().split())
     ['Fy', '0.30000000000000004']
     """
-    target = Path(path)
+    with _replaced(Path(path)) as part:
+        if Path(path).suffix.lower() == ".csv":
+            table.to_csv(part, index=False, lineterminator="\n")
+        else:
+            table.to_parquet(part, index=False)
+
+
+def write_tables(tables: Iterable[pd.DataFrame], path: str | PathLike[str]) -> None:
+    """Write tables with the same columns one after another into one file, completely or not at all.
+
+    Only one of them has to be in memory at a time.
+
+    Parameters
+    ----------
+    tables : iterable of pandas.DataFrame
+    path : str or path-like
+        As for `write_table`.
+
+    Raises
+    ------
+    DataError
+        As `write_table`.
+
+    Examples
+    --------
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_tables((pd.DataFrame({"Fy": [float(i)]}) for i in range(2)), Path(folder) / "out.csv")
+    ...     print((Path(folder) / "out.csv").read_text().split())
+    ['Fy', '0.0', '1.0']
+    """
+    with _replaced(Path(path)) as part:
+        if Path(path).suffix.lower() == ".csv":
+            with part.open("w", encoding="utf-8", newline="") as file:
+                for number, table in enumerate(tables):
+                    table.to_csv(file, index=False, lineterminator="\n", header=number == 0)
+        else:
+            _write_parquet(tables, part)
+
+
+def _write_parquet(tables: Iterable[pd.DataFrame], path: Path) -> None:
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
+
+    writer = None
+    try:
+        for table in tables:
+            rows = pa.Table.from_pandas(table, preserve_index=False)
+            writer = writer or ParquetWriter(path, rows.schema)
+            writer.write_table(rows)
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+@contextmanager
+def _replaced(target: Path) -> Iterator[Path]:
+    """Give a temporary file that replaces the target if nothing fails."""
     kind = target.suffix.lower()
     if kind not in (".csv", ".parquet"):
         raise DataError(f"{target}: unknown kind of table {target.suffix!r}: known are .csv, .parquet")
@@ -51,10 +109,7 @@ def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
     try:
         # A temporary file is private. The finished one gets the default permissions.
         part.chmod(0o666 & ~_umask())
-        if kind == ".csv":
-            table.to_csv(part, index=False, lineterminator="\n")
-        else:
-            table.to_parquet(part, index=False)
+        yield part
         part.replace(target)
     except ImportError:
         raise DataError(f"{target}: {EXTRA}") from None

@@ -24,7 +24,7 @@ from .checks import LONGEST_TEXT, MOST_COEFFICIENTS
 MOST_FORMS, MOST_PROBES, MOST_PAIRS, LARGEST_SIZE, MOST_POINTS = 10, 10, 20, 1e12, 20
 INPUTS = ("t", *(quantity.name for quantity in (KAPPA, ALPHA, GAMMA, FZ, P, V, PHIT)), *BEYOND)
 OUTPUTS = tuple(quantity.name for quantity in (FX, FY, MZ, MX, MY))
-KEYS = ("requires", "channels", "contains", "spread", "separate_by", "forms", "refinements", "confounded")
+KEYS = ("requires", "rate", "channels", "contains", "spread", "separate_by", "forms", "refinements", "confounded")
 FORM_KEYS = ("free", "starts", "sizes", "given", "holds", "grid")
 
 
@@ -53,6 +53,7 @@ def read_detection(table: object, location: str, own: Collection[str] | None = N
     given = known_keys(table, KEYS, location)
     detection = Detection(
         requires=_words(given, "requires", location, (*INPUTS, *OUTPUTS)),
+        rate=_rate(given, location),
         channels=_words(given, "channels", location, OUTPUTS),
         forms=_forms(given, "forms", location),
         refinements=_forms(given, "refinements", location),
@@ -72,8 +73,9 @@ def read_detection(table: object, location: str, own: Collection[str] | None = N
 def detection_text(detection: Detection) -> str:
     """Return the text of a table [diagnosis]; `read_detection` is the inverse."""
     lines = ["[diagnosis]"]
-    for key, words in (("requires", detection.requires), ("channels", detection.channels)):
-        lines += [f"{key} = {_list(words)}"] if words else []
+    lines += [f"requires = {_list(detection.requires)}"] if detection.requires else []
+    lines += [f"rate = {detection.rate!r}"] if detection.rate else []
+    lines += [f"channels = {_list(detection.channels)}"] if detection.channels else []
     for key, text in (("contains", detection.contains), ("separate_by", detection.separate_by)):
         lines += [f"{key} = {toml_string(text)}"] if text else []
     lines += [f"spread = {_inline(detection.spread)}"] if detection.spread else []
@@ -128,6 +130,12 @@ def _words(table: dict[str, Any], key: str, location: str, known: Collection[str
     if len(set(words)) < len(words):
         raise EffectError(f"{location}: {key} contains a name twice")
     return tuple(words)
+
+
+def _rate(table: dict[str, Any], location: str) -> float:
+    if "rate" not in table:
+        return 0.0
+    return _sizes({"RATE": table["rate"]}, f"{location} rate", positive=True)["RATE"]
 
 
 def _text(table: dict[str, Any], key: str, location: str) -> str:

@@ -14,7 +14,12 @@ KINDS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...]]] = {
     "accumulation": ((), ("start",)),
     "oscillator": ((("frequency",), ("damping",)), ("start",)),
     "hysteresis": ((("width",),), ("start",)),
+    "play": ((("width",),), ("start",)),
 }
+#: The start of a state that is fitted to each segment of a recording, and the kinds that may have it.
+FITTED, WITH_FITTED_START = "fitted", ("lag", "heat", "accumulation")
+#: The kinds that change along a path, without regard to time.
+PATHS = ("hysteresis", "play")
 #: The kind of the second state of an oscillator, which no file declares, and the ending of its name.
 SPEED, SPEED_ENDING = "speed", "_speed"
 #: The power that sliding turns into heat, W: formulas of states may read it like a named quantity.
@@ -35,14 +40,16 @@ class State:
         ambient). "accumulation": x' = drive. "oscillator": x'' = frequency^2 (drive - x) - damping x', whose formulas
         read inputs alone; x' is a state of its own behind this one, of kind "speed" with the same formulas
         (`with_speeds`). "hysteresis": dx = (sgn(ds) - x) |ds|/width, where s is the lag that the drive names, or the
-        size sqrt(a^2 + b^2) of two lags.
+        size sqrt(a^2 + b^2) of two lags. "play": dx = ds/width, but not beyond -1 and 1: the follower of a backlash
+        is at s - width x.
     drive : tuple of str
-        A formula; of a hysteresis the names of one or two lags.
+        A formula; of a hysteresis and of play the names of one or two lags.
     rate, length, width, ambient, frequency, damping : str
         Formulas; empty if the kind does not have them.
     start : str
         A formula of coefficients for the value at the start of a recording. If empty, a lag, a heat balance and an
-        oscillator start in equilibrium with the first row, and other states at 0.
+        oscillator start in equilibrium with the first row, and other states at 0. "fitted": so do they in a tire, but
+        a fit and a diagnosis estimate the value at the start of each segment of a recording.
 
     Examples
     --------
@@ -70,6 +77,16 @@ class State:
         return tuple(f"{self.name}_{ending}" for ending in LINES)
 
     @property
+    def start_is_fitted(self) -> bool:
+        """Whether its value at the start of each segment of a recording is estimated."""
+        return self.start == FITTED
+
+    @property
+    def has_start_value(self) -> bool:
+        """Whether a formula declares its value at the start of a recording."""
+        return bool(self.start) and not self.start_is_fitted
+
+    @property
     def settles(self) -> bool:
         """Whether it has an equilibrium at constant inputs."""
         return self.kind in ("lag", "heat", "oscillator", SPEED)
@@ -87,14 +104,19 @@ class State:
     @property
     def follows_a_path(self) -> bool:
         """Whether it changes along a path, without regard to time."""
-        return self.kind == "hysteresis"
+        return self.kind in PATHS
+
+    @property
+    def event_line(self) -> str:
+        """The name of the line whose sign changes where the derivative of a state along a path jumps; else empty."""
+        return {"hysteresis": self.line_names[0], "play": f"{self.name}_margin"}.get(self.kind, "")
 
     def formulas(self) -> Iterator[tuple[str, str]]:
-        """Yield key and text of each formula; the drive of a hysteresis is none."""
+        """Yield key and text of each formula; the drive of a state along a path is none."""
         if not self.follows_a_path:
             yield "drive", self.drive[0]
         for key in ("rate", "length", "width", "ambient", "frequency", "damping", "start"):
-            if text := getattr(self, key):
+            if (text := getattr(self, key)) and not (key == "start" and self.start_is_fitted):
                 yield key, text
 
     @property

@@ -9,7 +9,7 @@ from ..errors import EffectError, nearest
 from ..escaping import quoted, toml_string
 from ..reserved import no_state
 from .detection_file import known_keys
-from .state import KINDS, SPEED, State, with_speeds
+from .state import FITTED, KINDS, PATHS, SPEED, WITH_FITTED_START, State, with_speeds
 
 #: Keys of the table of a state, in the order in which they are written.
 KEYS = ("kind", "drive", "rate", "length", "width", "ambient", "frequency", "damping", "start", "unit", "description")
@@ -67,13 +67,15 @@ def _state(name: str, table: object, location: str) -> State:
     allowed = {"kind", "drive", "unit", "description", *optional, *(key for keys in required for key in keys)}
     for key in table.keys() - allowed:
         raise EffectError(f"{location}: {article} {kind} has no {key}")
+    if table.get("start") == FITTED and kind not in WITH_FITTED_START:
+        raise EffectError(f"{location}: {article} {kind} has no fitted start")
     texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive"}}
     return State(name, kind, _drive(table, kind, location), **texts)
 
 
 def _drive(table: dict[str, Any], kind: str, location: str) -> tuple[str, ...]:
     drive = table.get("drive")
-    if kind != "hysteresis":
+    if kind not in PATHS:
         return (_text(table, "drive", location),)
     drives = [drive] if isinstance(drive, str) else drive
     if not isinstance(drives, list) or len(drives) not in (1, 2) or not all(isinstance(each, str) for each in drives):

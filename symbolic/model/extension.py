@@ -58,7 +58,7 @@ def check_names(model: str, effects: Sequence[AddedEffect], quantities: Iterable
     taken |= dict.fromkeys(EFFECTS, "an effect")
     for effect in effects:
         own = [declaration.name for declaration in effect.declarations]
-        own += [name for state in effect.states for name in (state.name, *state.line_names)]
+        own += [name for state in effect.states for name in (state.name, *state.line_names, state.event_line) if name]
         for name in (effect.name, *own):
             if name in taken:
                 raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {model} already")

@@ -15,7 +15,7 @@ from ..added.formula import formula
 from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State
 from ..declarations import Effect
 from ..errors import EffectError, nearest
-from ..functions import absolute, sgn
+from ..functions import absolute, sgn, where
 from ..notation import Chapter, Equation
 
 #: A size below which a slip has no direction.
@@ -62,7 +62,9 @@ def owners_of(effects: Sequence[AddedEffect]) -> dict[str, list[tuple[AddedEffec
                 raise EffectError(f"state {state.name} of {effect.name} is another one in {shared[0][0].name}")
             shared.append((effect, state))
     taken = {
-        line: name for name, ((_, state), *_) in owners.items() for line in (*state.line_names, f"{name}_velocity")
+        line: name
+        for name, ((_, state), *_) in owners.items()
+        for line in (*state.line_names, state.event_line, f"{name}_velocity", f"{name}_event")
     }
     for name in sorted(owners.keys() & taken.keys()):
         raise EffectError(f"state {name} has the name of a quantity of state {taken[name]}")
@@ -99,7 +101,7 @@ def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> No
     target, rate = _target_and_rate(state, parts)
     x = sp.Symbol(name, real=True)
     what, unit = state.description or name, f"{state.unit}/s" if state.unit != "1" else "1/s"
-    per_time = state.kind in ("accumulation", "hysteresis")
+    per_time = state.kind == "accumulation" or state.follows_a_path
     first, second, third, last = state.line_names
     u = eq("tirefmu", first, only_with(target), unit if per_time else state.unit, f"target of {what}")
     r = eq("tirefmu", second, only_with(rate), "1/s", f"rate of {what}")
@@ -107,6 +109,10 @@ def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> No
     derivative = {"accumulation": u, "hysteresis": (sgn(u) - x) * absolute(u) * r}.get(state.kind, r * (u - x))
     if state.oscillates:
         derivative = sp.Symbol(state.speed_name, real=True)
+    elif state.kind == "play":
+        margin = where(x * sgn(u) < 1, 1 - x * sgn(u), -1)
+        eq("tirefmu", state.event_line, only_with(margin), "1", f"margin of {what} in its direction, -1 without one")
+        derivative = where(x * sgn(u) < 1, u * r, 0)
     elif state.kind == SPEED:
         position, target, frequency = (
             sp.Symbol(name.removesuffix(SPEED_ENDING) + ending, real=True) for ending in ("", "_target", "_rate")

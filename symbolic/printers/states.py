@@ -76,7 +76,8 @@ def state_lines(
             for symbol in (sp.Symbol(name, real=True) for name in state.line_names)
         )
         none = sp.Integer(0)
-        decay = {"accumulation": none, "oscillator": none, "hysteresis": absolute(target) * rate}.get(state.kind, rate)
+        decay = {"hysteresis": absolute(target) * rate}.get(state.kind, rate if state.settles else none)
+        decay = none if state.oscillates else decay
         what = state.description or state.name
         eq("tirefmu", f"{state.name}_decay", decay, "1/s", f"decay of {what}", named=False)
         eq("tirefmu", f"{state.name}_dot", derivative, f"{state.unit}/s", f"derivative of {what}", named=False)

@@ -82,6 +82,7 @@ def test_intervals_that_cannot_be_computed_are_refused_before_the_fit(table, tmp
 
 
 def test_a_cluster_that_does_not_answer_is_an_error(table):
+    pytest.importorskip("distributed")
     recording = read_recording(table)
     result = fit(recording, "mf96", iterations=1, **OPTIONS)
     with pytest.raises(FitError, match="no scheduler answers"):

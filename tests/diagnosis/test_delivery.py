@@ -11,6 +11,7 @@ import pytest
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
+from tirefmu.diagnosis.search import settling
 from tirefmu.diagnosis.search.confirmation import Confirmation, _stretches, confirmation, joint_z
 from tirefmu.diagnosis.search.settling import _undetermined_refinements, settle
 from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES
@@ -109,6 +110,9 @@ def test_a_worse_tire_is_not_delivered():
     assert reasons_against({"train": good, "holdout": good}, {}) == ()
     assert "hold-out set" in reasons_against({"train": good, "holdout": bad}, {})[0]
     assert "training rows" in reasons_against({"train": bad, "holdout": good}, {})[0]
+    slightly = {"Fx": {"before": 10.0, "after": 10.4}, "Fy": {"before": 10.0, "after": 8.0}}
+    assert reasons_against({"train": slightly, "holdout": slightly}, {}) == ()  # one channel only
+    assert "hold-out set" in reasons_against({"train": good, "holdout": errors(10.0, 10.01)}, {})[0]
     assert "nan" in reasons_against({"train": errors(10.0, np.nan), "holdout": good}, {})[0]
     assert "combined_Gxa" in reasons_against({"train": good, "holdout": good}, {"combined_Gxa": 1.9})[0]
 
@@ -180,7 +184,7 @@ def test_an_effect_with_states_that_is_smaller_than_the_noise_of_the_inputs_is_a
 
 
 def test_the_reason_against_an_effect_is_the_criterion_that_it_misses():
-    good = Confirmation(10.0, STRETCHES, 0.1, compensated=False, within_noise=False)
+    good = Confirmation(10.0, STRETCHES, 0.1, 0.05, compensated=False, within_noise=False)
     assert good.passes
     changes = {
         "2.0 standard deviations": {"z": 2.0},
@@ -192,6 +196,50 @@ def test_the_reason_against_an_effect_is_the_criterion_that_it_misses():
     for reason, change in changes.items():
         bad = replace(good, **change)
         assert (bad.passes, bad.reason_against) == (False, reason)
+    assert replace(good, holdout_gain=-0.04).passes  # within one standard error
+    assert not replace(good, holdout_gain=-0.06).passes
+
+
+def test_gains_of_the_blocks_of_the_holdout_set_sum_to_its_gain(at_true_values, tire):
+    problem, solution = at_true_values.problem, at_true_values.solution
+    signals = problem.simulator.signals
+    other = tire.parameters()
+    other[problem.simulator.index["PDY1"]] *= 1.02
+    worse = problem.at(other, solution.free)
+    gains = problem.holdout_gains(solution, worse)
+    assert len(gains) == len(set(signals.block[signals.holdout])) > 1
+    squares = [
+        sum(
+            float(np.sum(each.residual[i][signals.holdout] ** 2) / np.mean(solution.residual[i][~signals.holdout] ** 2))
+            for i in range(len(signals.channels))
+        )
+        for each in (solution, worse)
+    ]
+    assert problem.holdout_gain(solution, worse) == pytest.approx(1.0 - squares[1] / squares[0], rel=1e-9)
+    assert gains.sum() < -0.01
+
+
+def test_the_search_goes_on_without_an_effect_that_is_not_confirmed(monkeypatch):
+    """The effect with the largest gain may fail, and the next one explain the same residual."""
+
+    def confirmed(search):
+        failing = [name for name in search.found if name == "first"]
+        search.found = [name for name in search.found if name != "first"]
+        return dict.fromkeys(search.found, "passes"), dict.fromkeys(failing, "fails")
+
+    def extended():
+        new = [name for name in search.candidates if name not in search.found][:1]
+        search.found += new
+        return bool(new)
+
+    search = SimpleNamespace(
+        candidates={"first": 1, "second": 2}, found=["first"], extended=extended,
+        problem=SimpleNamespace(solve=lambda parameters, free, iterations: solution),
+        solution=(solution := SimpleNamespace(parameters=None, free=())),
+    )  # fmt: skip
+    monkeypatch.setattr(settling, "_confirmed", confirmed)
+    assert settling._confirmed_or_replaced(search) == ({"second": "passes"}, {"first": "fails"})
+    assert search.candidates == {"first": 1, "second": 2}
 
 
 def test_an_effect_that_ends_soon_is_judged_where_it_acts(at_true_values):

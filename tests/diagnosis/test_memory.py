@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
+from tirefmu.diagnosis.probing.candidates import candidates_for, testable
 from tirefmu.diagnosis.recording.load_error import load_error_responses
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
 from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.estimation.turn_slip import with_turn_slip
+from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
 from tirefmu.tires import Tire
 
@@ -129,3 +134,25 @@ def test_the_memory_suite_hides_each_effect_with_the_errors_of_a_recording():
     pd.testing.assert_frame_equal(case.table, memory_kinds.case_of("single", 2).table)
     assert np.isfinite(case.table.to_numpy()).all()
     assert np.isfinite(case.test.to_numpy()).all()
+
+
+def test_fast_recordings_hide_a_moving_carcass_and_turn_slip_without_phit():
+    for number, hidden in ((0, "carcass_2nd_order"), (1, "turn_slip")):
+        case = memory_kinds.case_of("fast", number)
+        assert case.hidden == (hidden,)
+        assert "phit" not in case.table
+        assert np.median(np.diff(case.table["t"])) < 0.011
+        assert np.isfinite(case.test.to_numpy()).all()
+
+
+def test_a_carcass_requires_a_fast_recording_and_turn_slip_is_derived_from_the_rate_of_alpha():
+    start = tire_with()
+    carcass = candidates_for(start)["carcass_2nd_order"]
+    turning = replace(candidates_for(start)["turn_slip"], has_states=True)
+    table = recorded(tire_with())
+    for faster, fast in ((4.0, True), (1.0, False)):
+        recording = with_turn_slip(Recording(table.assign(t=table["t"] / faster), FORMULA_SIGNS, "made"))
+        signals = signals_of(recording.table, start, FORMULA_SIGNS, derived={"phit"})
+        assert testable(signals, start, carcass) == fast
+        assert "phit" not in signals.recorded  # no formula reads it
+        assert testable(signals, start, turning)

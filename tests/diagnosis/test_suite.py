@@ -82,11 +82,11 @@ def test_the_text_of_a_feature_evaluates_to_its_values():
 
 
 def test_an_unexplained_effect_is_added_to_the_model():
-    case = case_of("unknown", list(UNKNOWN).index("whirl"))
+    case = case_of("unknown", list(UNKNOWN).index("crown"))
     diagnosis = answer(case)
     assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
     assert diagnosis.unknown[0].added
-    assert set(diagnosis.unknown[0].depends_on) == UNKNOWN["whirl"]
+    assert set(diagnosis.unknown[0].depends_on) == UNKNOWN["crown"]
     assert closed(case, diagnosis) > 0.9
 
 

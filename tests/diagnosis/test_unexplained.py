@@ -8,7 +8,14 @@ import pytest
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.thresholds import MIN_STRETCHES, STRETCHES, STRUCTURE_P
 from tirefmu.diagnosis.unexplained.drift import is_drift
-from tirefmu.diagnosis.unexplained.features import Feature, _low_pass, directions, features, locations_of
+from tirefmu.diagnosis.unexplained.features import (
+    Feature,
+    _low_pass,
+    determined,
+    directions,
+    features,
+    locations_of,
+)
 from tirefmu.diagnosis.unexplained.structure import structure_of
 
 
@@ -125,3 +132,29 @@ def test_no_feature_names_an_input_that_was_not_recorded(problem):
     assert "V" not in signals.recorded
     named = {name for part in features(signals, tire) for feature in part for name in feature.depends_on}
     assert named <= signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
+
+
+def test_a_formula_of_two_slips_needs_combined_slip(problem):
+    """Without combined slip the noise of one slip in a sweep of the other would determine the formula."""
+    signals, tire = problem.simulator.signals, problem.simulator.tire
+    inputs = signals.inputs.copy()
+    alpha, kappa = (signals.names.index(name) for name in ("alpha", "kappa"))
+    first = np.arange(inputs.shape[1]) < inputs.shape[1] // 2
+    inputs[kappa, first] = 1e-4 * np.random.default_rng(0).normal(size=int(first.sum()))
+    inputs[alpha, ~first] = 0.0
+    pure = replace(signals, inputs=inputs)
+
+    def formulas(recording):
+        even, odd = features(recording, tire)
+        return {
+            (location.name, feature.text)
+            for location in locations_of(problem.simulator.book)
+            for feature in (*even, *odd, *(one * other for one in even for other in even))
+            if determined(location, feature, recording, tire)
+        }
+
+    lost = formulas(signals) - formulas(pure)
+    assert ("trail", "5*absolute(kappa)") in lost
+    assert ("friction", "5*absolute(tan(alpha))") in lost
+    assert ("side force", "5*absolute(tan(alpha))*5*absolute(kappa)") in lost
+    assert {("trail", "5*absolute(tan(alpha))"), ("friction", "5*sqrt(tan(alpha)**2 + kappa**2)")} <= formulas(pure)

@@ -122,6 +122,15 @@ def test_surfaces_are_drawn_from_the_tire(opened, tires):
     assert canvas.evaluate("(each) => each.toDataURL()") != before
 
 
+def test_a_printed_page_has_charts_that_were_out_of_sight(opened, tires):
+    page = opened(tires["mf96"])
+    surfaces = "charts.filter((each) => each.settle)"
+    assert page.evaluate(f"{surfaces}.map(({{ chart }}) => Boolean(chart.data))") == [False, False]
+    page.pdf()
+    assert page.evaluate(f"{surfaces}.map(({{ chart }}) => Boolean(chart.data))") == [True, True]
+    assert page.evaluate("charts.every(({ chart }) => chart.data || chart.plot)")
+
+
 def test_curves_are_drawn_from_the_tire(opened, tires):
     """The lines of the charts are the forces and quantities over their axes, for every source."""
     page = opened(tires["mf61"], compare=tires["mf52"])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,6 +14,7 @@ from tirefmu.fitting.constraints.physical import chosen_constraints, grid, opera
 
 from .known_tires import CHANNELS, NOMINAL, SIZES, known_tire, moved, recorded
 
+ROOT = Path(__file__).parents[2]
 MODEL, ROWS = "mf96", 2500
 TRUTH = known_tire(MODEL)
 RECORDING = recorded(TRUTH, ROWS, correlation_time=0.5)
@@ -63,3 +67,24 @@ def test_the_known_tires_satisfy_every_constraint(model):
     for constraint in (c for channel in CHANNELS for c in chosen_constraints(model)[channel]):
         values = measured_values(tire.book, constraint, grid(constraint, ranges, nominal, density=2), tire.parameters())
         assert constraint.distance(values).min() > 0, constraint.name
+
+
+def test_coverages_are_stored_one_by_one_and_tabulated(tmp_path):
+    """An interrupted study continues with what is stored; the table has a line for each kind of bench."""
+    page = runpy.run_path(str(ROOT / "benchmarks" / "recovery_table.py"))
+    task, refit, path = page["Task"], page["Refit"], tmp_path / "results.jsonl"
+    quantities = dict.fromkeys(page["PREDICTED"], 23)
+    refits = [
+        refit(task("mf61", noise, 3000, seed), True, 0.1, 90 + 2 * seed, 100, 1.0, 24, quantities)
+        for noise in ("white", "correlated")
+        for seed in (0, 1)
+    ]
+    for each in refits:
+        page["store"](path, each)
+    assert list(page["stored"](path)) == refits
+    assert list(page["stored"](tmp_path / "missing")) == []
+    rows = [line for line in page["table"](refits).splitlines() if line.startswith("| MF6.1")]
+    assert [row.split(" | ")[:2] for row in rows] == [
+        [f"| MF6.1, {noise}, 3,000 rows", "2"] for noise in ("white", "correlated")
+    ]
+    assert all("| 95.8 +- 0.0 % |" in row and "| 91.0 +- 1.0 % | - |" in row for row in rows)

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.fmu import check
-from tirefmu.fmu.comparison.check import _difference
+from tirefmu.fmu.comparison.check import largest_difference
 from tirefmu.fmu.comparison.figures import draw_check
 from tirefmu.fmu.packaging.export import export
 from tirefmu.measurements.recording import Recording
@@ -122,9 +122,9 @@ def test_nan_is_a_difference(tires, table):
     """A NaN that the direct evaluation does not have must not pass as agreement."""
     direct = tires["first"].evaluate(table)[["Fx", "Fy", "Mz"]]
     simulated = direct.copy()
-    assert _difference(direct, simulated) == 0.0
+    assert largest_difference(direct, simulated) == 0.0
     simulated.loc[3, "Fy"] = np.nan
-    assert _difference(direct, simulated) == np.inf
+    assert largest_difference(direct, simulated) == np.inf
 
 
 def test_an_fmu_without_a_tire_can_be_checked(fmus, table, tmp_path):

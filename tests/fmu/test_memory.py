@@ -16,10 +16,10 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
 
 OK, ERROR = 0, 3
-EFFECTS = ("heat_friction", "slip_history", "break_in", "load_lag", "carcass_2nd_order")
+EFFECTS = ("heat_friction", "slip_history", "hysteresis_force", "break_in", "load_lag", "carcass_2nd_order")
 VALUES = {
     "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0, "SHMU": 0.05,
-    "SHK": 0.08, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5, "CASIG": 0.3, "CAFREQ": 60.0,
+    "SHK": 0.08, "HFPLAY": 0.02, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5, "CASIG": 0.3, "CAFREQ": 60.0,
 }  # fmt: skip
 POINT = {"kappa": 0.03, "alpha": -0.09, "Fz": 4200.0, "V": 14.0}
 #: Slips that lag and slips that act at once.
@@ -122,7 +122,7 @@ def test_directional_derivatives_are_those_of_differences(host):
     assert host.step(0.0, 0.2) == OK
     assert host.set(alpha=0.06, kappa=-0.02, Fz=3900.0) == OK
     states = [name for name in host.variables if f"der({name})" in host.variables]
-    unknowns = [*host.outputs, *(f"der({name})" for name in states), "slip_growth_velocity"]
+    unknowns = [*host.outputs, *(f"der({name})" for name in states), "slip_growth_velocity", "inner_play_event"]
     steps = {"alpha": 1e-6, "Fz": 1e-2, "V": 1e-4, "HTAU": 1e-5, "SHLEN": 1e-7, "BIMU": 1e-6, "CAFREQ": 1e-4}
     for known, step in steps.items():
         status, found = host.derivative(unknowns, [known], [1.0])
@@ -163,11 +163,11 @@ def test_solver_and_exact_updates_agree(memory_fmus, remembering, name):
         assert np.max(np.abs(a - b)) <= 1e-6 * (1.0 + np.max(np.abs(cs[each]))), each
 
 
-def test_event_indicators_are_the_velocities_of_the_slip(memory_fmus):
+def test_each_state_along_a_path_has_an_event_indicator(memory_fmus):
     with loaded(memory_fmus["lagged"]) as slave:
         number = ctypes.c_size_t()
         slave.fmu.fmi3GetNumberOfEventIndicators(slave.fmu.component, ctypes.byref(number))
-        assert number.value == 1
+        assert number.value == 3
 
 
 def test_the_python_variant_has_no_states_of_effects(remembering, tmp_path):

@@ -109,6 +109,35 @@ def test_the_size_of_a_slip_is_split_where_it_is_least(path):
     assert (abs(once - one_way) > 0.01) == (path[1] != (0.3, 0.1))
 
 
+def test_play_depends_on_the_path_alone():
+    """One step against 25 along a path that turns, also through its limits: the follower of a backlash."""
+    z = fine = 0.2
+    width, follower, s = 0.03, -0.2 * 0.03, 0.0
+    for start, end in ((0.0, 0.1), (0.1, 0.08), (0.08, -0.05), (-0.05, 0.0)):
+        z = laws.play(z, start, end, width)
+        for a, b in pairwise(np.linspace(start, end, 26)):
+            fine = laws.play(fine, a, b, width)
+        s, follower = end, min(max(follower, end - width), end + width)
+        assert z == pytest.approx(fine, abs=1e-14)
+        assert s - width * z == pytest.approx(follower, abs=1e-15)
+    assert -1.0 < z < 1.0
+
+
+PAST_ZERO = [((0.1, 0.0), (-0.2, 0.0)), ((0.1, 0.05), (-0.08, 0.02)), ((0.01, 0.02), (0.02, 0.03))]
+
+
+@pytest.mark.parametrize("path", PAST_ZERO)
+def test_play_along_the_size_of_a_slip_is_split_where_it_is_least(path):
+    (a, b), (a_end, b_end) = path
+    fine, width = -0.8, 0.15
+    for p, q in pairwise(np.linspace((a, b), (a_end, b_end), 401)):
+        fine = laws.play_size(fine, *p, *q, width)
+    once = laws.play_size(-0.8, a, b, a_end, b_end, width)
+    assert once == pytest.approx(float(fine), abs=1e-12)
+    one_way = laws.play(-0.8, np.hypot(a, b), np.hypot(a_end, b_end), width)
+    assert (abs(once - one_way) > 0.01) == (path[1] != (0.02, 0.03))
+
+
 @pytest.fixture(scope="module")
 def compiled(tmp_path_factory):
     """Return the laws of the C header as a library."""

@@ -180,7 +180,8 @@ def test_evaluate_gives_the_golden_numbers(command, golden, published_tir, code,
         error = (found[ours] - reference[theirs]).abs() / (1 + reference[theirs].abs())
         assert (error < 1e-9).all(), theirs
     for name in ("kappa", "alpha", "gamma", "Fz"):
-        np.testing.assert_array_equal(found[name], reference[name])
+        # Older versions of pandas read a number with an error of a few roundings.
+        np.testing.assert_allclose(found[name], reference[name], rtol=1e-14)
 
 
 def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp_path):

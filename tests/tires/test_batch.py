@@ -76,6 +76,24 @@ def test_forces_of_any_number_of_rows(model, parameters, n):
     assert_same(model, code_for(model, "batch").forces(rows, parameters), expected)
 
 
+@pytest.mark.parametrize("name", ["mf96", "mf61"])
+def test_inputs_in_any_memory_are_read_and_not_changed(name):
+    """The address of an array is found in two ways: those that cannot be written have the slower one."""
+    book = MODELS[name]
+    coefficients = np.array([getattr(book.coefficients.get(p), "generic", 0.0) or 0.01 for p in book.parameters])
+    coefficients[len(book.coefficients) :] = 0.0
+    rows = rows_of(name, BLOCK + 3)
+    expected = code_for(name, "batch").forces(rows, coefficients)
+    fixed = rows.copy()
+    fixed.flags.writeable = False
+    frozen = coefficients.copy()
+    frozen.flags.writeable = False
+    for given in (fixed, np.asfortranarray(rows), np.repeat(rows, 2, axis=1)[:, ::2], rows.astype(np.float32)):
+        found = code_for(name, "batch").forces(given, frozen)
+        tolerance = 1e-3 if given.dtype == np.float32 else 0.0
+        np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("routine", ["jacobian_inputs", "jacobian_parameters"])
 def test_jacobians(model, parameters, routine):
     rows = rows_of(model, 300)

@@ -19,7 +19,7 @@ ACTIVE = {
     "heat_friction": {"HMU": 0.2, "HTAU": 6.0, "HSLOW": 0.5, "HBODY": 20.0, "HLOAD": 0.5, "HCOOL": 0.02},
     "heat_stiffness": {"HK": 0.2, "HTAU": 6.0},
     "slip_history": {"SHMU": 0.05, "SHK": 0.08},
-    "hysteresis_force": {"HFY": 0.03},
+    "hysteresis_force": {"HFY": 0.03, "HFPLAY": 0.02, "HFARM": -0.1},
     "load_lag": {"LLMU": 1.0, "LLK": 0.8},
     "break_in": {"BIMU": 0.2, "BIWORK": 2.5},
     "carcass_2nd_order": {"CASIG": 0.3, "CAFREQ": 60.0, "CADAMP": 0.2},
@@ -183,6 +183,19 @@ def test_slip_history_is_higher_while_slip_grows_whatever_the_rate():
     assert np.abs(found[4.0] - found[40.0]).max() < 0.03 * np.abs(found[40.0]).max()
 
 
+def test_the_follower_of_a_play_is_behind_the_slip_by_at_most_the_width():
+    """One step through the whole play, held inputs, and a second recording that starts again in the middle."""
+    tire = tire_with("hysteresis_force", lags=False, HFWID=0.05, HFLEN=0.01)
+    alpha = [0.0, 0.2, 0.2, 0.1, 0.1, -0.15, -0.15, 0.0]
+    table = pd.DataFrame({"t": 0.5 * np.arange(8), "alpha": alpha, "Fz": 4000.0, "V": 20.0})
+    answer = tire.evaluate(pd.concat([table, table], ignore_index=True), hold=True)
+    slip, follower = answer["carcass_slip"].to_numpy(), [0.0]
+    for one in slip[1:8]:
+        follower.append(min(max(follower[-1], one - 0.05), one + 0.05))
+    np.testing.assert_allclose(slip[:8] - 0.05 * answer["inner_play"][:8], follower, atol=1e-12)
+    np.testing.assert_array_equal(answer["inner_play"][8:], answer["inner_play"][:8])
+
+
 def test_a_recording_may_have_no_row_or_one():
     for n in (0, 1):
         answer = tire_with("heat_friction", "slip_history", "break_in").evaluate(levels().iloc[:n])
@@ -235,12 +248,13 @@ HEAD += 'OWNLEN = {description = "x", unit = "m", neutral = 0.3}\nGAIN = {}\n'
 ACT = '[[acts]]\non = "mu_y"\nfactor = "1 + GAIN*late"\n'
 SWING = LAG.replace('"lag"', '"oscillator"').replace("length", "damping") + "frequency = 50\n"
 WRONG = {
-    "kind is none of lag, heat, accumulation, oscillator, hysteresis: did you mean lag?": LAG.replace(
+    "kind is none of lag, heat, accumulation, oscillator, hysteresis, play: did you mean lag?": LAG.replace(
         '"lag"', '"lagg"'
     ),
     "a lag requires rate or length": LAG.replace('length = "OWNLEN"', ""),
     "an oscillator requires damping": LAG.replace('"lag"', '"oscillator"').replace("length", "frequency"),
     "[states.late_speed] has the name of the speed of an oscillator": SWING + LAG.replace(".late]", ".late_speed]"),
+    "an oscillator has no fitted start": SWING.replace("50\n", '50\nstart = "fitted"\n'),
     "a lag has no width": LAG + 'width = "OWNLEN"\n',
     "unknown key 'lenght'": LAG.replace("length", "lenght"),
     "unknown function '__import__'": LAG.replace('"alpha"', '"__import__(os)"'),

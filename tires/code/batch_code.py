@@ -10,14 +10,15 @@ import numpy.typing as npt
 from tirefmu.symbolic.model import Model
 
 from .c_code import c_code
-from .interface import Code, as_matrices, chunks_of, jacobian_entries_of, slices, straight_rows
+from .interface import Code, all_straight, as_matrices, chunks_of, jacobian_entries_of, slices, straight_rows
 from .kernel import ChosenDerivatives, Kernel
 from .modules import numpy_module
 from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
 
 FloatArray = npt.NDArray[np.float64]
-#: Rows of which the derivatives by inputs, 35 numbers in MF6.1, fit into the second cache of a processor.
-ROWS_IN_CACHE = 1024
+#: Rows of which the derivatives by inputs, 35 numbers in MF6.1, fit into the second cache of a processor. With a
+#: multiple of 64 the derivatives of a row share a few lines of the cache: transposing takes three times as long.
+ROWS_IN_CACHE = 1016
 
 
 def batch_code(book: Model, threads: int = 1) -> Code:
@@ -118,7 +119,7 @@ class _BatchCode:
     def chosen_derivatives(
         self, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
     ) -> FloatArray:
-        if not straight_rows(self._book, inputs, parameters).all():
+        if not all_straight(self._book, inputs, parameters):
             return self.jacobian_entries(inputs, parameters)[entries]
         if self._chosen is None:
             self._chosen = ChosenDerivatives(self._book)
@@ -128,8 +129,7 @@ class _BatchCode:
         return results
 
     def normal_equations(self, rows: WeightedRows, parameters: FloatArray) -> Equations:
-        straight = straight_rows(self._book, rows.inputs, parameters)
-        if not straight.all():
+        if not all_straight(self._book, rows.inputs, parameters):
             return equations_by_chunks(self, rows, parameters)
         if self._equations is None:
             self._equations = EquationsKernel(self._book)
@@ -147,7 +147,7 @@ class _BatchCode:
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         forces = len(self._module.FORCES)
-        if self._threads > 1 or not straight_rows(self._book, inputs, parameters).all():
+        if self._threads > 1 or not all_straight(self._book, inputs, parameters):
             return as_matrices(self._table("jacobian_inputs", inputs, parameters), forces)
         n, columns = inputs.shape[1], len(self._module.INPUTS)
         matrices = np.empty((n, forces * columns))
@@ -167,7 +167,7 @@ class _BatchCode:
     def jacobian_chunks(
         self, inputs: FloatArray, parameters: FloatArray, size: int
     ) -> Iterator[tuple[slice, FloatArray]]:
-        if not straight_rows(self._book, inputs, parameters).all():
+        if not all_straight(self._book, inputs, parameters):
             yield from chunks_of(self, inputs, parameters, size)
             return
         yield from self._chunks("jacobian_parameters", inputs, parameters, size)
@@ -205,12 +205,15 @@ class _BatchCode:
         return self._kernels[routine]
 
     def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        straight = straight_rows(self._book, inputs, parameters)
-        if not straight.any():
+        straight = (
+            None if all_straight(self._book, inputs, parameters) else straight_rows(self._book, inputs, parameters)
+        )
+        if straight is not None and not straight.any():
             return self._row_by_row(routine, inputs, parameters)
         results, undone = self._kernel(routine)(inputs, parameters, self._threads)
-        undone |= ~straight
-        if undone.any():
+        if straight is not None:
+            undone |= ~straight
+        if np.count_nonzero(undone):
             results[:, undone] = self._row_by_row(routine, inputs[:, undone], parameters)
         return results
 

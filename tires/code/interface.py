@@ -75,6 +75,13 @@ def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> np
     return np.asarray((inputs[requesting] == 0).all(axis=0), dtype=np.bool_)
 
 
+def all_straight(book: Model, inputs: FloatArray, parameters: FloatArray) -> bool:
+    """Return whether all rows are straight (`straight_rows`), in less time than to find out which ones are."""
+    options, requesting = _deciding(book)
+    # For a hundred rows, any() takes several times as long as count_nonzero().
+    return not np.count_nonzero(parameters[options]) and not any(np.count_nonzero(inputs[i]) for i in requesting)
+
+
 @lru_cache(maxsize=64)
 def _deciding(book: Model) -> tuple[npt.NDArray[np.intp], list[int]]:
     """Return the indices of the parameters and of the inputs that have to be 0 in straight rows."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -82,10 +83,7 @@ class Kernel:
         n = columns.shape[1]
         results = np.empty((self.n_results, n)) if into is None else into
         undone = np.empty(n, dtype=np.bool_)
-        # With a hundred rows, every object that a call makes counts: no attribute ctypes, no closure.
-        given, out, marks, coefficients = (
-            array.__array_interface__["data"][0] for array in (columns, results, undone, values)
-        )
+        given, out, marks, coefficients = _address(columns), _address(results), _address(undone), _address(values)
         share = -(-n // (BLOCK * max(threads, 1))) * BLOCK
         if n <= share:
             if n:
@@ -126,6 +124,17 @@ class Kernel:
                 n, n, into, given + i * values.strides[0], out + i * results.strides[0], marks + i * undone.strides[0]
             )
         return results, undone
+
+
+def _address(array: npt.NDArray[Any]) -> int:
+    """Return the address of an array. With a hundred rows every object that a call makes counts.
+
+    The buffer of an array takes a fifth of the time of `__array_interface__`, but has to be writable and not empty.
+    """
+    try:
+        return ctypes.addressof(ctypes.c_char.from_buffer(array.data))
+    except (TypeError, ValueError, BufferError):
+        return int(array.__array_interface__["data"][0])
 
 
 class ChosenDerivatives:

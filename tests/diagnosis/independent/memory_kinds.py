@@ -11,7 +11,7 @@ import pandas as pd
 from ..case import Case
 from .formulas import Effect, FloatArray, forces
 from .kinds import REVERSED, library_tire
-from .memory_laws import LAWS, follow, relaxed_slip
+from .memory_laws import ACTING, FAST_LAWS, LAWS, follow
 from .memory_programs import memory_program
 from .programs import Program
 from .recording_errors import recorded
@@ -29,7 +29,9 @@ CONFOUNDED = (
     ("no_rest", "break_in", "wear_drift heat_friction", "wear_drift", "repeat|goes on"),
     ("no_rest", "break_in", "wear_drift heat_friction", "wear_drift", "repeat|goes on"),
 )
-NUMBER_OF_CASES = {"single": REPEATED * len(SINGLES), "confounded": len(CONFOUNDED), "null": 12}
+#: Effects that require a fast recording or a slow wheel, with their program; each third recording has no effect.
+FAST = (("carcass_2nd_order", "fast"), ("turn_slip", "turning"), ("", "fast"))
+NUMBER_OF_CASES = {"single": REPEATED * len(SINGLES), "confounded": len(CONFOUNDED), "null": 12, "fast": 3 * len(FAST)}
 #: Errors of the recording that have to be recognized, by number of a null modulo their number.
 NUISANCES = ("skew", "creep", "load_error", "meaningless_T")
 #: Other errors of a recording, each present in a third of the recordings.
@@ -55,6 +57,8 @@ def case_of(kind: str, number: int) -> Case:
         hidden = SINGLES[number % len(SINGLES)]
     elif kind == "confounded":
         layout, hidden, *_ = CONFOUNDED[number % len(CONFOUNDED)]
+    elif kind == "fast":
+        hidden, layout = FAST[number % len(FAST)]
     elif number % 3 == 2:
         layout = "one_rate"
     errors = [name for name in OTHERS if rng.uniform() < 0.33]
@@ -63,7 +67,7 @@ def case_of(kind: str, number: int) -> Case:
     tire = specimen(rng, str(rng.choice(list(CLASSES))), EFFECTS, {})
     size = float(rng.choice([0.8, 1.0, 1.4]))
     bench = memory_program(rng, tire, layout)
-    trial = memory_program(rng, tire, "varied", test=True)
+    trial = memory_program(rng, tire, layout if kind == "fast" else "varied", test=True)
     internal, test = (pd.concat([one.inputs, _answer(tire, hidden, size, one)], axis=1) for one in (bench, trial))
     internal = _with_temperature(rng, internal, tire, meaningless="meaningless_T" in nuisances)
     errors += ["skew"] * ("skew" in nuisances)
@@ -75,6 +79,8 @@ def case_of(kind: str, number: int) -> Case:
         hide = [*hide, "kappa", "Fx"]
     table, truth = (one.drop(columns=hide) for one in (table, truth))
     test = test.drop(columns="distance")
+    if hidden == "turn_slip":
+        test["phit"] = -np.gradient(test["alpha"], test["t"]) / test["V"]
     if layout != "varied":
         test = test.drop(columns="Fx").assign(kappa=0.0)
         test["Fy"] = _without_braking(tire, hidden, size, trial)["Fy"].to_numpy()[:: bench.every]
@@ -94,11 +100,12 @@ def _without_braking(tire: Specimen, hidden: str, size: float, trial: Program) -
 def _answer(tire: Specimen, hidden: str, size: float, bench: Program) -> pd.DataFrame:
     """Return the true forces of a program."""
     x: dict[str, FloatArray] = {name: bench.inputs[name].to_numpy() for name in bench.inputs}
-    if hidden == "relax_slip":
-        return pd.DataFrame(forces(tire, {**x, "alpha": relaxed_slip(size, tire, x)}))
+    if hidden in ACTING:
+        return pd.DataFrame(forces(tire, {**x, "alpha": ACTING[hidden](size, tire, x)}))
+    laws = {**LAWS, **FAST_LAWS}
     force = forces(tire, x)
     for _ in range(REPETITIONS if hidden else 0):
-        changes = LAWS[hidden](size, tire, x, force)
+        changes = laws[hidden](size, tire, x, force)
         acting: list[Effect] = [lambda tire, x, changes=changes: changes]  # type: ignore[misc]
         force = forces(tire, x, acting)
     return pd.DataFrame(force)

@@ -99,6 +99,13 @@ def load_lag(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
     return {"friction_y": ratio, "stiffness_y": ratio**0.8}
 
 
+def turn_slip(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """Spin of a wheel plane that the bench turns, from the rate of the slip angle; phit is not recorded."""
+    spin = tire.radius * np.abs(np.gradient(x["alpha"], x["t"])) / np.maximum(np.abs(x["V"]), 0.1)
+    stiffness, trail = 1.0 / (1.0 + 4.0 * size * spin**2), 1.0 / (1.0 + 3.0 * size * spin)
+    return {"friction_y": 1.0 / (1.0 + 0.35 * size * spin), "stiffness_y": stiffness, "trail": trail}
+
+
 #: Laws by the name of the effect in the library.
 LAWS: Mapping[str, Callable[[float, Specimen, Inputs, Forces], Changes]] = {
     "heat_friction": heat_friction, "heat_stiffness": heat_stiffness, "slip_history": slip_history,
@@ -116,3 +123,31 @@ def relaxed_slip(size: float, tire: Specimen, x: Inputs) -> FloatArray:
         state = demand[i + 1] + (state - demand[i + 1]) * float(np.exp(-way))
         values.append(state)
     return np.arctan(np.asarray(values))
+
+
+def carcass_slip(size: float, tire: Specimen, x: Inputs) -> FloatArray:
+    """Return the slip angle at the contact, which moves sideways as a mass on a spring and a damper.
+
+    The spring is loaded by a side force that saturates, so that the motion is not that of a linear oscillator.
+    """
+    ratio, frequency, damping, substeps = 1.2 * tire.radius * size, 45.0, 0.12, 4
+    h, demand, speed = np.diff(x["t"]) / substeps, np.tan(x["alpha"]), np.maximum(np.abs(x["V"]), 0.5)
+    saturation = 0.09  # slip at which the side force reaches 76 % of its largest value
+    place, velocity, slips = ratio * saturation * float(np.tanh(demand[0] / saturation)), 0.0, [float(demand[0])]
+    for i, step in enumerate(h.tolist()):
+        for k in range(substeps):
+            wanted = demand[i] + (demand[i + 1] - demand[i]) * (k + 0.5) / substeps
+            # The midpoint rule for position over half a step, velocity over a whole one.
+            middle = place + 0.5 * step * velocity
+            slip = wanted - velocity / speed[i]
+            force = ratio * saturation * float(np.tanh(slip / saturation))
+            velocity += step * (frequency**2 * (force - middle) - 2.0 * damping * frequency * velocity)
+            place = middle + 0.5 * step * velocity
+        slips.append(float(demand[i + 1] - velocity / speed[i + 1]))
+    return np.arctan(np.asarray(slips))
+
+
+#: Laws of the slip angle that acts, by the name of the effect in the library.
+ACTING = {"relax_slip": relaxed_slip, "carcass_2nd_order": carcass_slip}
+#: Laws that need a fast bench or a slow wheel.
+FAST_LAWS = {"turn_slip": turn_slip}

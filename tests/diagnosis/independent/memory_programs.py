@@ -77,6 +77,38 @@ def _varied(rng: np.random.Generator, parts: int, rates: Sequence[float]) -> lis
     return [_sweep(rates[0], 1.0), *(makers[i]() for i in chosen)]
 
 
+def _steps(rng: np.random.Generator, seconds: float) -> Part:
+    """Steps of the slip angle that the bench follows within 40 ms."""
+    n = len(_time(seconds))
+    levels = rng.uniform(-0.1, 0.1, int(seconds / 0.5) + 1)
+    levels[0] = 0.0
+    return _part(n, alpha=np.repeat(levels, round(0.5 * RATE))[:n])
+
+
+def _quick_steering(rng: np.random.Generator, seconds: float) -> Part:
+    t = _time(seconds)
+    frequency, phase = rng.uniform(0.5, 9.0, 8), rng.uniform(0.0, 2.0 * np.pi, 8)
+    return _part(len(t), alpha=0.03 * np.sin(2.0 * np.pi * np.outer(t, frequency) + phase).sum(axis=1))
+
+
+def _fast(rng: np.random.Generator, parts: int) -> list[Part]:
+    makers = (
+        lambda: _steps(rng, 4.0),
+        lambda: _quick_steering(rng, 4.0),
+        lambda: _sweep(float(rng.choice((10.0, 30.0))), float(rng.choice([-1.0, 1.0]))),
+    )
+    return [makers[i % 3]() for i in range(parts)]
+
+
+def _turning(rng: np.random.Generator, parts: int) -> list[Part]:
+    makers = (
+        lambda: _sweep(float(rng.choice((10.0, 40.0, 80.0))), float(rng.choice([-1.0, 1.0]))),
+        lambda: _steering(rng, 4.0),
+        lambda: _sweep(float(rng.choice((6.0, 80.0))), float(rng.choice([-1.0, 1.0]))),
+    )
+    return [makers[i % 3]() for i in range(parts)]
+
+
 def memory_program(rng: np.random.Generator, tire: Specimen, kind: str, *, test: bool = False) -> Program:
     """Return a program.
 
@@ -85,12 +117,15 @@ def memory_program(rng: np.random.Generator, tire: Specimen, kind: str, *, test:
     rng : numpy.random.Generator
     tire : Specimen
     kind : str
-        "varied"; "one_rate": sweeps that all begin on the same side, at one rate and one speed, without rests;
+        "varied"; "fast": steps and quick steering; "turning": quick sweeps of a slow wheel;
+        "one_rate": sweeps that all begin on the same side, at one rate and one speed, without rests;
         "no_rest": sweeps and steering that begin at once, without rests.
     test : bool
         Whether it is a test manoeuvre: other sweep rates, and rests.
     """
-    if test:
+    if kind in ("fast", "turning"):
+        parts = _fast(rng, 12 if test else 24) if kind == "fast" else _turning(rng, 16 if test else 36)
+    elif test:
         parts = _varied(rng, 14, (5.0, 16.0, 28.0))
     elif kind == "one_rate":
         parts = [_sweep(8.0, 1.0) for _ in range(14)]
@@ -106,7 +141,7 @@ def memory_program(rng: np.random.Generator, tire: Specimen, kind: str, *, test:
         levels = {
             "Fz": part["Fz"] * tire.load * loads[order[k] % len(loads)],
             "p": np.full(n, tire.pressure),
-            "V": np.full(n, tire.speed * (1.0 if kind != "varied" else float(rng.choice([1.0, 1.0, 0.6, 1.5])))),
+            "V": np.full(n, tire.speed * _speed(rng, kind)),
             "gamma": np.full(n, float(rng.choice([0.0, 0.0, 0.035, -0.035]))),
         }
         for name, values in {**part, **levels}.items():
@@ -118,4 +153,11 @@ def memory_program(rng: np.random.Generator, tire: Specimen, kind: str, *, test:
         table["kappa"] = 0.0
     table.insert(0, "t", np.arange(len(table)) / RATE)
     table["distance"] = np.concatenate([[0.0], np.cumsum(table["V"].to_numpy()[1:] / RATE)])
-    return Program(table, 2)
+    return Program(table, 1 if kind in ("fast", "turning") else 2)
+
+
+def _speed(rng: np.random.Generator, kind: str) -> float:
+    """Return the speed of a part as a share of the tire's own."""
+    if kind == "turning":
+        return float(rng.choice([0.08, 0.12, 0.2]))
+    return float(rng.choice([1.0, 1.0, 0.6, 1.5])) if kind in ("varied", "fast") else 1.0

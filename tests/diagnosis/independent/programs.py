@@ -37,6 +37,8 @@ PRESSURES, INCLINATIONS = (1.0, 0.82, 1.0, 1.2, 1.0, 0.82, 1.2, 1.0), (0.0, 0.03
 HELD_ANGLES = (0.0, 0.0, 0.05, -0.05, 0.1, -0.1)
 #: Largest slip angle (rad) and longitudinal slip.
 ANGLE, SLIP = 0.21, 0.17
+#: Largest slip angle of a program of small slip, relative to the angle at which slip stiffness alone reaches friction.
+SMALL_SHARE = 0.25
 #: Conditions of the operating range.
 CONDITIONS = 1500
 
@@ -94,7 +96,7 @@ def program(rng: np.random.Generator, tire: Specimen, rate: float, rows: int, ki
     if kind == "one_sided":
         table["alpha"] = np.abs(table["alpha"])
     if kind == "small_slip":
-        table["alpha"] *= 0.045 / ANGLE
+        table["alpha"] *= SMALL_SHARE * tire.values["PDY1"] / tire.values["PKY1"] / ANGLE
     if kind != "turning":
         table = table.drop(columns="phit")
     table.insert(0, "t", np.arange(n) / internal)

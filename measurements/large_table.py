@@ -1,0 +1,147 @@
+"""A Parquet table of many rows, read and checked in parts: its size does not determine the memory.
+
+What is checked for a table in memory is checked for a survey of a large one: random rows, and the rows with the
+smallest and the largest value of each channel. So a single value beyond the limits of its channel is found; shares of
+rows and correlations are those of the random rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError
+from tirefmu.tires.signs import reversed_columns
+from tirefmu.tires.tire import Tire
+
+from .channels import CHANNELS, INPUTS
+from .column_names import check_names
+from .files.parquet_table import ParquetParts
+from .quality.plausibility import check_plausible
+from .recording import Recording
+
+#: Rows from which a table is large: with every named quantity of an evaluation they need about 250 MB.
+LARGE = 500_000
+#: Rows of a part: large enough for the kernels, 25 MB with every named quantity.
+PART = 50_000
+#: Random rows of a survey.
+SURVEYED = 200_000
+
+
+class LargeTable:
+    """A Parquet table that is read in parts of `PART` rows, each in SI with contract names.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    signs : str
+        The convention of the table.
+
+    Attributes
+    ----------
+    rows : int
+    columns : tuple of str
+
+    Raises
+    ------
+    DataError
+        If the file is not a Parquet file, or its columns cannot be used.
+    UnknownName
+        If the signs are not one of the three conventions.
+    """
+
+    def __init__(self, path: Path, signs: str = "iso") -> None:
+        reversed_columns(signs, "iso")  # raises for an unknown convention
+        self._path, self.signs, self._file = path, signs, ParquetParts.of(path)
+        self.rows, self.columns = self._file.rows, tuple(column.name for column in self._file.columns)
+
+    @classmethod
+    def of(cls, path: Path, signs: str | None = None) -> LargeTable | None:
+        """Return the table of a file; None if it is not a large Parquet table."""
+        if path.suffix.lower() != ".parquet" or not path.is_file():
+            return None
+        table = cls(path, signs or "iso")
+        return table if table.rows >= LARGE else None
+
+    def rows_are_independent(self, tire: Tire, *, steady: bool = False) -> bool:
+        """Return whether the result of a tire in a row depends on that row only, so that parts can be evaluated.
+
+        Parameters
+        ----------
+        tire : Tire
+        steady : bool
+            Whether slips and states are those of the steady state.
+        """
+        if "t" not in self.columns:
+            return True
+        rolled = "distance" in tire.inputs and "distance" not in self.columns
+        return not rolled and (steady or not (tire.lags or tire.states))
+
+    def parts(self) -> Iterator[pd.DataFrame]:
+        """Yield the rows in their order.
+
+        Raises
+        ------
+        DataError
+            If a value of a channel is not a finite number, except for an output, which may be NaN; or the file has
+            changed.
+        """
+        count = 0
+        for start, table in self._file.tables(PART):
+            self._check_finite(table, start)
+            yield table
+            count += len(table)
+        if count != self.rows:
+            raise DataError(f"{self._path}: {count} of {self.rows} rows can be read")
+
+    @cached_property
+    def survey(self) -> Recording:
+        """Some rows of the table after all checks: random ones, and those with the extremes of each channel.
+
+        Raises
+        ------
+        DataError
+            As `recording_from`; a row without an input is refused as well.
+        """
+        check_names(self.columns, str(self._path))
+        random, share = np.random.default_rng(0), SURVEYED / self.rows
+        chosen: list[pd.DataFrame] = []
+        extremes: dict[tuple[str, float], tuple[float, pd.DataFrame]] = {}
+        for table in self.parts():
+            chosen.append(table[random.random(len(table)) < share])
+            for name in CHANNELS:
+                if name in table and table[name].notna().any():
+                    _update_extremes(extremes, table, name)
+        rows = pd.concat([*chosen, *(row for _, row in extremes.values())], ignore_index=True)
+        declared = " ".join(column.name for column in self._file.columns if column.unit is not None)
+        recording = Recording(rows, self.signs, self._path.name, {"declared": declared})
+        check_plausible(recording)
+        return recording
+
+    def _check_finite(self, table: pd.DataFrame, start: int) -> None:
+        for name in CHANNELS:
+            if name in table:
+                values = table[name].to_numpy()
+                bad = np.flatnonzero(~np.isfinite(values) if name in INPUTS else np.isinf(values))
+                if bad.size:
+                    what = "NaN" if np.isnan(values[bad[0]]) else "infinite"
+                    raise DataError(
+                        f"{self._path}: row {start + bad[0] + 1}: {name} is {what}: "
+                        f"every row of a table with {LARGE} rows and more needs every input"
+                    )
+
+
+def _update_extremes(
+    extremes: dict[tuple[str, float], tuple[float, pd.DataFrame]], table: pd.DataFrame, name: str
+) -> None:
+    """Replace the rows with the smallest and the largest value of a channel if a part exceeds them."""
+    values: npt.NDArray[np.float64] = table[name].to_numpy()
+    for sign, row in ((-1.0, int(np.nanargmin(values))), (1.0, int(np.nanargmax(values)))):
+        value = sign * float(values[row])
+        if (name, sign) not in extremes or value > extremes[name, sign][0]:
+            extremes[name, sign] = value, table.iloc[[row]]
