@@ -115,7 +115,7 @@ Status instance_set_states(Instance *self, const double states[], size_t n)
     for (i = 0; i < n; i++)
         if (!isfinite(states[i]))
             return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g",
-                                   value_name((unsigned) (i < N_STATES ? FIRST_STATE + i : SPIN_VALUE)), states[i]);
+                                   value_name((unsigned) (SPIN && i == N_STATES ? SPIN_VALUE : FIRST_STATE + i)), states[i]);
     for (i = 0; i < n; i++) {
 #if SPIN
         if (i == N_STATES)
