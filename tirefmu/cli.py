@@ -35,14 +35,13 @@ from .commands.example_command import example
 from .commands.explore_command import explore
 from .commands.export_command import export
 from .commands.fit_command import fit
-from .commands.fit_many_command import fit_many
 from .commands.generate_command import generate
 from .commands.help_examples import add_examples
 from .commands.host_commands import convert, lint
 from .commands.inspect_command import inspect
 from .commands.list_commands import effects, models, published
+from .commands.many_commands import fit_many, study
 from .commands.project_commands import init, run
-from .commands.study_command import study
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
