@@ -158,7 +158,7 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
     ]
 
 
-def testable(signals: Signals, tire: Tire, candidate: Candidate) -> bool:
+def is_testable(signals: Signals, tire: Tire, candidate: Candidate) -> bool:
     """Return whether a recording is fast enough for a candidate, and its inputs vary (`excited`)."""
     return rows_per_second(signals) >= candidate.rate and excited(signals, tire, candidate.requires)
 

@@ -13,7 +13,7 @@ from tirefmu.symbolic.detection import Form
 
 from ..least_squares import LeastSquares, Solution
 from ..probing.baseline_fit import readable
-from ..probing.candidates import Candidate, refinements_for, testable
+from ..probing.candidates import Candidate, is_testable, refinements_for
 from ..probing.confounding import correlations
 from ..probing.effect_probing import Response, Screen
 from ..thresholds import (
@@ -229,7 +229,7 @@ class Search:
         return [
             (candidate.name, point)
             for candidate in candidates
-            if testable(signals, tire, candidate)
+            if is_testable(signals, tire, candidate)
             for form in candidate.forms
             for point in form.points()
         ]

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
-from tirefmu.diagnosis.probing.candidates import candidates_for, testable
+from tirefmu.diagnosis.probing.candidates import candidates_for, is_testable
 from tirefmu.diagnosis.recording.load_error import load_error_responses
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
 from tirefmu.diagnosis.recording.simulation import Simulator
@@ -153,6 +153,6 @@ def test_a_carcass_requires_a_fast_recording_and_turn_slip_is_derived_from_the_r
     for faster, fast in ((4.0, True), (1.0, False)):
         recording = with_turn_slip(Recording(table.assign(t=table["t"] / faster), FORMULA_SIGNS, "made"))
         signals = signals_of(recording.table, start, FORMULA_SIGNS, derived={"phit"})
-        assert testable(signals, start, carcass) == fast
+        assert is_testable(signals, start, carcass) == fast
         assert "phit" not in signals.recorded  # no formula reads it
-        assert testable(signals, start, turning)
+        assert is_testable(signals, start, turning)
