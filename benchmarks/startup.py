@@ -50,7 +50,7 @@ work(); first = cpu(); work(); print(first, cpu())
 FIT = (
     "import tirefmu; tirefmu.fit('bench.csv', 'mf61', nominal=dict(Fz0=1000.0, R0=0.25), recipe='joint', iterations=5)"
 )
-DIAGNOSE = "import tirefmu; tirefmu.diagnose('bench.csv', tire='tire.tir', candidates=['conicity'])"
+DIAGNOSE = "import tirefmu; tirefmu.diagnose('bench.csv', tire='tire.tir', candidates=['wear_drift'])"
 #: Work that is done twice in a process, and whether the cache of compiled code is empty.
 REPEATED = {
     "first fit beyond the second": (FIT, False),
