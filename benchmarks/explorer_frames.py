@@ -2,44 +2,51 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import tempfile
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from playwright.sync_api import CDPSession, sync_playwright
+from numpy.typing import NDArray
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from tirefmu.explorer.explore import explore
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire, published
 
-ROWS, FRAMES = 20_000, 120
-#: Moves a slider in every frame, and returns the milliseconds between the frames.
+ROWS, FRAMES = 20_000, 300
+#: Sliders that move: of a coefficient, which changes the curves of one tire, and of an input, which changes all curves.
+SLIDERS = {"coefficient PDY1": 'panel.rows.get("PDY1")', "input Fz": 'inputRows.get("Fz")'}
+#: Moves a slider in every frame, and returns the milliseconds between the frames, and those that computed the curves.
 MOVE = """(frames) => new Promise((resolve) => {
-  const row = panel.rows.get("PDY1");
-  const times = [];
+  const row = ROW;
+  const [starts, computed] = [[], []];
+  const original = sweep;
+  let spent = 0;
+  sweep = (...given) => {
+    const start = performance.now();
+    const found = original(...given);
+    spent += performance.now() - start;
+    return found;
+  };
   const step = (time) => {
-    times.push(time);
-    row.slider.value = row.spec.value * (1 + 0.1 * Math.sin(times.length / 10));
+    starts.push(time);
+    computed.push(spent);
+    spent = 0;
+    row.slider.value = row.spec.value * (1 + 0.1 * Math.sin(starts.length / 10));
     row.slider.dispatchEvent(new Event("input"));
-    if (times.length <= frames) requestAnimationFrame(step);
-    else resolve(times.slice(1).map((each, i) => each - times[i]));
+    if (starts.length <= frames) requestAnimationFrame(step);
+    else {
+      sweep = original;
+      resolve([starts.slice(1).map((each, i) => each - starts[i]), computed.slice(1)]);
+    }
   };
   requestAnimationFrame(step);
 })"""
-
-#: Adds up the time in which curves are computed, apart from drawing them.
-COUNT = """() => {
-  const original = sweep;
-  window.computed = 0;
-  window.sweep = (...given) => {
-    const start = performance.now();
-    const found = original(...given);
-    window.computed += performance.now() - start;
-    return found;
-  };
-}"""
+#: What the page's main thread does for a frame: scripts, layout, and the drawing of the canvases.
+FRAME, SCRIPTS = "ProxyMain::BeginMainFrame", "FireAnimationFrame"
 
 
 def recording(tire: Tire) -> Recording:
@@ -50,10 +57,31 @@ def recording(tire: Tire) -> Recording:
     return Recording(table.assign(Fy=side + rng.normal(0.0, 20.0, ROWS)), "iso", "one sweep")
 
 
-def metrics(session: CDPSession) -> dict[str, float]:
-    """Return the time of the page's main thread so far, s: scripts, and all tasks."""
-    found = {each["name"]: each["value"] for each in session.send("Performance.getMetrics")["metrics"]}
-    return {name: found[name] for name in ("ScriptDuration", "TaskDuration")}
+def measured(browser: Browser, page: Page, row: str, trace: Path) -> dict[str, NDArray[np.float64]]:
+    """Return times of each frame in ms while a slider moves.
+
+    Computing is in the scripts, and these are in the main thread's time; its CPU time is that of the same frames
+    without waiting for other processes of the machine.
+    """
+    browser.start_tracing(page=page, path=trace, categories=["devtools.timeline", "cc", "blink"])
+    between, computing = page.evaluate(MOVE.replace("ROW", row), FRAMES)
+    browser.stop_tracing()
+    events = json.loads(trace.read_text(encoding="utf-8"))["traceEvents"]
+    frames = [each for each in events if each["name"] == FRAME and each["ph"] == "X"]
+    scripts = [each for each in events if each["name"] == SCRIPTS and each["ph"] == "X"]
+    # Two callbacks share a frame: the one that moves the slider, and the page's.
+    sums = [
+        sum(each["dur"] for each in scripts if 0 <= each["ts"] - frame["ts"] < frame["dur"]) / 1e3 for frame in frames
+    ]
+    whole = np.array([each["dur"] / 1e3 for each in frames])
+    return {
+        "computing the curves": np.array(computing),
+        "all scripts": np.array(sums),
+        "layout and drawing": whole - np.array(sums),
+        "main thread": whole,
+        "main thread, CPU": np.array([each["tdur"] / 1e3 for each in frames if "tdur" in each]),
+        "from frame to frame": np.array(between),
+    }
 
 
 def main() -> None:
@@ -67,18 +95,13 @@ def main() -> None:
         page.goto(f"{path.as_uri()}#loads=5")
         page.wait_for_timeout(1000)
         points = page.evaluate("measured.conditions[0].rows")
-        session = page.context.new_cdp_session(page)
-        session.send("Performance.enable")
-        page.evaluate(COUNT)
-        before = metrics(session)
-        frames = np.array(page.evaluate(MOVE, FRAMES))
-        used = {name: 1e3 * (value - before[name]) / FRAMES for name, value in metrics(session).items()}
-        used = {"computing the curves": page.evaluate("window.computed") / FRAMES, **used}
         visible = page.evaluate("charts.filter((each) => each.visible).length")
+        print(f"{points} points, 5 loads, {visible} visible charts, {FRAMES} frames, software rendering; ms per frame")
+        for title, row in SLIDERS.items():
+            print(f"{title:24}     min  median    95 %")
+            for what, times in measured(chromium, page, row, Path(folder) / "trace.json").items():
+                print(f"  {what:22}{times.min():8.1f}{np.median(times):8.1f}{np.quantile(times, 0.95):8.1f}")
         chromium.close()
-    print(f"{points} points, 5 loads, {visible} visible charts, {FRAMES} frames, software rendering")
-    print(f"between frames: median {np.median(frames):.1f} ms, 95 % {np.quantile(frames, 0.95):.1f} ms")
-    print("per frame: " + ", ".join(f"{name} {value:.1f} ms" for name, value in used.items()))
 
 
 if __name__ == "__main__":

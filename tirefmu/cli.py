@@ -224,16 +224,18 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder to write.")
 @click.option("--loads", type=Numbers(), help="Loads in N (default: those of TABLES, or three over the tire's range).")
-@click.option("--signs", type=SIGNS, default="iso", show_default=True, help="Sign convention of the figures.")
+@click.option("--signs", type=SIGNS, help="Convention of TABLES (default: sae for .mat and .dat, iso for tables).")
+@click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
+@WHERE
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @common
 def draw(
-    tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None, signs: str, suffix: str,
-    quiet: bool, json_file: Path | None,
+    tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None, signs: str | None,
+    draw_signs: str | None, where: str | None, suffix: str, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE at several loads: pure slip, surfaces of Fx and Fy over both slips, Fy against Fx.
 
-    Measured rows of TABLES (sae for .mat and .dat, iso for other tables) are drawn as crosses.
+    Measured rows of TABLES are drawn as crosses.
     """
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, *tables)
@@ -251,17 +253,19 @@ def draw(
 
         from tirefmu.measurements import check_convention, levels, recordings_from
 
-        recordings = recordings_from(tables)
+        recordings = recordings_from(tables, signs=signs, where=where)
+        terminal.selection(*recordings)
         for recording in recordings:
             check_convention(recording)
         points = pd.concat([each.with_signs("iso").table for each in recordings], ignore_index=True)
         measured = dict.fromkeys(float(f"{level:.2g}") for level in levels(points["Fz"]))
         loads = tuple(measured) or None if loads is None else loads
     loads = default_loads(loaded) if loads is None else loads
+    shown = draw_signs or signs or "iso"
     with terminal.working("drawing"):
-        drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix, points=points)
-    write_json(json_file, {"ok": True, "loads": list(loads), "signs": signs, "figures": [str(p) for p in drawn]})
-    terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {signs}:")
+        drawn = run(loaded, output, loads=loads, signs=shown, suffix=suffix, points=points)
+    write_json(json_file, {"ok": True, "loads": list(loads), "signs": shown, "figures": [str(p) for p in drawn]})
+    terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {shown}:")
     for path in drawn:
         terminal.print(f"  {path}")
     return 0

@@ -11,6 +11,9 @@ const STYLES = {
 const POINT_COLOR = 0xa05f7800;
 const POINT_SIZE = 3;
 const CHART_HEIGHT = 260;
+/** Room beyond the values of an axis, as shares of their range: at rest, and where an axis grows. */
+const ROOM = 0.04;
+const GROWTH = 0.1;
 const FONT = "12px system-ui, sans-serif";
 
 /** A chart of curves and measured points. `locus`: the curves are lists of points in any order. */
@@ -27,6 +30,8 @@ class Chart {
     host.append(this.figure);
     this.labels = "";
     this.points = null;
+    this.ranges = {};
+    this.moving = false;
     new ResizeObserver(() => this.plot?.setSize(this.size())).observe(this.box);
   }
 
@@ -34,10 +39,14 @@ class Chart {
     return { width: Math.max(this.box.clientWidth, 200), height: CHART_HEIGHT };
   }
 
-  /** Draw curves {label, style, x, y} and points {x, y}; all curves of a chart that is no locus have the same x. */
-  draw(curves, points) {
+  /**
+   * Draw curves {label, style, x, y} and points {x, y}; all curves of a chart that is no locus have the same x. While
+   * they move, axes grow in steps and do not shrink: points are drawn again only if an axis has changed.
+   */
+  draw(curves, points, moving = false) {
     if (this.points?.x !== points?.x || this.points?.y !== points?.y) this.layer = null;
     this.points = points;
+    this.moving = moving;
     const data = this.locus
       ? [null, ...curves.map((each) => [each.x, each.y])]
       : [curves[0].x, ...curves.map((each) => each.y)];
@@ -95,8 +104,13 @@ class Chart {
       from = Math.min(from, least);
       to = Math.max(to, most);
     }
-    const room = axis === "y" || this.locus ? 0.04 * (to - from || Math.abs(to) || 1) : 0;
-    return [from - room, to + room];
+    const size = to - from || Math.abs(to) || 1;
+    if (axis === "x" && !this.locus) return [from, to];
+    const held = this.ranges[axis];
+    const fits = held && held[0] <= from && to <= held[1];
+    if (!this.moving || this.zoomed() || !held) this.ranges[axis] = [from - ROOM * size, to + ROOM * size];
+    else if (!fits) this.ranges[axis] = [Math.min(held[0], from - GROWTH * size), Math.max(held[1], to + GROWTH * size)];
+    return this.ranges[axis];
   }
 
   zoomed() {

@@ -24,11 +24,12 @@ class SliderRow {
     this.field = element("input", { type: "number", id: `field-${spec.id}`, step: "any" });
     this.button = element("button", { type: "button", "aria-label": `Reset ${spec.label}`, title: "Reset" }, "\u21ba");
     const label = element("label", { for: this.field.id }, spec.label);
+    this.marks = marksOf(spec);
     this.row = element(
       "div", { class: "row" },
       element("div", { class: "head" }, label, this.field, element("span", { class: "unit" }, spec.unit), this.button),
       this.slider,
-      marksOf(spec),
+      this.marks,
       element("p", { class: "text" }, spec.text, ...boundsText(spec)),
     );
     this.slider.addEventListener("input", () => this.change(this.slider.valueAsNumber, changed));
@@ -36,7 +37,7 @@ class SliderRow {
       if (Number.isFinite(this.field.valueAsNumber)) this.change(this.field.valueAsNumber, changed);
       else this.show(this.value);
     });
-    this.button.addEventListener("click", () => this.change(spec.value, changed));
+    this.button.addEventListener("click", () => this.change(this.spec.value, changed));
     this.show(spec.value);
   }
 
@@ -50,9 +51,20 @@ class SliderRow {
     this.slider.value = value;
     this.slider.setAttribute("aria-valuetext", `${shortNumber(value)} ${this.spec.unit}`.trim());
     this.field.value = Number(value.toPrecision(7));
-    const changed = value !== this.spec.value;
-    this.button.disabled = !changed;
-    this.row.classList.toggle("changed", changed);
+    this.button.disabled = !this.changed;
+    this.row.classList.toggle("changed", this.changed);
+  }
+
+  get changed() {
+    return this.value !== this.spec.value;
+  }
+
+  /** Set the value that is no change: its mark moves, and reset returns to it. */
+  markAsUnchanged(value) {
+    this.spec = { ...this.spec, value };
+    const marks = marksOf(this.spec);
+    this.marks.replaceWith(marks);
+    this.marks = marks;
   }
 }
 

@@ -1,7 +1,8 @@
 "use strict";
 
-/** Points of a curve. */
+/** Points of a curve: at rest, and while a slider moves. */
 const POINTS = 201;
+const MOVING_POINTS = 101;
 /** Loads of the family of curves, as shares of the selected load. */
 const FAMILY = [0.5, 0.75, 1, 1.25, 1.5];
 /** Slip angles of the curves of combined slip, deg. */
@@ -28,13 +29,22 @@ function sweep(tire, selected, name, values, results, wanted) {
   return found;
 }
 
-/** Return Fx and Fy over kappa at constant slip angles: a pair of lists for each. */
-function combinedSlip(tire, selected, range, alphas) {
-  const kappas = spaced(range.low, range.high);
-  return alphas.map((alpha) => {
-    const { Fx, Fy } = sweep(tire, { ...selected, alpha }, "kappa", kappas, "forces", ["Fx", "Fy"]);
-    return [Fx, Fy];
-  });
+/** The latest curves of each kind: those of a tire and of inputs that have not changed are not computed again. */
+class SweepMemory {
+  constructor() {
+    this.found = new Map();
+  }
+
+  /** Return `sweep` between the ends of a range; `kind` is that of the curves, one of which is kept. */
+  sweep(kind, tire, selected, name, { low, high }, count, results, wanted) {
+    const place = [kind, name, results].join();
+    const key = [tire.version, low, high, count, ...Object.values({ ...selected, [name]: 0 })].join();
+    if (this.found.get(place)?.key !== key) {
+      const x = spaced(low, high, count);
+      this.found.set(place, { key, x, curves: sweep(tire, selected, name, x, results, wanted) });
+    }
+    return this.found.get(place);
+  }
 }
 
 /** Return results over alpha and kappa: a list of rows, one for each kappa, for each wanted force. */

@@ -6,6 +6,7 @@ const now = new TireState(DATA.tires[0], GENERATED[0]);
 const loaded = now.original();
 const other = DATA.tires[1] ? new TireState(DATA.tires[1], GENERATED[1]) : null;
 const measured = new MeasuredRows(DATA.rows);
+const sweeps = new SweepMemory();
 const view = { inputs: {}, over: "alpha", family: false, condition: 0 };
 const inputRows = new Map();
 const find = (id) => document.getElementById(id);
@@ -55,14 +56,14 @@ function buildCharts() {
     const title = `${spec.name} over ${over.name}: ${spec.text}`;
     const unit = (each) => (each && each !== "1" ? ` (${each})` : "");
     const chart = new Chart(host, { title, xTitle: `${over.name}${unit(over.unit)}`, yTitle: `${spec.name}${unit(spec.unit)}` });
-    return { chart, update: (shared) => updateCurves(chart, spec, shared) };
+    return { chart, update: (moving) => updateCurves(chart, spec, moving) };
   });
   const has = (name) => now.data.outputs.some((each) => each.name === name);
   if (has("Fx") && has("Fy")) {
     const alphas = ANGLES.map((angle) => angle * DEGREE);
     const title = `Fy over Fx: combined slip, kappa swept at alpha ${ANGLES.join(", ")} deg`;
     const chart = new Chart(host, { title, xTitle: "Fx (N)", yTitle: "Fy (N)", locus: true });
-    charts.push({ chart, update: () => updateLoci(chart, alphas) });
+    charts.push({ chart, update: (moving) => updateLoci(chart, alphas, moving) });
   }
   const shown = now.data.outputs.filter((each) => ["Fx", "Fy"].includes(each.name) && input("kappa") && input("alpha"));
   for (const { name, text, unit } of shown) {
@@ -78,33 +79,39 @@ function buildCharts() {
   for (const each of charts) seen.observe(each.chart.figure);
 }
 
-/** Draw a chart; `shared` has the sweeps that other charts have computed in the same frame. */
-function updateCurves(chart, spec, shared) {
+/** Draw a chart; while a slider moves, with fewer points. */
+function updateCurves(chart, spec, moving = false) {
   const { scale } = input(spec.over);
-  const { low, high } = range(spec.over);
-  const xs = spaced(low, high);
+  const count = moving ? MOVING_POINTS : POINTS;
   const curves = [];
   for (const { label, tire, share, style } of sources()) {
     const name = spec.of(tire);
     if (!name || !tire.data.inputs.some((each) => each.name === spec.over)) continue;
     const inputs = { ...view.inputs, Fz: share * view.inputs.Fz };
     if (spec.over === "Fz" && share !== 1) continue;
-    const key = `${label} ${spec.results} ${spec.over}`;
-    shared[key] ??= sweep(tire, inputs, spec.over, xs, spec.results, wantedNames(tire, spec.results));
-    if (shared[key][name]) curves.push({ label, style, x: xs.map((x) => x * scale), y: shared[key][name] });
+    const wanted = wantedNames(tire, spec.results);
+    const found = sweeps.sweep(label, tire, inputs, spec.over, range(spec.over), count, spec.results, wanted);
+    found.shown ??= found.x.map((x) => x * scale);
+    if (found.curves[name]) curves.push({ label, style, x: found.shown, y: found.curves[name] });
   }
-  chart.draw(curves, spec.results === "forces" ? measuredPoints(spec.name, spec.over) : null);
+  chart.draw(curves, spec.results === "forces" ? measuredPoints(spec.name, spec.over) : null, moving);
 }
 
 function wantedNames(tire, results) {
   return results === "forces" ? tire.data.outputs.map((each) => each.name) : Object.values(tire.data.roles).map((each) => each.name);
 }
 
-function updateLoci(chart, alphas) {
+function updateLoci(chart, alphas, moving = false) {
+  const count = moving ? MOVING_POINTS : POINTS;
   const curves = sources().filter((each) => each.style !== "family").flatMap(({ label, tire, style }) =>
-    combinedSlip(tire, view.inputs, range("kappa"), alphas).map(([x, y], i) => ({ label: `${label} ${i}`, style, x, y })),
+    alphas.map((alpha, i) => {
+      const place = `${label} ${i}`;
+      const inputs = { ...view.inputs, alpha };
+      const found = sweeps.sweep(`locus ${place}`, tire, inputs, "kappa", range("kappa"), count, "forces", ["Fx", "Fy"]);
+      return { label: place, style, x: found.curves.Fx, y: found.curves.Fy };
+    }),
   );
-  chart.draw(curves, null);
+  chart.draw(curves, null, moving);
 }
 
 /** Draw a surface; `shared` has the forces that other surfaces have computed for the same state. */
@@ -127,19 +134,19 @@ function measuredPoints(output, over) {
   return { x: condition.axes[over], y: condition.axes[output] };
 }
 
-/** Draw visible charts in the next frame, and what takes longer when no change has followed for a moment. */
+/** Draw visible charts in the next frame, and all points and what takes longer when no change has followed for a moment. */
 function render() {
   if (!pending) {
     pending = requestAnimationFrame(() => {
       pending = 0;
-      const shared = {};
-      for (const each of charts) if (each.visible) each.update(shared);
+      for (const each of charts) if (each.visible) each.update(true);
     });
   }
   clearTimeout(delayed);
   delayed = setTimeout(() => {
     const shared = {};
     for (const each of charts) {
+      if (each.visible) each.update();
       if (each.visible) each.settle?.(shared);
       each.chart.describe();
     }
@@ -155,7 +162,7 @@ function render() {
 function drawForPrint() {
   const shared = {};
   for (const each of charts) {
-    each.update(shared);
+    each.update();
     each.settle?.(shared);
     each.chart.describe();
   }
@@ -198,8 +205,10 @@ function showQuality() {
 }
 
 function showStatus() {
-  const text = changeText(now.changes());
-  find("status").textContent = text ? `Changed: ${text}.` : "Nothing is changed.";
+  const tire = changeText(now.changes());
+  const inputs = [...inputRows].filter(([, row]) => row.changed).map(([name]) => name).join(", ");
+  const text = [tire && `Changed: ${tire}.`, inputs && `Inputs changed: ${inputs}.`].filter(Boolean).join(" ");
+  find("status").textContent = text || "Nothing is changed.";
 }
 
 /** Write the state of the page to its address: coefficients, effects, inputs and choices that differ. */
@@ -208,10 +217,8 @@ function writeHash() {
   const changes = now.changes();
   for (const each of changes.coefficients) state.set(each.name, now.values.get(each.name));
   for (const each of changes.effects) state.set(`effect.${each.name}`, now.on.has(each.name) ? "on" : "off");
-  for (const each of now.data.inputs) {
-    if (view.inputs[each.name] !== each.nominal) state.set(`input.${each.name}`, view.inputs[each.name]);
-  }
-  if (view.over !== "alpha") state.set("over", view.over);
+  for (const [name, row] of inputRows) if (row.changed) state.set(`input.${name}`, view.inputs[name]);
+  if (view.over !== (measured.conditions[view.condition]?.slip || "alpha")) state.set("over", view.over);
   if (view.family) state.set("loads", "5");
   if (view.condition) state.set("condition", view.condition);
   if (timePanel.text()) state.set("time", timePanel.text());
@@ -222,11 +229,11 @@ function writeHash() {
 /** Read the state of the page from its address; what is unknown or no number is ignored. */
 function readHash() {
   now.reset();
-  for (const each of now.data.inputs) view.inputs[each.name] = each.nominal;
   const state = new URLSearchParams(location.hash.slice(1));
   const number = (text) => (text !== null && text.trim() !== "" && Number.isFinite(Number(text)) ? Number(text) : undefined);
   view.condition = Math.min(Math.max(Math.trunc(number(state.get("condition")) ?? 0), 0), Math.max(measured.conditions.length - 1, 0));
-  if (measured.conditions.length) selectLevels();
+  view.over = measured.conditions[view.condition]?.slip || view.over;
+  resetInputs();
   for (const [key, text] of state) {
     const value = number(text);
     if (now.values.has(key) && value !== undefined) now.values.set(key, value);
@@ -241,17 +248,23 @@ function readHash() {
   timePanel.read(state.get("time"));
 }
 
-/** Set the inputs to the levels of the selected condition, and the axis to its slip. */
-function selectLevels() {
-  const condition = measured.conditions[view.condition];
-  for (const each of now.data.inputs) view.inputs[each.name] = condition.levels[each.name] ?? each.nominal;
-  if (condition.slip) view.over = condition.slip;
+/** Return an input of the page without changes: the level of the selected condition, or nominal. */
+function unchanged({ name, nominal }) {
+  return measured.conditions[view.condition]?.levels[name] ?? nominal;
+}
+
+function resetInputs() {
+  for (const each of now.data.inputs) view.inputs[each.name] = unchanged(each);
 }
 
 /** Show the state in all controls, and draw. */
 function showAll() {
   panel.show();
-  for (const [name, row] of inputRows) row.show(view.inputs[name] * input(name).scale);
+  for (const [name, row] of inputRows) {
+    const { scale } = input(name);
+    row.markAsUnchanged(unchanged(input(name)) * scale);
+    row.show(view.inputs[name] * scale);
+  }
   for (const radio of document.getElementsByName("over")) radio.checked = radio.value === view.over;
   find("family").checked = view.family;
   if (measured.conditions.length) find("condition").value = view.condition;
@@ -294,7 +307,8 @@ function buildMeasured() {
   measured.conditions.forEach((each, i) => find("condition").append(element("option", { value: i }, each.title)));
   find("condition").addEventListener("change", () => {
     view.condition = Number(find("condition").value);
-    selectLevels();
+    view.over = measured.conditions[view.condition].slip || view.over;
+    resetInputs();
     showAll();
   });
   const shown = measured.rows < measured.total ? `${measured.rows} of ${measured.total} rows are in this page, selected at random` : `${measured.total} rows`;
@@ -313,7 +327,7 @@ function start() {
   find("save").addEventListener("click", () => saveFile(`${now.data.file_name}.tir`, propertyFile(now)));
   find("reset-all").addEventListener("click", () => {
     now.reset();
-    for (const each of now.data.inputs) view.inputs[each.name] = each.nominal;
+    resetInputs();
     timePanel.reset();
     showAll();
   });

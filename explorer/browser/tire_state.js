@@ -35,6 +35,7 @@ class TireState {
     this.on = new Set(data.effects.filter((each) => each.on).map((each) => each.name));
     this.all = new Set(data.effects.map((each) => each.name));
     this.always = this.live(this.all);
+    this.version = 0;
     this.update();
   }
 
@@ -57,7 +58,7 @@ class TireState {
 
   set(name, value) {
     this.values.set(name, value);
-    this.vector = this.written();
+    this.rewrite();
   }
 
   switch(effect, on) {
@@ -76,9 +77,15 @@ class TireState {
   update() {
     const live = this.live(this.on);
     this.idle = new Set([...this.values.keys()].filter((name) => this.always.has(name) && !live.has(name)));
-    this.vector = this.written();
+    this.rewrite();
     this.zero = this.data.effects.filter((each) => each.input && !this.on.has(each.name)).map((each) => each.input);
     this.states = this.data.states.filter((each) => each.effects.some((effect) => this.on.has(effect)));
+  }
+
+  /** Write the coefficients of the code again; results of an earlier version are not those of this tire. */
+  rewrite() {
+    this.vector = this.written();
+    this.version += 1;
   }
 
   /** Return the coefficients of the code by name: those of absent effects are neutral. */

@@ -134,7 +134,7 @@ def test_a_printed_page_has_charts_that_were_out_of_sight(opened, tires):
 def test_curves_are_drawn_from_the_tire(opened, tires):
     """The lines of the charts are the forces and quantities over their axes, for every source."""
     page = opened(tires["mf61"], compare=tires["mf52"])
-    page.evaluate("for (const each of charts) each.update({})")
+    page.evaluate("for (const each of charts) each.update()")
     curves = "charts.filter(({ chart }) => chart instanceof Chart)"
     drawn = page.evaluate(f"{curves}.map(({{ chart }}) => [chart.title, chart.curves, chart.locus])")
     tire, nominal = tires["mf61"], {name: tires["mf61"].nominal(name) for name in tires["mf61"].inputs}
@@ -170,6 +170,62 @@ def test_dragging_a_slider_moves_the_curve_and_reset_restores_it(opened, tires):
     page.get_by_label("Reset PDY1").click()
     until(page, f"Math.max(...{curve}) === {max(before)!r}")
     until(page, "document.getElementById('status').textContent === 'Nothing is changed.'")
+
+
+def test_moving_curves_have_fewer_points_and_those_at_rest_are_all_of_the_tires(opened, tires):
+    """Curves that did not change are not computed again; those of every tire follow an input. Axes do not shrink."""
+    tire = tires["mf96"]
+    page = opened(tire, fragment="#loads=5")
+    curves = "charts[0].chart.curves.map((each) => each.y)"
+    until(page, "charts[0].chart.curves[0].y.length === 201")
+    counted = """(change) => {
+      const original = sweep;
+      let count = 0;
+      sweep = (...given) => (count += 1, original(...given));
+      change === "PDY1" ? now.set("PDY1", 0.5 * now.values.get("PDY1")) : (view.inputs.Fz = change);
+      const visible = charts.filter(({ chart }) => chart instanceof Chart);
+      for (const each of visible) each.update(true);
+      sweep = original;
+      return [count, visible.map(({ chart }) => chart.curves[0].y.length)];
+    }"""
+    page.evaluate(counted, 600.0)
+    scale = "[charts[0].chart.plot.scales.y.min, charts[0].chart.plot.scales.y.max]"
+    axis = page.evaluate(f"new Promise((done) => setTimeout(() => done({scale})))")
+    moved, lengths = page.evaluate(counted, "PDY1")
+    everything, _ = page.evaluate(counted, 500.0)
+    assert set(lengths) == {101}
+    assert 0 < moved < everything
+    assert page.evaluate(scale) == axis
+    alpha = np.linspace(*page.evaluate("[range('alpha').low, range('alpha').high]"), 101)
+    drawn = page.evaluate(curves)
+    assert drawn[0] == pytest.approx(tire.forces(alpha=alpha, Fz=500.0, code="numpy")["Fy"], rel=1e-9, abs=1e-6)
+    halved = tire.with_values(PDY1=0.5 * tire.values["PDY1"])
+    assert drawn[-1] == pytest.approx(halved.forces(alpha=alpha, Fz=500.0, code="numpy")["Fy"], rel=1e-9, abs=1e-6)
+    page.evaluate("render()")
+    until(page, "charts[0].chart.curves[0].y.length === 201")
+    until(page, f"charts[0].chart.plot.scales.y.max < {axis[1]!r}")
+
+
+def test_an_input_is_changed_where_it_differs_from_the_selected_condition(opened, tires, bench):
+    """The words beside a slider, those of the status line and the address agree; reset returns to the condition."""
+    page = opened(tires["mf96"], recordings=[bench])
+    marked = "[...document.querySelectorAll('#inputs .row.changed label')].map((each) => each.textContent)"
+    status = "document.getElementById('status').textContent"
+    for condition in range(page.evaluate("measured.conditions.length")):
+        page.locator("#condition").select_option(index=condition)
+        until(page, f"{status} === 'Nothing is changed.'")
+        assert page.evaluate(marked) == []
+        assert page.evaluate("location.hash").removeprefix("#") in ("", f"condition={condition}")
+    level = page.evaluate("view.inputs.Fz")
+    page.locator("#field-input-Fz").fill("650")
+    page.locator("#field-input-Fz").press("Enter")
+    until(page, f"{status} === 'Inputs changed: Fz.'")
+    assert page.evaluate(marked) == ["Fz"]
+    assert "input.Fz=650" in page.evaluate("location.hash")
+    page.get_by_label("Reset Fz").click()
+    until(page, f"{status} === 'Nothing is changed.'")
+    assert page.evaluate("view.inputs.Fz") == pytest.approx(level)
+    assert page.evaluate(marked) == []
 
 
 def test_keys_and_fields_change_values(opened, tires):

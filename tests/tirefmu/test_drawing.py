@@ -252,3 +252,22 @@ def test_the_command_draws_at_the_loads_of_a_table(small, command, tmp_path, mon
     assert drawn["loads"] == (60.0, 110.0, 160.0)
     assert len(drawn["points"]) == 297
     assert command("draw", "unicamp_small_tire", tmp_path / "no.csv", "-o", tmp_path / "new").status == 2
+
+
+def test_signs_are_those_of_the_table_and_of_the_figures(small, command, tmp_path, monkeypatch):
+    """Rows in any convention are the same crosses; figures have the table's convention unless another is named."""
+    drawn = {}
+    monkeypatch.setattr(files, "draw", lambda tire, folder, **options: drawn.update(options) or [])
+    recording = VirtualBench(small.in_signs("iso"), Noise().scaled(0.05)).run(small_tire_program())
+    for signs in ("iso", "adapted-sae", "sae"):
+        write_table(recording.with_signs(signs).table, tmp_path / "points.csv")
+        given = ("draw", "unicamp_small_tire", tmp_path / "points.csv", "-o", tmp_path / "new", "--signs", signs)
+        assert command(*given).status == 0
+        assert drawn["signs"] == signs
+        for name in ("alpha", "Fz", "Fy"):
+            np.testing.assert_allclose(drawn["points"][name], recording.with_signs("iso").table[name])
+        assert command(*given, "--draw-signs", "iso", "--where", "abs(alpha) < 6 deg").status == 0
+        assert drawn["signs"] == "iso"
+        assert 0 < len(drawn["points"]) < len(recording)
+    assert command("draw", "unicamp_small_tire", "-o", tmp_path / "new").status == 0
+    assert drawn["signs"] == "iso"

@@ -15,12 +15,12 @@ from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_path
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for report.html and the figures.")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
-@click.option("--draw-signs", type=SIGNS, default="iso", show_default=True, help="Sign convention of the figures.")
+@click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
 @WHERE
 @click.option("--all", "every", is_flag=True, help="List every coefficient that differs.")
 @common
 def compare(
-    tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, signs: str | None, draw_signs: str,
+    tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, signs: str | None, draw_signs: str | None,
     where: str | None, every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Compare TIRE with TIRE2, of any models: coefficients, errors over TABLES, figures of old and new parameters."""
@@ -39,7 +39,7 @@ def compare(
     terminal.selection(*recordings)
     with terminal.working("comparing"):
         result = run(first, second, recordings, names=(tire.stem, tire2.stem))
-        written = write_comparison(result, recordings, output, signs=draw_signs)
+        written = write_comparison(result, recordings, output, signs=draw_signs or signs or "iso")
     write_json(json_file, {**result.to_json(), "files": [str(path) for path in written]})
     for name, names in zip(result.names, result.effects, strict=True):
         if names:

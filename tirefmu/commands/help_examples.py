@@ -42,7 +42,7 @@ EXAMPLES = {
     "convert": ("convert my.tir --for adams -o adams.tir",),
     "lint": ("lint my.tir --for carsim",),
     "info": ("info my.tir", "info trento_hoosier --all"),
-    "draw": ("draw my.tir -o figures", "draw unicamp_small_tire --loads 60,110,160 --format svg -o figures"),
+    "draw": ("draw my.tir -o figures", "draw unicamp_small_tire points.csv --signs sae --draw-signs iso -o figures"),
     "effects": ("effects --model mf61", "effects temp_friction"),
     "models": ("models", "models --json models.json"),
     "published": ("published",),
