@@ -24,6 +24,8 @@ WORDS = {
 }  # fmt: skip
 
 
+#: Rows of a table of evidence that are printed without --all.
+FEW = 3
 #: The longest text in a cell, in characters.
 LONGEST_CELL = 200
 
@@ -52,23 +54,24 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
     yield from (f"  - {reason}" for reason in verdict.reasons)
 
 
-def fit_lines(result: FitResult) -> Iterator[Table | str]:
-    """Yield the tables and lines of a fit after its verdict, in order."""
+def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
+    """Yield the tables and lines of a fit after its verdict, in order; without `every` what needs attention."""
     from tirefmu.fitting.reporting.report_text import bootstrap_summary, extrapolation_text, ripple_texts
 
-    yield _coefficients(result)
+    yield _channels(result)
+    yield from _coefficients(result, every)
     if result.bootstrap:
         yield bootstrap_summary(result.bootstrap)
-    yield _channels(result)
     if result.held_out:
         yield _held_out(result)
     if result.findings.stiffnesses:
         yield _stiffnesses(result)
-    yield _stages(result)
+    if every or not all(stage.converged for stage in result.stages):
+        yield _stages(result)
     if result.margins:
-        yield _margins(result)
+        yield from _margins(result, every)
         yield extrapolation_text(result)
-    yield from _differences(result)
+    yield from _differences(result, every)
     yield from ripple_texts(result.findings.ripples)
     for each in result.findings.undetermined:
         yield f"not identifiable: {', '.join(each.coefficients)}: {each.reason}"
@@ -77,9 +80,12 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
     for note in result.notes:
         yield f"note: {note}"
     yield f"fit {result.status} ({result.method}), {result.seconds:.1f} s"
+    if not every:
+        yield "--all lists every coefficient, constraint and stage"
 
 
-def _coefficients(result: FitResult) -> Table:
+def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
+    """Yield the coefficients; without `every` those at a bound or not determined, and those with further intervals."""
     from tirefmu.fitting.reporting.report_text import bootstrap_text, interval_text, profile_text
 
     further = ["bootstrap (95 %)"] * bool(result.bootstrap) + ["profile (95 %)"] * bool(result.profiles)
@@ -87,13 +93,21 @@ def _coefficients(result: FitResult) -> Table:
         "coefficient", "initial", "lower", "upper", "value", "+- (95 %)", *further, "unit", "",
         title=f"Coefficients ({result.signs} signs)",
     )  # fmt: skip
+    remarkable = {name for each in result.findings.undetermined for name in each.coefficients}
+    remarkable |= {profile.name for profile in result.profiles}
+    every = every or bool(result.bootstrap)
     for c in result.coefficients:
+        if not (every or c.at_bound or not c.determined or c.name in remarkable):
+            continue
         remark = "at bound" if c.at_bound else "" if c.determined else "not determined"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
         resampled = [bootstrap_text(result, c.name)] * bool(result.bootstrap)
         resampled += [profile_text(result, c.name)] * bool(result.profiles)
         table.add_row(c.name, *numbers, interval_text(c.interval), *resampled, c.unit, remark)
-    return table
+    if table.row_count:
+        yield table
+    if not every and (others := len(result.coefficients) - table.row_count):
+        yield f"{others} coefficients are determined and not at a bound"
 
 
 def _channels(result: FitResult) -> Table:
@@ -157,7 +171,8 @@ def _stages(result: FitResult) -> Table:
     return table
 
 
-def _margins(result: FitResult) -> Table:
+def _margins(result: FitResult, every: bool) -> Iterator[Table | str]:
+    """Yield the constraints; without `every` those that are violated."""
     from tirefmu.fitting.evidence.residuals import condition_text
     from tirefmu.fitting.reporting.report_text import constraint_rows
 
@@ -165,17 +180,24 @@ def _margins(result: FitResult) -> Table:
         "constraint", "value", "margin", "at", "margin outside", "",
         title="Constraints, verified over the operating range (adapted-sae signs)",
     )  # fmt: skip
-    for c in constraint_rows(result.margins):
+    rows = constraint_rows(result.margins)
+    for c in rows:
         beyond = "" if c.beyond is None else f"{c.beyond.margin:.3g}"
         violated = any(m is not None and m.margin < 0 for m in (c.inside, c.beyond))
+        if not (every or violated):
+            continue
         table.add_row(
             c.constraint, f"{c.inside.worst:.4g}", f"{c.inside.margin:.3g}", condition_text(c.inside.at), beyond,
             "violated" if violated else "",
         )  # fmt: skip
-    return table
+    if table.row_count:
+        yield table
+    if not every and (satisfied := len(rows) - table.row_count):
+        yield f"{satisfied} physical constraints are satisfied over the operating range"
 
 
-def _differences(result: FitResult) -> Iterator[Table]:
+def _differences(result: FitResult, every: bool) -> Iterator[Table | str]:
+    """Yield the differences between data of equal conditions; without `every` the first ones: between files, then sweeps."""
     from tirefmu.fitting.evidence.residuals import condition_text
     from tirefmu.fitting.reporting.report_text import significant_differences
 
@@ -186,9 +208,12 @@ def _differences(result: FitResult) -> Iterator[Table]:
         "first", "second", "channel", "difference", "sigmas", "largest", "unit", "mean difference at",
         title=f"Inconsistent data at equal operating conditions and slips ({result.signs} signs)",
     )  # fmt: skip
-    for d in differences:
+    shown = differences if every else differences[:FEW]
+    for d in shown:
         table.add_row(
             d.first, d.second, d.channel, f"{d.mean:+.3g}", f"{abs(d.sigmas):.0f}", f"{d.most:+.3g}",
             d.unit, condition_text(d.at),
         )  # fmt: skip
     yield table
+    if len(shown) < len(differences):
+        yield f"and {len(differences) - len(shown)} more (--all lists them)"

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from rich.text import Text
 from tirefmu.symbolic.escaping import visible
 from tirefmu.tires import Tire
 
+from . import progress
 from .fit_tables import fit_lines, plain_table, verdict_lines
 
 if TYPE_CHECKING:
@@ -56,27 +57,17 @@ class Terminal:
         """Print the heading of a part of the output."""
         self._out.print(Text.assemble((visible(title), "bold"), " ", visible(text)))
 
-    @contextmanager
-    def working(self, what: str) -> Iterator[None]:
+    def working(self, what: str) -> AbstractContextManager[object]:
         """Show the current activity until it ends."""
-        with self._status.status(visible(what)):
-            yield
+        return progress.showing(self._status, what)
 
-    @contextmanager
-    def counting(self, what: str) -> Iterator[Callable[[int, int], None]]:
-        """Show how many parts of a computation are finished."""
-        with self._status.status(visible(what)) as status:
-            yield lambda finished, all_parts: status.update(f"{visible(what)}: {finished} of {all_parts}")
+    def counting(self, what: str) -> AbstractContextManager[Callable[[int, int], None]]:
+        """Show how many parts of a computation are finished, and the time left."""
+        return progress.counting(self._status, what)
 
-    @contextmanager
-    def fitting(self) -> Iterator[Progress]:
+    def fitting(self) -> AbstractContextManager[Progress]:
         """Show stage, iteration and cost of a running fit."""
-        with self._status.status("fitting") as status:
-
-            def progress(stage: str, iteration: int, cost: float) -> None:
-                status.update(f"{visible(stage)}: iteration {iteration}, cost {cost:.6g}")
-
-            yield progress
+        return progress.fitting(self._status)
 
     def selection(self, *recordings: Recording) -> None:
         """Print how many rows of each recording were selected, if rows were selected."""
@@ -94,7 +85,7 @@ class Terminal:
             table.add_row(*row)
         self._out.print(table)
         if len(rows) > most:
-            self.print(f"and {len(rows) - most} more")
+            self.print(f"and {len(rows) - most} more (--all lists them)")
 
     def findings(self, findings: Iterable[Finding], printed: Collection[str] = ()) -> None:
         """Print findings about the data: a serious one as a warning, any other as a note.
@@ -107,11 +98,14 @@ class Terminal:
             elif finding.text not in printed:
                 self.print(f"note: {finding}")
 
-    def fit_result(self, result: FitResult, findings: Iterable[Finding] = ()) -> None:
-        """Print a fit: verdict, findings about the data, coefficients, goodness of fit, constraints, and status."""
+    def fit_result(self, result: FitResult, findings: Iterable[Finding] = (), every: bool = False) -> None:
+        """Print a fit: verdict, findings about the data, goodness of fit, what is not determined, and status.
+
+        With `every` also all coefficients, constraints and stages.
+        """
         self.print(*verdict_lines(result.verdict))
         self.findings(findings, printed=result.notes)
-        for line in fit_lines(result):
+        for line in fit_lines(result, every):
             if isinstance(line, Table):
                 self._out.print(line)
             else:

@@ -74,7 +74,7 @@ def chain(command, bench_csv, tmp_path_factory):
     outcomes = {
         "fit": command(
             "fit", bench_csv, "--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23",
-            "-o", folder / "fitted.tir",
+            "-o", folder / "fitted.tir", "--all",
             "--json", folder / "fit.json", "--report", folder / "report.html", "--figures", folder / "figures",
         )
     }  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -32,6 +33,10 @@ def strict(text):
     return json.loads(text, parse_constant=refuse)
 
 
+#: What standard error has without a terminal: a line for each stage that has ended.
+PROGRESS = re.compile(r".+: (.+, )?\d+\.\d s")
+
+
 # ------------------------------------------------------------------ the full workflow
 
 
@@ -39,7 +44,7 @@ def test_every_step_of_the_workflow_succeeds(chain):
     _, outcomes = chain
     for step, outcome in outcomes.items():
         assert outcome.status == 0, (step, outcome.err)
-        assert outcome.err == "", step
+        assert all(PROGRESS.fullmatch(line) for line in outcome.err.splitlines()), (step, outcome.err)
 
 
 def test_no_files_but_the_requested_files(chain):
@@ -137,7 +142,7 @@ def test_a_fit_from_a_tire_and_a_user_defined_recipe(chain, command, bench_csv, 
     before, after = read_tir(folder / "fitted.tir"), read_tir(tmp_path / "[new].tir")
     assert after.has == before.has
     assert {n for n in after.values if after.values[n] != before.values[n]} == {"PDY1"}
-    assert "[friction]" in outcome.out  # brackets in names are not markup
+    assert "[friction]: iteration" in outcome.err  # brackets in names are not markup
     assert f"tire: {tmp_path / '[new].tir'}" in outcome.out
 
 

@@ -11,6 +11,8 @@ import pytest
 
 from tirefmu.tires.signs import convert_signs
 
+from .conftest import EFFECTS
+
 
 def test_a_misspelt_constraint_is_refused_with_the_nearest_name(command, bench_csv, tmp_path):
     for option in ("--constraint", "--without-constraint"):
@@ -27,7 +29,18 @@ def test_a_misspelt_constraint_is_refused_with_the_nearest_name(command, bench_c
 def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options, stored):
     path = tmp_path / "fit.json"
     outcome = command(
-        "fit", bench_csv, "--model", "mf96", "--effects", "none", *options, "-o", tmp_path / "t.tir", "--json", path
+        "fit",
+        bench_csv,
+        "--model",
+        "mf96",
+        "--effects",
+        "none",
+        *options,
+        "-o",
+        tmp_path / "t.tir",
+        "--all",
+        "--json",
+        path,
     )
     assert outcome.status == 0
     reported = json.loads(path.read_text(encoding="utf-8"))
@@ -125,3 +138,25 @@ def test_values_that_nobody_measured_are_marked(command, bench_csv, tmp_path):
         assert "PDY1" not in section
         shown = command("info", path, "--json", tmp_path / "info.json").out
         assert ("assumed, not measured: UNLOADED_RADIUS = 0.3" in shown) == marked
+
+
+def test_the_tables_are_short_unless_all_is_requested(chain, command, bench_csv, tmp_path):
+    """Without --all a fit prints what needs attention and counts the rest; nothing of it is lost in the JSON."""
+    folder, outcomes = chain
+    path = tmp_path / "fit.json"
+    short = command("fit", bench_csv, "--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23",
+                    "-o", tmp_path / "t.tir", "--json", path)  # fmt: skip
+    found = json.loads(path.read_text(encoding="utf-8"))
+    undetermined = {name for each in found["findings"]["undetermined"] for name in each["coefficients"]}
+    expected = {each["name"] for each in found["coefficients"] if each["at_bound"] or each["name"] in undetermined}
+    tabled = {each["name"] for each in found["coefficients"] if f"\n{each['name']} " in short.out}
+    assert tabled == expected
+    assert f"\n{len(found['coefficients']) - len(expected)} coefficients are determined" in short.out
+    assert "Stages of recipe" not in short.out
+    assert "Stages of recipe" in outcomes["fit"].out
+    assert "--all lists every coefficient" in short.out
+    assert len(short.out) < 0.6 * len(outcomes["fit"].out)
+    stages = [line.split(":")[0] for line in short.err.splitlines()]
+    assert stages[0] == "preparing the fit"
+    assert stages[-1] == "evidence and intervals"
+    assert len(stages) == 2 + len(found["stages"])

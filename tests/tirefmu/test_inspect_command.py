@@ -23,7 +23,9 @@ def inspected(command, bench_csv, tmp_path_factory):
 
 def test_a_good_recording(inspected):
     outcome, content, page = inspected
-    assert (outcome.status, outcome.err, content["ok"]) == (0, "", True)
+    assert (outcome.status, content["ok"]) == (0, True)
+    assert outcome.out.startswith("verdict: ready for a fit\n")
+    assert re.fullmatch(r"inspecting: \d+\.\d s\n", outcome.err)
     (recording,) = content["recordings"]
     assert recording["rows"] >= sum(each["rows"] for each in recording["conditions"])
     by_name = {each["name"]: each for each in recording["channels"]}
@@ -92,7 +94,9 @@ def test_a_serious_finding_gives_exit_code_1_and_comes_first(command, tmp_path):
     table.assign(Fx=3e3 * table["kappa"], Fy=0.0, remark="x").to_csv(tmp_path / "a.csv", index=False)
     outcome = command("inspect", tmp_path / "a.csv", "-o", tmp_path / "page.html")
     assert outcome.status == 1
-    assert outcome.out.startswith("warning: a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted")
+    verdict, _, rest = outcome.out.partition("\n")
+    assert verdict == "verdict: a fit of these data would be misleading"
+    assert rest.startswith("warning: a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted")
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert page.index("NO COLUMN alpha") < page.index("columns that are no channels are not fitted: remark")
 

@@ -86,6 +86,7 @@ if TYPE_CHECKING:
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler for --bootstrap and --profile.")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
+@click.option("--all", "every", is_flag=True, help="List every coefficient, constraint and stage.")
 @common
 def fit(
     tables: tuple[Path, ...], model: str | None, output: Path, start: Path | None, effects: tuple[str, ...] | None,
@@ -94,7 +95,7 @@ def fit(
     nominal: dict[str, float] | None, signs: str | None, where: str | None, all_rows: bool,
     rows: str, stiffness_weight: float, resume: bool, folds: int | None,
     replicates: int | None, profiled: tuple[str, ...], workers: int | None, scheduler: str | None,
-    figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
+    figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
 
@@ -147,7 +148,8 @@ def fit(
     findings = _findings(result.tire, recordings)
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     warned = {finding.text for finding in findings if finding.serious}
-    terminal.fit_result(replace(result, notes=tuple(note for note in result.notes if note not in warned)), findings)
+    notes = tuple(note for note in result.notes if note not in warned)
+    terminal.fit_result(replace(result, notes=notes), findings, every)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")

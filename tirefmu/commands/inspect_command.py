@@ -11,7 +11,7 @@ from tirefmu.symbolic.errors import TirefmuError
 from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, command_line, common, write_json
 
 #: Rows of a table in the terminal; page and JSON have all of them.
-MOST_ROWS = 60
+MOST_ROWS = 14
 
 
 @click.command()
@@ -21,10 +21,11 @@ MOST_ROWS = 60
 @WHERE
 @click.option("--table", "selection", type=FILE,
               help="Write the selected rows of one table as CSV or Parquet, in SI units.")  # fmt: skip
+@click.option("--all", "every", is_flag=True, help="List every operating condition, sweep and excluded row.")
 @common
 def inspect(
     tables: tuple[Path, ...], output: Path | None, signs: str | None, where: str | None, selection: Path | None,
-    quiet: bool, json_file: Path | None,
+    every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Summarize TABLES: channels, sweeps, operating conditions, drifts, and what the data lack or contradict.
 
@@ -61,12 +62,13 @@ def inspect(
             "recordings": [each.to_json() for each in inspections],
         },
     )
+    terminal.print(f"verdict: {'ready for a fit' if ok else 'a fit of these data would be misleading'}")
     terminal.findings(findings)
     for each in inspections:
         terminal.heading(each.recording.source, texts.title(each))
         for name, _, content in texts.all_tables(each):
-            terminal.table(name, content, most=MOST_ROWS)
-        for note in each.exclusion.notes[:MOST_ROWS]:
+            terminal.table(name, content, most=10_000 if every else MOST_ROWS)
+        for note in each.exclusion.notes if every else ():
             terminal.print(f"excluded from a fit: {note}")
     for path, kind in ((output, "page"), (selection, "selected rows")):
         if path:

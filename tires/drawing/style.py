@@ -37,7 +37,7 @@ _DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
 _CONVENTION = {
     "iso": r"ISO-W signs ($F_z$ > 0; $F_y$ < 0 at $\alpha$ > 0)",
     "adapted-sae": r"adapted SAE signs ($F_z$ > 0; $F_y$ > 0 at $\alpha$ > 0)",
-    "sae": r"SAE signs as recorded ($F_z$ < 0; $F_y$ < 0 at $\alpha$ > 0)",
+    "sae": r"SAE signs ($F_z$ < 0; $F_y$ < 0 at $\alpha$ > 0)",
 }
 
 

@@ -183,12 +183,12 @@ class Sketch:
             rows = rows[rows[name].abs() <= NEAR_ZERO[name]] if name in rows else rows
         return some_of(rows.dropna(subset=["kappa", "alpha", *channels]), MOST_CROSSES)
 
-    def footnotes(self) -> list[str]:
-        """Return what all figures have in common, and which loads are beyond the tire's range."""
+    def footnotes(self, crosses: str = "at any slip") -> list[str]:
+        """Return what all figures have in common, which rows crosses are, and which loads are beyond the range."""
         held = [f"$p$ = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
         notes = [f"model {self.tire.model}", ", ".join([r"$\gamma$ = 0", *held])]
         if self.points is not None:
-            notes.append(f"crosses: measured upright within {NEAR_LOAD:.0%} of the load")
+            notes.append(f"crosses: measured upright within {NEAR_LOAD:.0%} of the load, {crosses}")
         low, high = self.tire.ranges.get("Fz", (0.0, float("inf")))
         beyond = [f"{load:g}" for load in self.loads if not low <= load <= high]
         if beyond:
@@ -232,7 +232,7 @@ def pure(sketch: Sketch) -> Figure:
         ax.set_title(f"{LETTER[channel]} over {LETTER[slip]} at {LETTER[other]} = 0", fontsize=10)
         ax.margins(x=0.0)
     _shared_legend(figure, ax, f"load {letter(sketch.signs, 'Fz')}")
-    write_footnote(figure, sketch.signs, *sketch.footnotes(), *_left_out(sketch))
+    write_footnote(figure, sketch.signs, *sketch.footnotes("in pure slip"), *_left_out(sketch))
     return figure
 
 
