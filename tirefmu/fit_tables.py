@@ -197,7 +197,7 @@ def _margins(result: FitResult, every: bool) -> Iterator[Table | str]:
 
 
 def _differences(result: FitResult, every: bool) -> Iterator[Table | str]:
-    """Yield the differences between data of equal conditions; without `every` the first ones: between files, then sweeps."""
+    """Yield the differences between data of equal conditions; without `every` the first ones, files before sweeps."""
     from tirefmu.fitting.evidence.residuals import condition_text
     from tirefmu.fitting.reporting.report_text import significant_differences
 

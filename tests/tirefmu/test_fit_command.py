@@ -142,7 +142,7 @@ def test_values_that_nobody_measured_are_marked(command, bench_csv, tmp_path):
 
 def test_the_tables_are_short_unless_all_is_requested(chain, command, bench_csv, tmp_path):
     """Without --all a fit prints what needs attention and counts the rest; nothing of it is lost in the JSON."""
-    folder, outcomes = chain
+    _, outcomes = chain
     path = tmp_path / "fit.json"
     short = command("fit", bench_csv, "--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23",
                     "-o", tmp_path / "t.tir", "--json", path)  # fmt: skip
