@@ -42,6 +42,8 @@ class Header:
         Whether the FMU supports Model Exchange in addition to Co-Simulation.
     note : str
         What the FMU assumes; empty if nothing.
+    has_event_mode : bool
+        Whether events within a step of Co-Simulation are reported to the host, in FMI 3.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Header:
     sources: tuple[str, ...]
     model_exchange: bool = False
     note: str = ""
+    has_event_mode: bool = False
 
 
 def model_description(fmi: int, header: Header, variables: Sequence[Variable], token: str) -> bytes:
@@ -152,6 +155,8 @@ def _append_interface_type(root: ET.Element, kind: str, fmi: int, header: Header
         element.set("canHandleVariableCommunicationStepSize", "true")
         if fmi == 2 and header.model_exchange:
             element.set("canInterpolateInputs", "true")
+        if fmi == 3 and header.has_event_mode:
+            element.set("hasEventMode", "true")
     for name in (f"canGetAndSet{states}", f"canSerialize{states}", derivatives):
         element.set(name, "true")
     if fmi == 3:  # sources/buildDescription.xml lists the sources

@@ -253,7 +253,7 @@ def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: st
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed
     sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
-    header = Header(name, identifier, sentence, c_files(fmi, shown), native, shown.relaxation_note)
+    header = Header(name, identifier, sentence, c_files(fmi, shown), native, shown.relaxation_note, shown.spins)
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}

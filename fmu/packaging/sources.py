@@ -24,8 +24,8 @@ STI_HEADERS = {
     True: ("sti.h", "sti_values.h", "tir_text.h", "tir_entries.h", "tir_tire.h"),
 }
 COMMON = (
-    "instance.c", "stepping.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "continuous.c",
-    "saved_state.c",
+    "instance.c", "stepping.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "events.c",
+    "continuous.c", "saved_state.c",
 )  # fmt: skip
 #: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.
 CONTACT = {

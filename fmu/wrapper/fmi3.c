@@ -40,8 +40,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         instance_create(instanceName, instantiationToken, resourcePath, CO_SIMULATION, log_message,
                         (void (*)(void)) logMessage, instanceEnvironment);
 
-    if (self && eventModeUsed) {
-        instance_refuse(self, STATUS_ERROR, "this FMU has no event mode");
+    if (self && instance_use_events(self, eventModeUsed, earlyReturnAllowed) != STATUS_OK) {
         instance_free(self);
         return NULL;
     }
@@ -224,23 +223,26 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
                       fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
-    static const unsigned time = TIME;
-    Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
+    const Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
+    const Instance *self = instance;
+    const int done = self && status == STATUS_OK;
 
     if (eventHandlingNeeded)
-        *eventHandlingNeeded = fmi3False;
+        *eventHandlingNeeded = done && self->has_event_mode && instance_had_event(self);
     if (terminateSimulation)
         *terminateSimulation = fmi3False;
     if (earlyReturn)
-        *earlyReturn = fmi3False;
-    if (lastSuccessfulTime && instance)
-        instance_get(instance, &time, 1, lastSuccessfulTime);
+        *earlyReturn = done && self->state.values[TIME] < currentCommunicationPoint + communicationStepSize;
+    if (lastSuccessfulTime && self)
+        *lastSuccessfulTime = self->state.values[TIME];
     return (fmi3Status) status;
 }
 
-/* ---------------------------------------------------------------- Model Exchange */
+/* ---------------------------------------------------------------- events */
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) { return (fmi3Status) instance_enter_event(instance); }
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) { return (fmi3Status) instance_enter_stepping(instance); }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
                                     fmi3Boolean *terminateSimulation,
@@ -268,6 +270,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
     *nextEventTime = 0.0;
     return fmi3OK;
 }
+
+/* ---------------------------------------------------------------- Model Exchange */
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
 {

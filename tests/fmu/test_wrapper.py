@@ -109,7 +109,7 @@ def test_another_token_is_refused(fmus, fmi, capfd):
 
 def test_what_is_not_supported_reports_so(host):
     host.start()
-    names = {2: ["CancelStep"], 3: ["EnterStepMode", "EnterConfigurationMode"]}[host.version]
+    names = {2: ["CancelStep"], 3: ["EvaluateDiscreteStates", "EnterConfigurationMode"]}[host.version]
     for name in names:
         assert host.call(name) == 3
         assert host.log[-1] == f"fmi{host.version}{name} is not supported by this FMU"
