@@ -9,6 +9,7 @@ from math import isfinite
 
 from tirefmu.symbolic.escaping import xml_text
 
+from .arrays import gather
 from .units import base_unit
 from .variables import Variable, is_indicator
 
@@ -44,6 +45,8 @@ class Header:
         What the FMU assumes; empty if nothing.
     has_event_mode : bool
         Whether events within a step of Co-Simulation are reported to the host, in FMI 3.
+    has_arrays : bool
+        Whether vectors are array variables, in FMI 3.
     """
 
     name: str
@@ -53,6 +56,7 @@ class Header:
     model_exchange: bool = False
     note: str = ""
     has_event_mode: bool = False
+    has_arrays: bool = False
 
 
 def model_description(fmi: int, header: Header, variables: Sequence[Variable], token: str) -> bytes:
@@ -112,6 +116,8 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
         _variables_and_structure_2(root, variables)
     else:
         _variables_and_structure_3(root, variables)
+    if header.has_arrays:
+        gather(root, variables)
     return xml_bytes(root)
 
 

@@ -1,5 +1,5 @@
 /* FMI 3.0: the supported functions, each translated to a call of instance.h. */
-#include "instance.h"
+#include "arrays.h"
 
 #include "fmi3Functions.h"
 
@@ -101,17 +101,21 @@ fmi3Status fmi3Reset(fmi3Instance instance) { return (fmi3Status) instance_reset
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                           size_t nValueReferences, fmi3Float64 values[], size_t nValues)
 {
-    if (nValues != nValueReferences)
-        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
-    return (fmi3Status) instance_get(instance, valueReferences, nValueReferences, values);
+    Scalars found;
+
+    if (arrays_expand(instance, valueReferences, nValueReferences, nValues, &found) != STATUS_OK)
+        return fmi3Error;
+    return (fmi3Status) instance_get(instance, found.references, found.n, values);
 }
 
 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                           size_t nValueReferences, const fmi3Float64 values[], size_t nValues)
 {
-    if (nValues != nValueReferences)
-        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
-    return (fmi3Status) instance_set(instance, valueReferences, nValueReferences, values);
+    Scalars found;
+
+    if (arrays_expand(instance, valueReferences, nValueReferences, nValues, &found) != STATUS_OK)
+        return fmi3Error;
+    return (fmi3Status) instance_set(instance, found.references, found.n, values);
 }
 
 #define LACKS_TYPE(Type)                                                                                \
@@ -168,18 +172,24 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
                                         size_t nSensitivity)
 {
-    if (nSeed != nKnowns || nSensitivity != nUnknowns)
-        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
-    return (fmi3Status) instance_derivative(instance, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
+    Scalars of, by;
+
+    if (arrays_expand(instance, unknowns, nUnknowns, nSensitivity, &of) != STATUS_OK ||
+        arrays_expand(instance, knowns, nKnowns, nSeed, &by) != STATUS_OK)
+        return fmi3Error;
+    return (fmi3Status) instance_derivative(instance, of.references, of.n, by.references, by.n, seed, sensitivity);
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
                                     const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                     size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    if (nSeed != nUnknowns || nSensitivity != nKnowns)
-        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
-    return (fmi3Status) instance_adjoint(instance, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
+    Scalars of, by;
+
+    if (arrays_expand(instance, unknowns, nUnknowns, nSeed, &of) != STATUS_OK ||
+        arrays_expand(instance, knowns, nKnowns, nSensitivity, &by) != STATUS_OK)
+        return fmi3Error;
+    return (fmi3Status) instance_adjoint(instance, of.references, of.n, by.references, by.n, seed, sensitivity);
 }
 
 /* ---------------------------------------------------------------- saved states */

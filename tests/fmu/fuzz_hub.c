@@ -74,7 +74,15 @@ int main(int argc, char *argv[])
         double value = 0.0, last;
         fmi3Status status;
 
-        if (choice < 0.6) {
+        if (choice < 0.03) { /* an array, or none, with a right or wrong number of values */
+            const fmi3ValueReference array = 0x10000u + (fmi3ValueReference) (uniform() * 13.0);
+            double many[9];
+            int k;
+
+            for (k = 0; k < 9; k++)
+                many[k] = wild();
+            status = fmi3SetFloat64(tire, &array, 1, many, uniform() < 0.2 ? 9 : 3);
+        } else if (choice < 0.6) {
             value = wild();
             status = fmi3SetFloat64(tire, &b, 1, &value, 1);
             value = 0.0;

@@ -24,6 +24,7 @@ from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, com
               help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
               " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
 @click.option("--road", type=FILE, help="OpenCRG file of a road inside the FMU, for hub and hub-torque.")
+@click.option("--arrays", is_flag=True, help="FMI 3, hub inputs: vectors and the rotation matrix are array variables.")
 @click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
 @click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
 @click.option(
@@ -60,6 +61,7 @@ def export(
     platforms: str,
     values: str,
     road: Path | None,
+    arrays: bool,
     quiet: bool,
     json_file: Path | None,
 ) -> int:
@@ -78,13 +80,13 @@ def export(
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
     if kind != "sti" and values != "built-in":
         raise TirefmuError("--values file is for --kind sti: a host sets the parameters of an FMU")
-    if road and (ssp or kind != "native"):
-        raise TirefmuError("--road is for one native FMU")
+    if (road or arrays) and (ssp or kind != "native"):
+        raise TirefmuError("--road and --arrays are for one native FMU")
     check_output_paths(target, json_file)
     check_input_paths(*tires, *([road] if road else []))
     from tirefmu.fmu import export as export_fmu
     from tirefmu.fmu import export_parameters, export_sti, export_system
-    from tirefmu.fmu.description.interface import with_lengths
+    from tirefmu.fmu.description.standstill import with_lengths
     from tirefmu.tires import tire_from
 
     from ..terminal import Terminal
@@ -102,6 +104,7 @@ def export(
             written = export_sti(loaded[0], target, platforms=platforms, values=values)
         else:
             several: dict[str, Any] = {"quantities": quantities, "kind": kind, "platforms": platforms, "road": road}
+            several["arrays"] = arrays
             written = export_fmu(loaded[0], target, **shared, **several)
     size = written.stat().st_size
     what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
