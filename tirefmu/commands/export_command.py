@@ -17,6 +17,7 @@ from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, com
 @click.option("-o", "--output", type=FILE, help="FMU to write; with --kind sti a library, with ssv a parameter set.")
 @click.option("--ssp", type=FILE, metavar="FILE",
               help="Write a system of the tires (SSP): FMUs, parameter sets. Four are FL, FR, RL, RR.")  # fmt: skip
+@click.option("--vehicle", type=FILE, help="With --ssp: an FMU that is connected to the tires by names such as FL_Fz.")
 @RADIUS
 @click.option("--fmi", type=click.Choice(["2", "3"]),
               help="FMI version; 2 is SSP 1.0, 3 is SSP 2.0  [default: 3; pythonfmu, ssv, --ssp: 2]")  # fmt: skip
@@ -52,6 +53,7 @@ def export(
     tires: tuple[Path, ...],
     output: Path | None,
     ssp: Path | None,
+    vehicle: Path | None,
     fmi: str | None,
     radius: float | None,
     inputs: str,
@@ -82,8 +84,10 @@ def export(
         raise TirefmuError("--values file is for --kind sti: a host sets the parameters of an FMU")
     if (road or arrays) and (ssp or kind != "native"):
         raise TirefmuError("--road and --arrays are for one native FMU")
+    if vehicle and not ssp:
+        raise TirefmuError("--vehicle is part of a system: give --ssp")
     check_output_paths(target, json_file)
-    check_input_paths(*tires, *([road] if road else []))
+    check_input_paths(*tires, *(path for path in (road, vehicle) if path))
     from tirefmu.fmu import export as export_fmu
     from tirefmu.fmu import export_parameters, export_sti, export_system
     from tirefmu.fmu.description.standstill import with_lengths
@@ -97,7 +101,8 @@ def export(
     shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": axes}
     with terminal.working("compiling" if kind in ("native", "sti") else "packing"):
         if ssp:
-            written = export_system(loaded, target, **shared, quantities=quantities, platforms=platforms)
+            system: dict[str, Any] = {"quantities": quantities, "platforms": platforms, "vehicle": vehicle}
+            written = export_system(loaded, target, **shared, **system)
         elif kind == "ssv":
             written = export_parameters(loaded[0], target, **shared)
         elif kind == "sti":
