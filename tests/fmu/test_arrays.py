@@ -74,6 +74,15 @@ def test_terminals_and_documentation_name_the_arrays(paths):
     known = {element.get("name") for element in described.find("ModelVariables")}
     members = {element.get("variableName") for element in terminals.iter("TerminalMemberVariable")}
     assert {"R", "F_global"} < members <= known
+    named = {
+        terminal.get("name"): [member.get("variableName") for member in terminal.iter("TerminalMemberVariable")]
+        for terminal in terminals.iter("Terminal")
+    }
+    assert named["carrier"] == ["r", "R", "v", "w", "omega"]
+    assert named["road"] == ["road_z", "road_n", "road_v", "road_mu"]
+    assert named["torques"] == ["T_drive", "T_brake"]
+    assert named["hub"] == ["F", "M", "F_global", "M_global", "brake_torque"]
+    assert set(named) == {"carrier", "road", "torques", "hub", "contact"}
 
 
 def test_values_and_derivatives_are_those_of_the_scalars(paths, make_host):
