@@ -63,6 +63,11 @@ static double solve(Part *part)
         b.x += b.x - start;
         b.value = excess(part, b.x);
     }
+    if (b.value * a.value > 0.0) { /* the tire turns the wheel the faster, the faster it turns: one explicit step */
+        b.x = start + a.value;
+        excess(part, b.x);
+        return b.x;
+    }
     if (!(fabs(b.value) > accuracy))
         return b.x;
     return root_between(excess, part, a, b, accuracy);
