@@ -70,7 +70,7 @@ SUBPACKAGES = {
     },
     "fmu": {
         "description": set(),
-        "packaging": {"description"},
+        "packaging": {"description", "simulation"},
         "simulation": set(),
         "comparison": {"simulation"},
     },

@@ -158,7 +158,8 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
         for name, unit, description, start in entries
         if name not in tire.book.coefficients
     ]
-    return [*found, WHEEL_INERTIA] if spins else found
+    inertia = known_value(tire, WHEEL_INERTIA.name, 0.0) or WHEEL_INERTIA.start
+    return [*found, replace(WHEEL_INERTIA, start=inertia)] if spins else found
 
 
 def _stiffness(tire: Tire) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import inf
 
 from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Quantity
@@ -17,6 +16,7 @@ from tirefmu.tires.evaluation import quantities as quantities_of
 from tirefmu.tires.roads.road import Road
 
 from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters
+from .standstill import standstill_parameters, with_lengths
 from .variables import (
     TIME,
     Variable,
@@ -46,18 +46,8 @@ MOTION = (
     Quantity("omega", "rad/s", "angular speed of the wheel; positive when rolling forward", typical=50.0),
 )
 YAWING = Quantity("psi_dot", "rad/s", "yaw rate of the wheel", typical=1.0)
-#: Relaxation length of a slip for which a tire has none, per free radius.
-DEFAULT_LENGTH = 0.5
 #: Default start value of the speed, m/s.
 SPEED = 15.0
-LOW_SPEED = Variable("LOW_SPEED", "parameter", "m/s", "speed below which standstill is approximated", 1.0, 1e-3, inf)
-LOW_SPEED_DAMPING = Variable(
-    "LOW_SPEED_DAMPING", "parameter", "1", "damping ratio of the tire at standstill", 0.7, 0.0, inf
-)
-DEFAULT_SIGMA = Variable(
-    "DEFAULT_SIGMA", "parameter", "m", "relaxation length of a slip for which the tire has none", 0.15, 0.0, inf
-)
-
 TWIST = Quantity("twist", "rad", "twist of the contact patch, by turning on the spot", typical=0.1)
 DISTANCE = Quantity("distance", "m", "distance rolled", typical=1000.0)
 
@@ -212,7 +202,7 @@ def interface(
     parameters = [
         *(parameter_variable(declared, values[name], tire.signs) for name, declared in book.coefficients.items()),
         *(option_variable(option, values[option.parameter]) for option in book.options),
-        *(_standstill(tire) if wheel else ()),
+        *(standstill_parameters(tire) if wheel else ()),
         *(hub_parameters(tire, spins) if hub else ()),
     ]
     plain = (
@@ -231,43 +221,6 @@ def interface(
         for v in plain
     )
     return Interface(tire, inputs, axes, _with_structure(turned, book, inputs), note, road)
-
-
-def with_lengths(tire: Tire) -> tuple[Tire, str]:
-    """Return a tire with relaxation lengths for an FMU with wheel inputs, and a note about assumed ones.
-
-    Parameters
-    ----------
-    tire : Tire
-
-    Returns
-    -------
-    Tire
-        The tire itself if it has relaxation. Otherwise it has the lengths of its model, such as sigma = K/c of the
-        Magic Formula, provided that the tire has values of the coefficients they need.
-    str
-        Empty if the tire has relaxation.
-
-    Examples
-    --------
-    >>> from tirefmu.tires import published
-    >>> tire, note = with_lengths(published("trento_hoosier"))
-    >>> tire.lags, note
-    (False, 'the tire has no relaxation: the relaxation lengths are half of its free radius, 0.115 m (DEFAULT_SIGMA)')
-    """
-    if tire.lags:
-        return tire, ""
-    half = f"half of its free radius, {_default_length(tire):.3g} m (DEFAULT_SIGMA)"
-    scale, *needed = tire.book.own_relaxation or ("",)
-    if not scale or set(needed) & set(tire.defaulted):
-        return tire, f"the tire has no relaxation: the relaxation lengths are {half}"
-    (effect,) = (each for each in tire.book.relaxing_effects if scale in tire.book.owned(each))
-    given = {name: value for name, value in tire.values.items() if name not in tire.defaulted}
-    relaxing = replace(tire, effects=tire.has | {effect}, values={**given, scale: 1.0})
-    return relaxing, (
-        f"the tire has no relaxation: the relaxation lengths are those of its model ({scale} = 1);"
-        f" where they are 0, {half}"
-    )
 
 
 def _memory_state(tire: Tire, name: str) -> Variable:
@@ -306,21 +259,6 @@ def free_rolling(tire: Tire) -> tuple[float, float]:
     nominal = quantities_of(tire.in_signs("iso"), {"kappa": 0.0})
     speed = tire.nominal("V") if "V" in tire.inputs else SPEED
     return speed, speed / float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
-
-
-def _standstill(tire: Tire) -> tuple[Variable, ...]:
-    """Return the parameters of standstill; the start value of LOW_SPEED is the model's own low speed, if any."""
-    own = tire.values.get(tire.book.low_speed, 0.0)
-    return (
-        replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start),
-        LOW_SPEED_DAMPING,
-        replace(DEFAULT_SIGMA, start=_default_length(tire)),
-    )
-
-
-def _default_length(tire: Tire) -> float:
-    """Return a typical relaxation length where the tire does not determine one, m."""
-    return DEFAULT_LENGTH * tire.values["UNLOADED_RADIUS"]
 
 
 def _state(state: Quantity) -> Variable:

@@ -9,6 +9,7 @@ from math import isfinite
 
 from tirefmu.symbolic.escaping import xml_text
 
+from .arrays import gather
 from .units import base_unit
 from .variables import Variable, is_indicator
 
@@ -42,6 +43,10 @@ class Header:
         Whether the FMU supports Model Exchange in addition to Co-Simulation.
     note : str
         What the FMU assumes; empty if nothing.
+    has_event_mode : bool
+        Whether events within a step of Co-Simulation are reported to the host, in FMI 3.
+    has_arrays : bool
+        Whether vectors are array variables, in FMI 3.
     """
 
     name: str
@@ -50,6 +55,8 @@ class Header:
     sources: tuple[str, ...]
     model_exchange: bool = False
     note: str = ""
+    has_event_mode: bool = False
+    has_arrays: bool = False
 
 
 def model_description(fmi: int, header: Header, variables: Sequence[Variable], token: str) -> bytes:
@@ -109,6 +116,8 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
         _variables_and_structure_2(root, variables)
     else:
         _variables_and_structure_3(root, variables)
+    if header.has_arrays:
+        gather(root, variables)
     return xml_bytes(root)
 
 
@@ -152,6 +161,8 @@ def _append_interface_type(root: ET.Element, kind: str, fmi: int, header: Header
         element.set("canHandleVariableCommunicationStepSize", "true")
         if fmi == 2 and header.model_exchange:
             element.set("canInterpolateInputs", "true")
+        if fmi == 3 and header.has_event_mode:
+            element.set("hasEventMode", "true")
     for name in (f"canGetAndSet{states}", f"canSerialize{states}", derivatives):
         element.set(name, "true")
     if fmi == 3:  # sources/buildDescription.xml lists the sources

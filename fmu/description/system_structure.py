@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from .model_description import xml_bytes
@@ -31,14 +31,14 @@ MEDIA = {
 
 @dataclass(frozen=True)
 class Component:
-    """A tire in a system.
+    """A tire or a vehicle in a system.
 
     Attributes
     ----------
     name : str
         Unique in the system.
     fmu, values, mapping : str
-        Paths of the FMU, the parameter set and its mapping inside the archive.
+        Paths of the FMU, the parameter set and its mapping inside the archive; the last two are empty for a vehicle.
     variables : tuple of Variable
         Of the FMU.
     """
@@ -134,8 +134,8 @@ def parameter_mapping(fmi: int, variables: Iterable[Variable]) -> bytes:
     return xml_bytes(root)
 
 
-def system_structure(fmi: int, name: str, components: Sequence[Component]) -> bytes:
-    """Return SystemStructure.ssd of a system of tires; the system has the inputs and outputs of every tire.
+def system_structure(fmi: int, name: str, components: Sequence[Component], vehicle: Component | None = None) -> bytes:
+    """Return SystemStructure.ssd of a system of tires, alone or with a vehicle.
 
     Parameters
     ----------
@@ -143,11 +143,15 @@ def system_structure(fmi: int, name: str, components: Sequence[Component]) -> by
         2 for SSP 1.0, 3 for SSP 2.0.
     name : str
     components : sequence of Component
+        The tires.
+    vehicle : Component, optional
+        Its variables are those of the tires, with the name of the tire in front, such as FL_Fz.
 
     Returns
     -------
     bytes
-        The connector of a tire's variable, such as Fz of FL, is FL_Fz.
+        Without a vehicle the system has the inputs and outputs of every tire as connectors, such as FL_Fz. With one
+        they are connected to those of the vehicle, and the system has no connectors.
 
     References
     ----------
@@ -163,29 +167,47 @@ def system_structure(fmi: int, name: str, components: Sequence[Component]) -> by
     version, kind = SSP_VERSIONS[fmi]
     root = _root("ssd:SystemStructureDescription", ("ssd", "ssc", "ssv", "ssm"), version, name)
     system = ET.SubElement(root, "ssd:System", {"name": name})
-    connectors = ET.SubElement(system, "ssd:Connectors")
+    if vehicle is None:
+        outside = ET.SubElement(system, "ssd:Connectors")
     elements = ET.SubElement(system, "ssd:Elements")
     connections = ET.SubElement(system, "ssd:Connections")
+    if vehicle:
+        _append_component(elements, vehicle, kind)
+    known = {variable.name for variable in vehicle.variables} if vehicle else set()
     for tire in components:
-        source = {"name": tire.name, "type": MEDIA["fmu"], "source": tire.fmu, "implementation": "CoSimulation"}
-        component = ET.SubElement(elements, "ssd:Component", source)
-        own = ET.SubElement(component, "ssd:Connectors")
+        _append_parameters(_append_component(elements, tire, kind), tire)
         for variable in tire.connectors:
-            outside = f"{tire.name}_{variable.name}"
-            _append_connector(own, variable.name, variable, kind)
-            _append_connector(connectors, outside, variable, kind)
-            inner = {"Element": tire.name, "Connector": variable.name}
-            into = variable.causality == "input"
-            ends = ({"Connector": outside}, inner) if into else (inner, {"Connector": outside})
-            named = {f"{end}{key}": text for end, keys in zip(("start", "end"), ends, strict=True)
-                     for key, text in keys.items()}  # fmt: skip
-            ET.SubElement(connections, "ssd:Connection", named)
-        bindings = ET.SubElement(component, "ssd:ParameterBindings")
-        binding = ET.SubElement(bindings, "ssd:ParameterBinding", {"type": MEDIA["ssv"], "source": tire.values})
-        ET.SubElement(binding, "ssd:ParameterMapping", {"type": MEDIA["ssm"], "source": tire.mapping})
-    _append_units(root, "ssd", [variable for tire in components for variable in tire.connectors])
+            joined = f"{tire.name}_{variable.name}"
+            if vehicle is None:
+                _append_connector(outside, joined, variable, kind)
+            if vehicle is None or joined in known:
+                other = {"Element": vehicle.name, "Connector": joined} if vehicle else {"Connector": joined}
+                own = {"Element": tire.name, "Connector": variable.name}
+                _append_connection(connections, *((other, own) if variable.causality == "input" else (own, other)))
+    every = [*components, *([vehicle] if vehicle else [])]
+    _append_units(root, "ssd", [variable for component in every for variable in component.connectors])
     ET.SubElement(root, "ssd:DefaultExperiment", {"startTime": "0.0", "stopTime": "1.0"})
     return xml_bytes(root)
+
+
+def _append_component(elements: ET.Element, component: Component, kind: str) -> ET.Element:
+    source = {"name": component.name, "type": MEDIA["fmu"], "source": component.fmu, "implementation": "CoSimulation"}
+    element = ET.SubElement(elements, "ssd:Component", source)
+    own = ET.SubElement(element, "ssd:Connectors")
+    for variable in component.connectors:
+        _append_connector(own, variable.name, variable, kind)
+    return element
+
+
+def _append_parameters(element: ET.Element, tire: Component) -> None:
+    bindings = ET.SubElement(element, "ssd:ParameterBindings")
+    binding = ET.SubElement(bindings, "ssd:ParameterBinding", {"type": MEDIA["ssv"], "source": tire.values})
+    ET.SubElement(binding, "ssd:ParameterMapping", {"type": MEDIA["ssm"], "source": tire.mapping})
+
+
+def _append_connection(connections: ET.Element, start: Mapping[str, str], end: Mapping[str, str]) -> None:
+    named = {f"start{key}": text for key, text in start.items()} | {f"end{key}": text for key, text in end.items()}
+    ET.SubElement(connections, "ssd:Connection", named)
 
 
 def _root(tag: str, prefixes: Sequence[str], version: str, name: str = "") -> ET.Element:
@@ -197,11 +219,11 @@ def _root(tag: str, prefixes: Sequence[str], version: str, name: str = "") -> ET
 def _append_connector(parent: ET.Element, name: str, variable: Variable, kind: str) -> None:
     described = {"name": name, "kind": variable.causality, "description": variable.description}
     connector = ET.SubElement(parent, "ssd:Connector", described)
-    ET.SubElement(connector, f"ssc:{kind}", {"unit": variable.unit})
+    ET.SubElement(connector, f"ssc:{kind}", {"unit": variable.unit} if variable.unit else {})
 
 
 def _append_units(root: ET.Element, prefix: str, variables: Iterable[Variable]) -> None:
     units = ET.SubElement(root, f"{prefix}:Units")
-    for unit in dict.fromkeys(variable.unit for variable in variables):
+    for unit in dict.fromkeys(variable.unit for variable in variables if variable.unit):
         element = ET.SubElement(units, "ssc:Unit", {"name": unit})
         ET.SubElement(element, "ssc:BaseUnit", {name: repr(power) for name, power in base_unit(unit).items()})

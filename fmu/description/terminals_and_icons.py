@@ -8,6 +8,9 @@ import zlib
 from collections.abc import Sequence
 from functools import cache
 
+from tirefmu.symbolic.wheel import quantities as hub
+
+from .hub_variables import BRAKE, TORQUES
 from .model_description import xml_bytes
 from .variables import Variable
 
@@ -15,8 +18,15 @@ from .variables import Variable
 SIZE = 64
 RINGS = ((0.97, (30, 30, 34)), (0.62, (176, 182, 190)), (0.52, (236, 238, 241)), (0.17, (110, 116, 124)))
 
-#: The causality of the variables of each terminal.
-TERMINALS = {"wheel": "input", "contact": "output"}
+#: The terminals of the inputs and outputs that are not in `HUB_TERMINALS`, by causality.
+TERMINALS = {"input": "wheel", "output": "contact"}
+#: With hub inputs: further terminals and what is in them, as scalars and as arrays.
+HUB_TERMINALS = {
+    "carrier": ("r", "R", "v", "w", *(quantity.name for quantity in (*hub.CARRIER, hub.SPIN))),
+    "road": ("road_n", "road_v", *(quantity.name for quantity in (*hub.ROAD, hub.FRICTION))),
+    "torques": tuple(variable.name for variable in TORQUES),
+    "hub": ("F", "M", "F_global", "M_global", *(q.name for q in (*hub.WRENCH, *hub.GLOBAL_WRENCH, BRAKE))),
+}
 
 
 def pictures(fmi: int, variables: Sequence[Variable]) -> dict[str, bytes]:
@@ -86,7 +96,9 @@ def _pixel(radius_squared: float) -> bytes:
 
 
 def terminals(variables: Sequence[Variable]) -> bytes:
-    """Return terminalsAndIcons.xml: one terminal for the inputs of the wheel, one for the outputs of the contact.
+    """Return terminalsAndIcons.xml: the inputs of the wheel and the outputs of the contact.
+
+    With hub inputs there are terminals for the carrier, the road, the hub and the torques, too.
 
     Parameters
     ----------
@@ -105,14 +117,15 @@ def terminals(variables: Sequence[Variable]) -> bytes:
     )
     ET.SubElement(view, "Icon", {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"})
     listed = ET.SubElement(root, "Terminals")
-    for name, causality in TERMINALS.items():
-        members = [variable for variable in variables if variable.causality == causality]
-        if members:
-            terminal = ET.SubElement(listed, "Terminal", {"name": name, "matchingRule": "plug"})
-            for variable in members:
-                ET.SubElement(
-                    terminal,
-                    "TerminalMemberVariable",
-                    {"variableName": variable.name, "memberName": variable.name, "variableKind": "signal"},
-                )
+    has_hub = any(variable.name in ("r_x", "r") for variable in variables)
+    members: dict[str, list[str]] = {}
+    for variable in variables:
+        if variable.causality in TERMINALS:
+            own = [name for name, known in HUB_TERMINALS.items() if has_hub and variable.name in known]
+            members.setdefault((*own, TERMINALS[variable.causality])[0], []).append(variable.name)
+    for terminal, names in members.items():
+        element = ET.SubElement(listed, "Terminal", {"name": terminal, "matchingRule": "plug"})
+        for name in names:
+            about = {"variableName": name, "memberName": name, "variableKind": "signal"}
+            ET.SubElement(element, "TerminalMemberVariable", about)
     return xml_bytes(root)

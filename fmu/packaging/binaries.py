@@ -27,8 +27,12 @@ from .model_code import model_files
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
 MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 
-#: Each operation is rounded once on every machine; the binary contains no unreachable functions.
-FLAGS = ("-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
+#: Each operation is rounded once on every machine; the binary contains no unreachable functions, and no tables for
+#: exceptions, which C has not.
+FLAGS = (
+    "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", "-fno-asynchronous-unwind-tables",
+    "-fno-unwind-tables",
+)  # fmt: skip
 #: For the model's code that is called rarely.
 SMALL = ("-Os", "-fno-inline")
 #: On Windows the system's libraries and windows.c replace the C runtime that zig would link into each binary.

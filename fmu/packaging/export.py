@@ -20,6 +20,7 @@ from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 from tirefmu.tires.roads.opencrg import read_crg
 
+from ..description.arrays import with_arrays
 from ..description.documentation import LICENSE, header_license, index_html
 from ..description.interface import AXES, HUB, INPUTS, Interface, interface
 from ..description.model_description import Header, model_description, with_token
@@ -49,6 +50,7 @@ def export(
     kind: str = "native",
     platforms: str | Iterable[str] = "host",
     road: str | os.PathLike[str] | None = None,
+    arrays: bool = False,
 ) -> Path:
     """Write a tire as a native FMU for Co-Simulation and Model Exchange.
 
@@ -86,6 +88,9 @@ def export(
         compiler builds for this machine, and ziglang, the package's extra `cross`, for the others.
     road : path-like, optional
         A road inside the FMU, an OpenCRG file with text data, for hub inputs. Such an FMU is compiled.
+    arrays : bool
+        For hub inputs and FMI 3: vectors and the rotation matrix are array variables (r, R, v, ..., F, M) in place of
+        scalars (r_x, ...).
 
     Returns
     -------
@@ -123,6 +128,8 @@ def export(
         raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
     if road is not None and (kind, inputs in HUB) != ("native", True):
         raise FmuError(f"a road inside the FMU needs a native FMU with hub inputs, not {inputs} inputs")
+    if arrays and (kind, version, inputs in HUB) != ("native", 3, True):
+        raise FmuError(f"arrays need a native FMU of FMI 3 with hub inputs, not FMI {version} with {inputs} inputs")
     requested = chosen_platforms(platforms)
     target, tire = path_from(path), tire_from(tire)
     if kind == "pythonfmu" and tire.states:
@@ -130,7 +137,7 @@ def export(
     identifier = c_identifier(target.stem)
     ground = None if road is None else read_crg(path_from(road))
     shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities, road=ground)
-    files, token = _described(tire, shown, version, identifier, kind)
+    files, token = _described(tire, shown, version, identifier, kind, arrays)
     if kind == "native":
         ready, values = _prebuilt(tire, shown, token, requested)
         code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
@@ -244,7 +251,9 @@ def contents(
     return _described(tire, interface(tire, inputs=inputs, axes=axes, quantities=quantities), fmi, identifier, kind)[0]
 
 
-def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: str) -> tuple[dict[str, bytes], str]:
+def _described(
+    tire: Tire, shown: Interface, fmi: int, identifier: str, kind: str, has_arrays: bool = False
+) -> tuple[dict[str, bytes], str]:
     """Return the files of an FMU without binaries, and its token."""
     native, written_in, inputs, axes = kind == "native", tire.signs, shown.inputs, shown.axes
     name, iso = tire.name or identifier, tire.in_signs("iso")
@@ -253,7 +262,9 @@ def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: st
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed
     sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
-    header = Header(name, identifier, sentence, c_files(fmi, shown), native, shown.relaxation_note)
+    note = shown.relaxation_note
+    header = Header(name, identifier, sentence, c_files(fmi, shown), native, note, shown.spins, has_arrays)
+    named = with_arrays(listed) if has_arrays else listed
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}
@@ -263,7 +274,7 @@ def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: st
     description = with_token(fmi, blank_description, token)
     packaged = {
         "modelDescription.xml": description,
-        "documentation/index.html": index_html(iso, header, listed),
+        "documentation/index.html": index_html(iso, header, named),
         "documentation/licenses/license.txt": LICENSE.encode(),
         "documentation/licenses/fmi-headers.txt": header_license(fmi_headers() / f"fmi{fmi}Functions.h"),
         "resources/tire.tir": _tir(iso),
@@ -273,7 +284,7 @@ def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: st
     code = {**blank, VALUES: tire_values(shown, token).encode()}
     packaged |= {f"sources/{file}": text for file, text in code.items()}
     packaged["resources/interface.json"] = (json.dumps({"inputs": inputs, "axes": axes}) + "\n").encode()
-    packaged |= pictures(fmi, listed) | data
+    packaged |= pictures(fmi, named) | data
     if fmi == 3:
         packaged["sources/buildDescription.xml"] = build_description(identifier, header.sources)
     return packaged, token

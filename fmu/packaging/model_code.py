@@ -6,7 +6,7 @@ import re
 from functools import lru_cache
 
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.symbolic.printers.definitions import INCLUDES, calling_math, definitions
+from tirefmu.symbolic.printers.definitions import INCLUDES, calling_functions, calling_math, definitions
 
 #: Routines that a host calls at every step, and routines that it calls rarely.
 FAST = ("forces", "relaxation", "drives")
@@ -67,10 +67,14 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
 
 
 def _chosen(model: str, name: str, found: dict[str, str]) -> list[str]:
-    """Return a routine and the variants that it calls; empty for a routine that the model lacks."""
+    """Return a routine and the variants that it calls; empty for a routine that the model lacks.
+
+    The general variant, for turn slip and options, is half as large if calls of elementary functions are not expanded.
+    """
     parts = ["is_straight"] if name == FAST[0] else []
     parts += [f"{name}_general", f"{model}_{name}_straight", f"{model}_{name}"]
-    return [found[part] for part in parts if part in found]
+    general = {part: calling_functions(text) for part, text in found.items() if part.endswith("_general")}
+    return [{**found, **general}[part] for part in parts if part in found]
 
 
 def _general(model: str, name: str, found: dict[str, str]) -> str:

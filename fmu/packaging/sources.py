@@ -15,7 +15,7 @@ from .tir_keys import tir_keys
 from .written_headers import model_config, tire_values
 
 #: The translation units of the wrapper, by FMI version; those of the Standard Tyre Interface.
-WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
+WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c", "arrays.c")}
 STI = ("sti.c", "sti_entries.c")
 #: The source of a library's tire: compiled in, or read from the property file that the host names.
 STI_VALUES = {False: ("sti_built_in.c",), True: ("sti_file.c", "tir_text.c", "tir_entries.c", "tir_tire.c")}
@@ -24,8 +24,8 @@ STI_HEADERS = {
     True: ("sti.h", "sti_values.h", "tir_text.h", "tir_entries.h", "tir_tire.h"),
 }
 COMMON = (
-    "instance.c", "stepping.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "continuous.c",
-    "saved_state.c",
+    "instance.c", "stepping.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "events.c",
+    "continuous.c", "saved_state.c",
 )  # fmt: skip
 #: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.
 CONTACT = {
@@ -36,7 +36,7 @@ CONTACT = {
 }
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = (
-    "instance.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h", "memory.h", "standstill.h",
+    "instance.h", "arrays.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h", "memory.h", "standstill.h",
     "hub.h", "spin.h", "root.h", "tangents.h", "terms.h", "chain_rule.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
@@ -124,7 +124,7 @@ def generic_files(shown: Interface) -> tuple[str, ...]:
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> generic_files(interface(published("trento_hoosier")))[:4]
-    ('fmi2.c', 'fmi3.c', 'fmi3_not_offered.c', 'tire_file.c')
+    ('fmi2.c', 'fmi3.c', 'fmi3_not_offered.c', 'arrays.c')
     """
     return (*(file for files in WRAPPER.values() for file in files), FROM_FILE, RESOURCE, *_common_files(shown))
 
@@ -150,7 +150,7 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:4]
-    ['built_in_tire.c', 'chain_rule.c', 'chain_rule.h', 'contact.h']
+    ['arrays.h', 'built_in_tire.c', 'chain_rule.c', 'chain_rule.h']
     """
     code = code_files(c_files(fmi, shown), shown)
     return {**code, CONFIG: model_config(shown).encode(), VALUES: tire_values(shown, token).encode()}

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from tirefmu.symbolic.errors import FmuError, path_from
+from tirefmu.symbolic.escaping import visible
 from tirefmu.tires import Tire, TireLike, tire_from
 from tirefmu.tires.property_file.writing import tir_text
 
 from ..description.interface import interface
 from ..description.system_structure import Component, parameter_mapping, parameter_set, system_structure
+from ..description.variables import Variable
+from ..simulation.connectors import connectors
 from .export import c_identifier, checked_interface, export, fmi_version, write_file, write_zip
 
 #: Names of four tires.
@@ -29,6 +33,7 @@ def export_system(
     axes: str = "iso",
     quantities: bool = False,
     platforms: str | Iterable[str] = "host",
+    vehicle: str | os.PathLike[str] | None = None,
 ) -> Path:
     """Write a system of tires as an SSP archive: FMUs, a parameter set for each tire, and its mapping.
 
@@ -45,6 +50,9 @@ def export_system(
         2 for SSP 1.0, which most hosts read; 3 for SSP 2.0.
     inputs, axes, quantities, platforms
         As in `export`.
+    vehicle : path-like, optional
+        An FMU of the same FMI version that is part of the system. Its inputs and outputs whose names begin with the
+        name of a tire, such as FL_Fz, are connected to those of that tire; the system has no connectors of its own.
 
     Returns
     -------
@@ -54,7 +62,7 @@ def export_system(
     Raises
     ------
     FmuError
-        As `export`, or if there is no tire.
+        As `export`, or if there is no tire, or the vehicle cannot be connected.
 
     References
     ----------
@@ -88,9 +96,39 @@ def export_system(
             with TemporaryDirectory(prefix="tirefmu-") as folder:
                 packed = export(tire, Path(folder) / f"{stem}.fmu", fmi=version, platforms=platforms, **options)
                 files[fmu] = packed.read_bytes()
-    files["SystemStructure.ssd"] = system_structure(version, c_identifier(target.stem), components)
+    body = None
+    if vehicle is not None:
+        body = _connected(path_from(vehicle), version, components)
+        files[body.fmu] = path_from(vehicle).read_bytes()
+    files["SystemStructure.ssd"] = system_structure(version, c_identifier(target.stem), components, body)
     write_zip(target, files)
     return target
+
+
+def _connected(path: Path, fmi: int, tires: Sequence[Component]) -> Component:
+    """Return the vehicle of a system with its connections checked: names, causality and units."""
+    found, listed = connectors(path)
+    if found != fmi:
+        raise FmuError(f"{path}: the vehicle is of FMI {found}, the tires are of FMI {fmi}")
+    ends = {f"{tire.name}_{variable.name}": variable for tire in tires for variable in tire.connectors}
+    variables = []
+    for each in listed:
+        tire = ends.get(each.name)
+        if tire is None and each.name.startswith(tuple(f"{tire.name}_" for tire in tires)):
+            near = get_close_matches(each.name, ends, 1)
+            hint = f", but {near[0]}" if near else ""
+            raise FmuError(f"{path}: the tires have no {visible(each.name)[:60]}{hint}")
+        if tire and tire.causality == each.causality:
+            raise FmuError(f"{path}: {each.name} is an {tire.causality} of the tire and of the vehicle")
+        if tire and each.unit not in ("", tire.unit):
+            raise FmuError(f"{path}: {each.name} has the unit {visible(each.unit)[:20]}, that of the tire {tire.unit}")
+        unit = tire.unit if tire else ""
+        variables.append(Variable(each.name, each.causality, unit, each.description))
+    if not {each.name for each in listed} & set(ends):
+        raise FmuError(
+            f"{path}: no input or output of the vehicle is named as one of a tire, such as {next(iter(ends))}"
+        )
+    return Component("vehicle", "resources/vehicle.fmu", "", "", tuple(variables))
 
 
 def _equal(tire: Tire, other: Tire) -> bool:

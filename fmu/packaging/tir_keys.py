@@ -18,7 +18,8 @@ from tirefmu.tires.property_file.reading import BODY, STRICT, read_tir
 from tirefmu.tires.property_file.units import UNITS, factor_of
 
 from ..description.hub_variables import DEFAULT_BOTTOM, DEFAULT_DAMPING, DEFAULT_DEFLECTION
-from ..description.interface import DEFAULT_LENGTH, LOW_SPEED, Interface
+from ..description.interface import Interface
+from ..description.standstill import DEFAULT_LENGTH, LOW_SPEED
 from .written_headers import table
 
 #: Values that the wheel and its vertical force need, whether the model has them or not.

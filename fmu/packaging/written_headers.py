@@ -11,6 +11,7 @@ from tirefmu.symbolic.printers.definitions import comment
 from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES, SPIN
 from tirefmu.tires import states
 
+from ..description.arrays import arrays
 from ..description.interface import Interface, host_input_indices
 from ..description.variables import Variable
 
@@ -117,9 +118,17 @@ def model_config(shown: Interface) -> str:
         comment("By extra output, by state."),
         *table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
         *(table("MEMORY_TABLE", _memory(shown)) if shown.memory else ()),
+        *_arrays(shown),
         *table("STATE_NOMINALS", [repr(float(nominal)) for nominal in shown.state_nominals] or ["0.0"]),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _arrays(shown: Interface) -> Iterable[str]:
+    """Yield the number of arrays, and first value reference and size of each."""
+    entries = [f"{{{array.first}, {array.size}}}" for array in arrays(shown.variables)]
+    yield f"#define N_ARRAYS {len(entries)}"
+    yield from table("ARRAYS", entries or ["{0, 0}"])
 
 
 def _sizes(shown: Interface) -> Iterable[str]:

@@ -3,7 +3,6 @@
 
 #include "contact.h"
 #include "memory.h"
-#include "slips.h"
 #include "spin.h"
 
 #include <math.h>
@@ -18,7 +17,7 @@ static Status expect_array(const Instance *self, const double values[], size_t n
                            (unsigned long) n);
 }
 
-static Status expect_kind(const Instance *self, const char *what)
+Status instance_expect_exchange(const Instance *self, const char *what)
 {
     if (!self)
         return STATUS_ERROR;
@@ -27,50 +26,16 @@ static Status expect_kind(const Instance *self, const char *what)
     return STATUS_OK;
 }
 
-Status instance_enter_event(Instance *self)
-{
-    if (expect_kind(self, "event mode") != STATUS_OK ||
-        instance_expect(self, CONTINUOUS, CONTINUOUS, "event mode") != STATUS_OK)
-        return STATUS_ERROR;
-    self->state.mode = EVENT;
-    return STATUS_OK;
-}
-
-Status instance_enter_continuous(Instance *self)
-{
-    if (expect_kind(self, "continuous-time mode") != STATUS_OK ||
-        instance_expect(self, EVENT, EVENT, "continuous-time mode") != STATUS_OK)
-        return STATUS_ERROR;
-    self->state.mode = CONTINUOUS;
-    return STATUS_OK;
-}
-
-Status instance_update_discrete(Instance *self, int *states_changed)
-{
-    if (expect_kind(self, "an update of discrete states") != STATUS_OK ||
-        instance_expect(self, EVENT, EVENT, "an update of discrete states") != STATUS_OK)
-        return STATUS_ERROR;
-    if (instance_expect_pointer(self, states_changed, 1, "the event information") != STATUS_OK)
-        return STATUS_ERROR;
-    *states_changed = slips_settle(&self->state);
-    if (*states_changed)
-        state_changed(&self->state);
-#if SPIN
-    *states_changed |= spin_settle(&self->state);
-#endif
-    return STATUS_OK;
-}
-
 Status instance_complete_step(Instance *self)
 {
-    if (expect_kind(self, "a completed integrator step") != STATUS_OK)
+    if (instance_expect_exchange(self, "a completed integrator step") != STATUS_OK)
         return STATUS_ERROR;
     return instance_expect(self, CONTINUOUS, CONTINUOUS, "a completed integrator step");
 }
 
 Status instance_set_time(Instance *self, double time)
 {
-    if (expect_kind(self, "setting the time") != STATUS_OK ||
+    if (instance_expect_exchange(self, "setting the time") != STATUS_OK ||
         instance_expect(self, CONTINUOUS, EVENT, "setting the time") != STATUS_OK)
         return STATUS_ERROR;
     if (!isfinite(time))
@@ -84,7 +49,7 @@ static Status copy_shown(Instance *self, size_t first, double shown[], size_t n,
 {
     size_t i;
 
-    if (expect_kind(self, what) != STATUS_OK || expect_array(self, shown, n, N_CONTINUOUS, "states") != STATUS_OK)
+    if (instance_expect_exchange(self, what) != STATUS_OK || expect_array(self, shown, n, N_CONTINUOUS, "states") != STATUS_OK)
         return STATUS_ERROR;
     if (self->state.mode == INSTANTIATED)
         return instance_refuse(self, STATUS_ERROR, "there are no %s while instantiated", what);
@@ -108,7 +73,7 @@ Status instance_set_states(Instance *self, const double states[], size_t n)
 {
     size_t i;
 
-    if (expect_kind(self, "setting states") != STATUS_OK ||
+    if (instance_expect_exchange(self, "setting states") != STATUS_OK ||
         expect_array(self, states, n, N_CONTINUOUS, "states") != STATUS_OK ||
         instance_expect(self, CONTINUOUS, CONTINUOUS, "setting states") != STATUS_OK)
         return STATUS_ERROR;
@@ -142,7 +107,7 @@ Status instance_get_nominals(Instance *self, double nominals[], size_t n)
 {
     size_t i;
 
-    if (expect_kind(self, "nominal values of states") != STATUS_OK ||
+    if (instance_expect_exchange(self, "nominal values of states") != STATUS_OK ||
         expect_array(self, nominals, n, N_CONTINUOUS, "states") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
@@ -159,7 +124,7 @@ Status instance_get_indicators(Instance *self, double indicators[], size_t n)
     size_t i, k = 0;
 #endif
 
-    if (expect_kind(self, "event indicators") != STATUS_OK ||
+    if (instance_expect_exchange(self, "event indicators") != STATUS_OK ||
         expect_array(self, indicators, n, N_INDICATORS, "event indicators") != STATUS_OK)
         return STATUS_ERROR;
 #if N_MEMORY > 0

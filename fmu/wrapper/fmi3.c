@@ -1,5 +1,5 @@
 /* FMI 3.0: the supported functions, each translated to a call of instance.h. */
-#include "instance.h"
+#include "arrays.h"
 
 #include "fmi3Functions.h"
 
@@ -40,8 +40,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         instance_create(instanceName, instantiationToken, resourcePath, CO_SIMULATION, log_message,
                         (void (*)(void)) logMessage, instanceEnvironment);
 
-    if (self && eventModeUsed) {
-        instance_refuse(self, STATUS_ERROR, "this FMU has no event mode");
+    if (self && instance_use_events(self, eventModeUsed, earlyReturnAllowed) != STATUS_OK) {
         instance_free(self);
         return NULL;
     }
@@ -102,17 +101,21 @@ fmi3Status fmi3Reset(fmi3Instance instance) { return (fmi3Status) instance_reset
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                           size_t nValueReferences, fmi3Float64 values[], size_t nValues)
 {
-    if (nValues != nValueReferences)
-        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
-    return (fmi3Status) instance_get(instance, valueReferences, nValueReferences, values);
+    Scalars found;
+
+    if (arrays_expand(instance, valueReferences, nValueReferences, nValues, &found) != STATUS_OK)
+        return fmi3Error;
+    return (fmi3Status) instance_get(instance, found.references, found.n, values);
 }
 
 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                           size_t nValueReferences, const fmi3Float64 values[], size_t nValues)
 {
-    if (nValues != nValueReferences)
-        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
-    return (fmi3Status) instance_set(instance, valueReferences, nValueReferences, values);
+    Scalars found;
+
+    if (arrays_expand(instance, valueReferences, nValueReferences, nValues, &found) != STATUS_OK)
+        return fmi3Error;
+    return (fmi3Status) instance_set(instance, found.references, found.n, values);
 }
 
 #define LACKS_TYPE(Type)                                                                                \
@@ -169,18 +172,24 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
                                         size_t nSensitivity)
 {
-    if (nSeed != nKnowns || nSensitivity != nUnknowns)
-        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
-    return (fmi3Status) instance_derivative(instance, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
+    Scalars of, by;
+
+    if (arrays_expand(instance, unknowns, nUnknowns, nSensitivity, &of) != STATUS_OK ||
+        arrays_expand(instance, knowns, nKnowns, nSeed, &by) != STATUS_OK)
+        return fmi3Error;
+    return (fmi3Status) instance_derivative(instance, of.references, of.n, by.references, by.n, seed, sensitivity);
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
                                     const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                     size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    if (nSeed != nUnknowns || nSensitivity != nKnowns)
-        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
-    return (fmi3Status) instance_adjoint(instance, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
+    Scalars of, by;
+
+    if (arrays_expand(instance, unknowns, nUnknowns, nSeed, &of) != STATUS_OK ||
+        arrays_expand(instance, knowns, nKnowns, nSensitivity, &by) != STATUS_OK)
+        return fmi3Error;
+    return (fmi3Status) instance_adjoint(instance, of.references, of.n, by.references, by.n, seed, sensitivity);
 }
 
 /* ---------------------------------------------------------------- saved states */
@@ -224,23 +233,26 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
                       fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
-    static const unsigned time = TIME;
-    Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
+    const Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
+    const Instance *self = instance;
+    const int done = self && status == STATUS_OK;
 
     if (eventHandlingNeeded)
-        *eventHandlingNeeded = fmi3False;
+        *eventHandlingNeeded = done && self->has_event_mode && instance_had_event(self);
     if (terminateSimulation)
         *terminateSimulation = fmi3False;
     if (earlyReturn)
-        *earlyReturn = fmi3False;
-    if (lastSuccessfulTime && instance)
-        instance_get(instance, &time, 1, lastSuccessfulTime);
+        *earlyReturn = done && self->state.values[TIME] < currentCommunicationPoint + communicationStepSize;
+    if (lastSuccessfulTime && self)
+        *lastSuccessfulTime = self->state.values[TIME];
     return (fmi3Status) status;
 }
 
-/* ---------------------------------------------------------------- Model Exchange */
+/* ---------------------------------------------------------------- events */
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) { return (fmi3Status) instance_enter_event(instance); }
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) { return (fmi3Status) instance_enter_stepping(instance); }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
                                     fmi3Boolean *terminateSimulation,
@@ -268,6 +280,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
     *nextEventTime = 0.0;
     return fmi3OK;
 }
+
+/* ---------------------------------------------------------------- Model Exchange */
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
 {

@@ -85,8 +85,6 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference 
     LACKS("Clock");
 }
 
-fmi3Status fmi3EnterStepMode(fmi3Instance instance) { UNSUPPORTED(fmi3EnterStepMode); }
-
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) { UNSUPPORTED(fmi3EvaluateDiscreteStates); }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],

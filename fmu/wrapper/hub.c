@@ -11,7 +11,10 @@
 
 /* The largest deflection at which the spring is evaluated, per free radius. */
 #define DEEPEST 0.9
-#define MOST_DOUBLINGS 60
+/* Loads at which the deflection is tried, up to 200 times the nominal one.  Large slip forces make a tire softer in some
+   models, so that a deflection may belong to two loads, the lower of which acts, or to none: then the nearest one acts. */
+#define MOST_LOADS 25
+#define LOAD_GROWTH 1.25
 /* The search ends at an error of a few units in the last place of the loaded radius. */
 #define ACCURACY 4e-16
 
@@ -56,7 +59,7 @@ static void find_spring(State *state)
     const double given = hub->results[RADIUS_RESULT], free_radius = radius_under(&trial, 0.0);
     const double least = (1.0 - DEEPEST) * free_radius;
     Spring spring = {&trial, given < least ? least : given};
-    Sample low = {0.0, free_radius - spring.radius}, high = {parameter(state, OWN_FNOMIN), 0.0};
+    Sample low = {0.0, free_radius - spring.radius}, high = {parameter(state, OWN_FNOMIN), 0.0}, nearest = low;
     int i;
 
     hub->radius = spring.radius;
@@ -64,14 +67,18 @@ static void find_spring(State *state)
         hub->spring = low.value <= 0.0 ? 0.0 : low.value; /* NaN remains */
         return;
     }
-    for (i = 0; i < MOST_DOUBLINGS; i++) {
+    for (i = 0; i < MOST_LOADS; i++) {
         high.value = radius_error(&spring, high.x);
-        if (!(high.value > 0.0))
-            break;
+        if (!(high.value > 0.0)) {
+            hub->spring = root_between(radius_error, &spring, low, high, ACCURACY * free_radius);
+            return;
+        }
         low = high;
-        high.x *= 2.0;
+        if (low.value < nearest.value)
+            nearest = low;
+        high.x *= LOAD_GROWTH;
     }
-    hub->spring = root_between(radius_error, &spring, low, high, ACCURACY * free_radius);
+    hub->spring = nearest.x;
 }
 #else
 static void find_spring(State *state)

@@ -240,10 +240,12 @@ Status instance_exit_initialization(Instance *self)
 #if SPIN
     if (self->state.kind == MODEL_EXCHANGE)
         spin_settle(&self->state);
+    else
+        spin_begin(&self->state);
 #endif
     if (*self->tire.note)
         instance_refuse(self, STATUS_OK, "%s", self->tire.note);
-    self->state.mode = self->state.kind == MODEL_EXCHANGE ? EVENT : STEPPING;
+    self->state.mode = self->state.kind == MODEL_EXCHANGE || self->has_event_mode ? EVENT : STEPPING;
     return STATUS_OK;
 }
 

@@ -127,7 +127,8 @@ typedef struct {
     const RoadGrid *road;
 #endif
 #if SPIN
-    int brake_sense; /* of Model Exchange, see spin.h */
+    int brake_sense; /* see spin.h */
+    int event; /* whether the brake has locked, released or changed its direction in the last step */
 #endif
     int stop_defined;
     double stop_time;
@@ -159,6 +160,7 @@ struct Instance {
     char *name;
     int logs_events, logs_warnings, logs_discards, logs_errors;
     int warned;
+    int has_event_mode, returns_early; /* what the host uses in Co-Simulation */
 };
 
 Instance *instance_create(const char *name, const char *token, const char *resources, Kind kind,
@@ -187,16 +189,23 @@ Status instance_set_experiment(Instance *self, double start, int stop_defined, d
 Status instance_enter_initialization(Instance *self);
 Status instance_exit_initialization(Instance *self);
 Status instance_step(Instance *self, double point, double size);
+/* Whether an event has happened in the last step, which the host handles in event mode. */
+int instance_had_event(const Instance *self);
 /* The inputs change with these rates over the next step, from their present values. */
 Status instance_set_slopes(Instance *self, const unsigned references[], size_t n, const int orders[],
                            const double slopes[]);
 Status instance_terminate(Instance *self);
 Status instance_reset(Instance *self);
 
-/* Model Exchange: continuous.c. */
+/* Events: events.c.  With early return, a step ends behind the first event in it. */
+Status instance_use_events(Instance *self, int event_mode, int early_return);
 Status instance_enter_event(Instance *self);
 Status instance_enter_continuous(Instance *self);
+Status instance_enter_stepping(Instance *self);
 Status instance_update_discrete(Instance *self, int *states_changed);
+
+/* Model Exchange: continuous.c. */
+Status instance_expect_exchange(const Instance *self, const char *what);
 Status instance_complete_step(Instance *self);
 Status instance_set_time(Instance *self, double time);
 Status instance_get_states(Instance *self, double states[], size_t n);

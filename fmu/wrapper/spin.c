@@ -14,6 +14,9 @@
 #define ACCURACY 1e-13
 #define LEAST_SPIN 1e-3
 #define MOST_DOUBLINGS 60
+/* The sense of a brake without torque in Co-Simulation. */
+#define RELEASED 2
+
 /* A part of a step, and the state at its end for the spin tried last. */
 typedef struct {
     const State *begin;
@@ -60,6 +63,11 @@ static double solve(Part *part)
         b.x += b.x - start;
         b.value = excess(part, b.x);
     }
+    if (b.value * a.value > 0.0) { /* the tire turns the wheel the faster, the faster it turns: one explicit step */
+        b.x = start + a.value;
+        excess(part, b.x);
+        return b.x;
+    }
     if (!(fabs(b.value) > accuracy))
         return b.x;
     return root_between(excess, part, a, b, accuracy);
@@ -83,20 +91,6 @@ static double advance_part(State *state, double size)
     }
     solve(&part);
     return part.brake;
-}
-
-void spin_advance(State *state, double h)
-{
-    /* The sizes of steps that are equal but for rounding have equal numbers of parts. */
-    const double wanted = ceil(h / LONGEST_PART * (1.0 - 1e-9));
-    const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
-    double braked = 0.0;
-    int i;
-
-    state_compute_outputs(state);
-    for (i = 0; i < parts; i++)
-        braked += advance_part(state, h / parts);
-    state->hub.results[BRAKE_RESULT] = braked / parts;
 }
 
 /* ---------------------------------------------------------------- continuous time */
@@ -177,4 +171,35 @@ void spin_differentiate(const State *state, const double seeds[N_VALUES], double
     motion[SPIN_MARGIN] = braked + spin_margin_by_moment(state) * driven;
     if (state->kind == MODEL_EXCHANGE) /* in Co-Simulation it is the mean of the last step */
         motion[HUB_CHANGE + BRAKE_RESULT] = sense == 0 ? -driven : -sense * braked;
+}
+
+/* ---------------------------------------------------------------- steps */
+
+static int sense_or_released(const State *state) { return capacity_of(state) > 0.0 ? sense_of(state) : RELEASED; }
+
+void spin_begin(State *state)
+{
+    state_compute_outputs(state);
+    state->brake_sense = sense_or_released(state);
+}
+
+double spin_advance(State *state, double h, int stops_at_event)
+{
+    /* The sizes of steps that are equal but for rounding have equal numbers of parts. */
+    const double wanted = ceil(h / LONGEST_PART * (1.0 - 1e-9));
+    const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
+    double braked = 0.0;
+    int i = 0, sense;
+
+    state_compute_outputs(state);
+    state->event = 0;
+    while (i < parts && !(state->event && stops_at_event)) {
+        braked += advance_part(state, h / parts);
+        i++;
+        sense = sense_or_released(state);
+        state->event |= sense != state->brake_sense && sense != RELEASED && state->brake_sense != RELEASED;
+        state->brake_sense = sense;
+    }
+    state->hub.results[BRAKE_RESULT] = braked / i;
+    return i < parts ? i * (h / parts) : h;
 }

@@ -3,6 +3,7 @@
  * Co-Simulation: a step is divided into equal parts of at most LONGEST_PART; in each, the slips follow the spin at its end
  * (the implicit Euler method).  The brake is Coulomb friction: it holds the wheel in a part if a torque up to T_brake
  * does, and opposes the spin with T_brake otherwise.  The load and the motion of the carrier are constant over a step.
+ * `brake_sense` is that at the end of the last part.
  *
  * Model Exchange: `brake_sense` is the direction of the spin that the brake opposes, or 0 while it holds the wheel, whose
  * spin is then constant.  It changes at events only: where the spin changes its sign, and where the torque that holds the
@@ -17,8 +18,11 @@
 /* The moment about the spin axis, the fifth result of hub_wrench. */
 enum { SPIN_MOMENT = WRENCH_RESULT + 4 };
 
-/* Integrate spin and all other states over h seconds. */
-void spin_advance(State *state, double h);
+/* The end of initialization in Co-Simulation. */
+void spin_begin(State *state);
+/* Integrate spin and all other states over h seconds, or up to the end of the part in which the brake locks, releases or
+   changes its direction.  Returns the integrated time. */
+double spin_advance(State *state, double h, int stops_at_event);
 
 /* An event: determine the sense of the brake.  Returns whether the spin has changed: a wheel that the brake stops has
    the spin 0. */

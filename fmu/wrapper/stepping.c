@@ -29,17 +29,17 @@ void state_integrate(State *state, double h)
     state->distance = state_sum_linear(state->distance, state->contact.speed, state->contact.speed, h);
 }
 
-/* Integrate the states, which remain unchanged if one would not be finite. */
-static Status advance(Instance *self, double size)
+/* Integrate the states, which remain unchanged if one would not be finite.  `size` becomes the integrated time. */
+static Status advance(Instance *self, double *size)
 {
     State *state = &self->state;
     const State before = *state;
     Status status;
 
 #if SPIN
-    spin_advance(state, size);
+    *size = spin_advance(state, *size, self->returns_early);
 #else
-    state_integrate(state, size);
+    state_integrate(state, *size);
 #endif
     status = instance_expect_finite(self, state->lagging, N_LAGGING, "a lagged slip");
     if (status == STATUS_OK)
@@ -58,8 +58,8 @@ static Status advance(Instance *self, double size)
 }
 #endif
 
-/* Integrate with constant inputs. */
-static Status advance_held(Instance *self, double size)
+/* Integrate with constant inputs; `size` as above. */
+static Status advance_held(Instance *self, double *size)
 {
 #if N_STATES > 0
     if (advance(self, size) != STATUS_OK)
@@ -97,24 +97,26 @@ static Status move_inputs(Instance *self, const double start[], double time)
     return STATUS_OK;
 }
 
-/* Integrate a step.  Inputs with slopes have their mean value in each part of it, and at its end their last value. */
-static Status integrate(Instance *self, double size)
+/* Integrate a step; `size` becomes the integrated time.  Inputs with slopes, which FMI 2 has, have their mean value in each
+   part of it, and at its end their last value. */
+static Status integrate(Instance *self, double *size)
 {
     const State before = self->state;
-    const double wanted = before.interpolates ? ceil(size / LONGEST_PART * (1.0 - 1e-9)) : 1.0;
+    const double wanted = before.interpolates ? ceil(*size / LONGEST_PART * (1.0 - 1e-9)) : 1.0;
     const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
+    double part = *size / parts;
     Status status = STATUS_OK;
     int i;
 
     if (!before.interpolates)
         return advance_held(self, size);
     for (i = 0; i < parts && status == STATUS_OK; i++) {
-        status = move_inputs(self, before.values, (i + 0.5) * size / parts);
+        status = move_inputs(self, before.values, (i + 0.5) * part);
         if (status == STATUS_OK)
-            status = advance_held(self, size / parts);
+            status = advance_held(self, &part);
     }
     if (status == STATUS_OK)
-        status = move_inputs(self, before.values, size);
+        status = move_inputs(self, before.values, *size);
     if (status != STATUS_OK) {
         self->state = before;
         return status;
@@ -150,6 +152,16 @@ Status instance_set_slopes(Instance *self, const unsigned references[], size_t n
     return STATUS_OK;
 }
 
+int instance_had_event(const Instance *self)
+{
+#if SPIN
+    return self->state.event;
+#else
+    (void) self;
+    return 0;
+#endif
+}
+
 Status instance_step(Instance *self, double point, double size)
 {
     if (instance_expect(self, STEPPING, STEPPING, "a step") != STATUS_OK)
@@ -165,7 +177,7 @@ Status instance_step(Instance *self, double point, double size)
         !same_time(point + size, self->state.stop_time))
         return instance_refuse(self, STATUS_ERROR, "the step ends at t = %.17g, after the stop time %.17g",
                                point + size, self->state.stop_time);
-    if (integrate(self, size) != STATUS_OK)
+    if (integrate(self, &size) != STATUS_OK)
         return STATUS_DISCARD;
     self->state.values[TIME] = point + size; /* from the host's time, so that rounding errors do not accumulate */
     return STATUS_OK;

@@ -109,6 +109,17 @@ def calling_math(code: str) -> str:
     return _CALL_OF_FAST.sub(r"\1(", code)
 
 
+def calling_functions(code: str) -> str:
+    """Return code that calls the fast functions, which compilers would expand at each call: the same digits.
+
+    Examples
+    --------
+    >>> calling_functions("y = fast_atan(fast_sin(x));")
+    'y = called_atan(called_sin(x));'
+    """
+    return _CALL_OF_FAST.sub(r"called_\1(", code)
+
+
 @lru_cache(maxsize=8)
 def _paragraphs(header: str) -> tuple[Definition, ...]:
     text = (files(__package__) / header).read_text(encoding="ascii").strip()

@@ -161,3 +161,18 @@ static inline double fast_atan(double x)
     const double series = -1.0/3.0 + z*(1.0/5.0 + z*(-1.0/7.0 + z*(1.0/9.0 + z*(-1.0/11.0))));
     return copysign(arc[2] + (t + (t*z*series + arc[3])), x);
 }
+
+/* Not expanded where they are called: small code for a routine with many calls. */
+#ifdef __GNUC__
+#define CALLED __attribute__((noinline))
+#else
+#define CALLED
+#endif
+
+static CALLED double called_sin(double x) { return fast_sin(x); }
+
+static CALLED double called_cos(double x) { return fast_cos(x); }
+
+static CALLED double called_tan(double x) { return fast_tan(x); }
+
+static CALLED double called_atan(double x) { return fast_atan(x); }

@@ -19,20 +19,22 @@ CLIENTS = [
     ("run_libcosimpy.py", "libcosimpy", 2),
     ("run_ecospy.py", "ecospy", 2),
     ("run_ecospy.py", "ecospy", 3),
+    ("kart_system.py", "libcosimpy", "libcosimpy"),
+    ("kart_system.py", "ecospy", "ecospy"),
     ("check_fmutool.py", "fmu_manipulation_toolbox", 2),
     ("check_fmutool.py", "fmu_manipulation_toolbox", 3),
 ]
 
 
-@pytest.mark.parametrize(("script", "package", "fmi"), CLIENTS)
-def test_client(script, package, fmi):
+@pytest.mark.parametrize(("script", "package", "argument"), CLIENTS)
+def test_client(script, package, argument):
     try:
         find_compiler()
     except CompilerError as error:
         pytest.skip(str(error))
     if importlib.util.find_spec(package) is None:
         pytest.skip("needs the extra cosimulation")
-    command = [sys.executable, EXAMPLES / script, str(fmi)]
+    command = [sys.executable, EXAMPLES / script, str(argument)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     output = done.stdout + done.stderr

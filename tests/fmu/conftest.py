@@ -170,6 +170,27 @@ def hosts(fmus):
         yield lambda name, fmi: Host(stack.enter_context(loaded(fmus[name, fmi])))
 
 
+@pytest.fixture(scope="session")
+def wheel_fmus(tires, compiler, tmp_path_factory):
+    """Return the paths of FMUs with wheel inputs by tire and version; each is built on first use."""
+    folder = tmp_path_factory.mktemp("wheels")
+
+    class Fmus(dict):
+        def __missing__(self, key):
+            name, fmi = key
+            self[key] = export(tires[name], folder / f"{name}_{fmi}.fmu", fmi=fmi, inputs="wheel")
+            return self[key]
+
+    return Fmus()
+
+
+@pytest.fixture
+def wheels(wheel_fmus):
+    """Return a function that loads an FMU with wheel inputs into a new host."""
+    with contextlib.ExitStack() as stack:
+        yield lambda name, fmi=3: Host(stack.enter_context(loaded(wheel_fmus[name, fmi])))
+
+
 @pytest.fixture
 def make_host():
     """Return a function that loads an FMU by its path into a new host."""
@@ -198,3 +219,9 @@ def fmi(request):
 def host(hosts, fmi):
     """Return a host of the first tire, instantiated."""
     return hosts("first", fmi)
+
+
+@pytest.fixture
+def running(host):
+    """Return a host of the first tire, initialized."""
+    return host.start()

@@ -1,6 +1,6 @@
-/* A host that calls an FMU with hub inputs at random: values of every size, steps, saved states, derivatives.
+/* A host that calls an FMU with hub inputs at random: values of every size, steps, events, saved states, derivatives.
  *
- *     fuzz_hub TOKEN CALLS END_OF_INPUTS NUMBER_OF_VALUES
+ *     fuzz_hub TOKEN CALLS END_OF_INPUTS NUMBER_OF_VALUES HAS_EVENT_MODE
  *
  * Prints how many calls were accepted and refused.  Exits with 1 if an accepted call returns a value that is not finite, or
  * if a refused call changes the state.
@@ -50,12 +50,12 @@ static size_t bytes_of(fmi3Instance tire, unsigned char bytes[])
 
 int main(int argc, char *argv[])
 {
-    const long calls = argc == 5 ? strtol(argv[2], NULL, 10) : 0;
-    const unsigned end_of_inputs = argc == 5 ? (unsigned) atoi(argv[3]) : 0;
-    const int n = argc == 5 ? atoi(argv[4]) : 0;
-    fmi3Instance tire = fmi3InstantiateCoSimulation("t", argv[1], "", fmi3False, fmi3False, fmi3False, fmi3False, NULL, 0,
+    const long calls = argc == 6 ? strtol(argv[2], NULL, 10) : 0;
+    const unsigned end_of_inputs = argc == 6 ? (unsigned) atoi(argv[3]) : 0;
+    const int n = argc == 6 ? atoi(argv[4]) : 0, events = argc == 6 ? atoi(argv[5]) : 0;
+    fmi3Instance tire = fmi3InstantiateCoSimulation("t", argv[1], "", fmi3False, fmi3False, events != 0, fmi3True, NULL, 0,
                                                     NULL, NULL, NULL);
-    long accepted = 0, refused = 0, i;
+    long accepted = 0, refused = 0, handled = 0, i;
     fmi3FMUState saved = NULL;
     double time = 0.0;
 
@@ -70,11 +70,19 @@ int main(int argc, char *argv[])
         const fmi3ValueReference b = (fmi3ValueReference) (uniform() * (choice < 0.55 ? end_of_inputs : (unsigned) n));
         const double one = 1.0;
         const size_t size = bytes_of(tire, before);
-        fmi3Boolean flags[3];
+        fmi3Boolean flags[5];
         double value = 0.0, last;
         fmi3Status status;
 
-        if (choice < 0.6) {
+        if (choice < 0.03) { /* an array, or none, with a right or wrong number of values */
+            const fmi3ValueReference array = 0x10000u + (fmi3ValueReference) (uniform() * 13.0);
+            double many[9];
+            int k;
+
+            for (k = 0; k < 9; k++)
+                many[k] = wild();
+            status = fmi3SetFloat64(tire, &array, 1, many, uniform() < 0.2 ? 9 : 3);
+        } else if (choice < 0.6) {
             value = wild();
             status = fmi3SetFloat64(tire, &b, 1, &value, 1);
             value = 0.0;
@@ -83,8 +91,15 @@ int main(int argc, char *argv[])
         } else if (choice < 0.95) {
             const double step = 0.02 * uniform();
             status = fmi3DoStep(tire, time, step, fmi3True, flags, flags + 1, flags + 2, &last);
-            time += status == fmi3OK ? step : 0.0;
-        } else if (choice < 0.99) {
+            time = last;
+        } else if (choice < 0.96) {
+            status = fmi3EnterEventMode(tire);
+        } else if (choice < 0.97) {
+            status = fmi3UpdateDiscreteStates(tire, flags, flags + 1, flags + 2, flags + 3, flags + 4, &last);
+        } else if (choice < 0.98) {
+            status = fmi3EnterStepMode(tire);
+            handled += status == fmi3OK;
+        } else if (choice < 0.995) {
             status = fmi3GetDirectionalDerivative(tire, &a, 1, &b, 1, &one, 1, &value, 1);
         } else {
             status = fmi3SetFMUState(tire, saved);
@@ -106,6 +121,6 @@ int main(int argc, char *argv[])
     }
     fmi3FreeFMUState(tire, &saved);
     fmi3FreeInstance(tire);
-    printf("%ld accepted, %ld refused\n", accepted, refused);
+    printf("%ld accepted, %ld refused, %ld returns from event mode\n", accepted, refused, handled);
     return 0;
 }

@@ -28,11 +28,6 @@ def distance(found, expected):
     return np.max(np.abs(found - expected) / (1.0 + np.abs(expected)))
 
 
-@pytest.fixture
-def running(host):
-    return host.start()
-
-
 # ------------------------------------------------------------------ values
 
 #: Far beyond any tire's range, on both sides of standstill and of the load that lifts the wheel.
@@ -355,54 +350,3 @@ def test_arbitrary_bytes_are_rejected_as_a_state(hosts, fmi):
         assert stranger.call(name, buffer, len(bad), ctypes.byref(slot)) == ERROR
         assert slot.value is None
     assert np.array_equal(stranger.everything(), before)
-
-
-# ------------------------------------------------------------------ derivatives
-
-
-def finite_difference(host, output, name, step):
-    middle = host.get(name)[0]
-    values = []
-    for side in (1.0, -1.0):
-        assert host.set(**{name: middle + side * step}) == OK
-        values.append(host.get(output)[0])
-    host.set(**{name: middle})
-    return (values[0] - values[1]) / (2.0 * step)
-
-
-@pytest.mark.parametrize("name", ["first", "mf61"])
-def test_directional_derivatives_are_finite_differences(hosts, fmi, name):
-    running = hosts(name, fmi).start()
-    running.set(**POINT if name == "first" else FULL_POINT | {"phit": 0.05})
-    steps = {"kappa": 1e-6, "alpha": 1e-6, "gamma": 1e-6, "Fz": 1e-2, "PDY1": 1e-6, "PDX1": 1e-6, "QDZ1": 1e-6}
-    if name == "mf61":
-        steps |= {"p": 1.0, "V": 1e-4, "phit": 1e-6, "QSX3": 1e-6, "QDRP1": 1e-6}
-    for known, step in steps.items():
-        for output in running.outputs:
-            status, (found,) = running.derivative([output], [known], [1.0])
-            assert status == OK
-            assert found == pytest.approx(finite_difference(running, output, known, step), rel=1e-5, abs=1e-4)
-
-
-def test_options_have_no_derivative(hosts, fmi):
-    running = hosts("mf61", fmi).start()
-    assert running.set(**FULL_POINT) == OK
-    status, found = running.derivative(running.outputs, ["CONVENTION", "SLIP_ANGLE", "LIMITS"], [1.0, 1.0, 1.0])
-    assert status == OK
-    assert not np.any(found)
-
-
-def test_directional_derivatives_are_linear_in_the_seed(running):
-    running.set(**POINT)
-    knowns, seed = ["Fz", "PDY1", "alpha", "RBX1"], [3.0, -0.5, 0.25, 2.0]
-    status, together = running.derivative(OUTPUTS, knowns, seed)
-    assert status == OK
-    alone = [running.derivative(OUTPUTS, [k], [s])[1] for k, s in zip(knowns, seed, strict=True)]
-    np.testing.assert_allclose(together, np.sum(alone, axis=0), rtol=1e-12)
-    assert np.all(together != 0.0)
-
-
-@pytest.mark.parametrize(("unknowns", "knowns"), [(["kappa"], ["kappa"]), (["Fx"], ["Fy"]), (["Fx"], [4_000_000_000])])
-def test_derivatives_are_of_outputs_with_respect_to_settable_variables(running, unknowns, knowns):
-    assert running.derivative(unknowns, knowns, [1.0])[0] == ERROR
-    assert running.log

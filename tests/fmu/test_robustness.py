@@ -97,10 +97,11 @@ def test_random_calls_with_hub_inputs(tires, compiler, tmp_path, inputs):
     built = subprocess.run(command, capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stderr
     calls = 100 * int(os.environ.get("TIREFMU_FUZZ", "200"))
-    numbers = map(str, (calls, len(shown.contact_inputs) + 1, len(shown.variables)))
+    numbers = map(str, (calls, len(shown.contact_inputs) + 1, len(shown.variables), int(shown.spins)))
     done = subprocess.run([str(program), token.decode(), *numbers], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    accepted, refused = map(int, re.findall(r"\d+", done.stdout))
+    accepted, refused, handled = map(int, re.findall(r"\d+", done.stdout))
     assert accepted + refused == calls
+    assert (handled > 0) == shown.spins
     assert accepted > 0.25 * calls
     assert refused > 0.05 * calls

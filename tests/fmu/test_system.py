@@ -16,6 +16,7 @@ from lxml import etree
 
 from tirefmu.cli import main
 from tirefmu.fmu import export_parameters, export_system
+from tirefmu.fmu.simulation.connectors import connectors
 from tirefmu.symbolic.errors import FmuError
 
 from .conftest import OK
@@ -69,21 +70,93 @@ def test_a_parameter_set_replaces_the_tire(hosts, tires, tmp_path):
     np.testing.assert_allclose(host.start().forces(**given), [expected[name] for name in host.outputs], rtol=1e-12)
 
 
-def test_valid_by_the_schemas_of_ssp_2(tires, tmp_path, monkeypatch):
+@pytest.mark.parametrize("with_vehicle", [False, True], ids=["tires", "vehicle"])
+def test_valid_by_the_schemas(fmi, with_vehicle, tires, tmp_path, monkeypatch):
     found = find_spec("pyssp_standard")
     if not found:
         pytest.skip("needs pyssp-standard")
     monkeypatch.setattr("tirefmu.fmu.packaging.system.export", lambda tire, path, **options: car_file(path))
-    path = export_system([tires["first"], tires["rolling"]], tmp_path / "axle.ssp", fmi=3, inputs="wheel")
-    folder = Path(found.submodule_search_locations[0]) / "resources" / "ssp2"
+    vehicle = {"vehicle": vehicle_file(tmp_path, fmi, *VEHICLE)} if with_vehicle else {}
+    path = export_system([tires["first"]] * 4, tmp_path / "car.ssp", fmi=fmi, inputs="hub", **vehicle)
+    folder = Path(found.submodule_search_locations[0]) / "resources" / ("ssp2" if fmi == 3 else "")
     with zipfile.ZipFile(path) as archive:
         for name in archive.namelist():
             kind = SCHEMAS.get(name.rpartition(".")[2])
             if kind:
                 schema = etree.XMLSchema(file=str(folder / f"SystemStructure{kind}.xsd"))
                 assert schema.validate(etree.fromstring(archive.read(name))), (name, schema.error_log)
-        assert b"Float64" in archive.read("SystemStructure.ssd")
-        assert ET.fromstring(archive.read("SystemStructure.ssd")).get("version") == "2.0"
+        written = archive.read("SystemStructure.ssd")
+    assert (b"Float64" in written) == (fmi == 3)
+    assert ET.fromstring(written).get("version") == f"{fmi - 1}.0"
+
+
+#: Names, causalities and units of a vehicle.
+VEHICLE = (("FL_r_z", "output", "m"), ("FL_F_z", "input", ""), ("RR_omega", "output", "rad/s"), ("speed", "output", ""))
+
+
+def vehicle_file(folder, fmi, *variables, simulates=True):
+    """Return an FMU of a vehicle without binary."""
+    path, listed = folder / "vehicle.fmu", []
+    for i, (name, causality, unit) in enumerate(variables):
+        about = f'name="{name}" valueReference="{i}" causality="{causality}"'
+        real = f'Real unit="{unit}"' if unit else "Real"
+        listed.append(f"<{real.replace('Real', 'Float64', 1)} {about}/>" if fmi == 3 else
+                      f"<ScalarVariable {about}><{real}/></ScalarVariable>")  # fmt: skip
+    kind = "<CoSimulation/>" if simulates else ""
+    text = f'<fmiModelDescription fmiVersion="{fmi}.0">{kind}<ModelVariables>{"".join(listed)}</ModelVariables>'
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", f"{text}</fmiModelDescription>")
+    return path
+
+
+def test_a_vehicle_is_connected_by_names(tires, tmp_path, monkeypatch):
+    monkeypatch.setattr("tirefmu.fmu.packaging.system.export", lambda tire, path, **options: car_file(path))
+    path = export_system(
+        [tires["first"]] * 4, tmp_path / "car.ssp", inputs="hub", vehicle=vehicle_file(tmp_path, 2, *VEHICLE)
+    )
+    system = read_ssd(str(path)).system
+    ends = ("startElement", "startConnector", "endElement", "endConnector")
+    assert sorted(tuple(getattr(connection, end) for end in ends) for connection in system.connections) == [
+        ("FL", "F_z", "vehicle", "FL_F_z"),
+        ("vehicle", "FL_r_z", "FL", "r_z"),
+        ("vehicle", "RR_omega", "RR", "omega"),
+    ]
+    assert [element.name for element in system.elements] == ["vehicle", "FL", "FR", "RL", "RR"]
+    assert system.connectors == []
+
+
+@pytest.mark.parametrize(
+    ("version", "variables", "message"),
+    [
+        (3, VEHICLE, "the vehicle is of FMI 3, the tires are of FMI 2"),
+        (2, [("FL_r_zz", "output", "m")], "the tires have no FL_r_zz, but FL_r_z"),
+        (2, [("FL_r_z", "input", "m")], "FL_r_z is an input of the tire and of the vehicle"),
+        (2, [("FL_r_z", "output", "mm")], "FL_r_z has the unit mm, that of the tire m"),
+        (
+            2,
+            [("speed", "output", "m/s")],
+            "no input or output of the vehicle is named as one of a tire, such as FL_r_x",
+        ),
+    ],
+)
+def test_a_vehicle_that_cannot_be_connected_is_one_line(tires, tmp_path, capsys, version, variables, message):
+    vehicle = vehicle_file(tmp_path, version, *variables)
+    given = [*["trento_hoosier"] * 4, "--inputs", "hub", "--ssp", str(tmp_path / "car.ssp"), "--vehicle", str(vehicle)]
+    assert main(["export", *given]) == 2
+    assert message in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [vehicle]
+
+
+def test_an_archive_that_is_no_vehicle_is_one_line(tires, tmp_path):
+    with pytest.raises(FmuError, match="no Co-Simulation"):
+        connectors(vehicle_file(tmp_path, 2, *VEHICLE, simulates=False))
+    with pytest.raises(FmuError, match=r"FMI 1\.0 is not supported"):
+        connectors(vehicle_file(tmp_path, 1, *VEHICLE))
+    broken = tmp_path / "broken.fmu"
+    with zipfile.ZipFile(broken, "w") as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription")
+    with pytest.raises(FmuError, match=r"broken.fmu"):
+        connectors(broken)
 
 
 def car_file(path):

@@ -2,40 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
-
 import numpy as np
 import pandas as pd
 import pytest
 from fmpy.validation import validate_fmu
 
-from tirefmu.fmu import check, export
-from tirefmu.fmu.simulation.simulate import loaded
+from tirefmu.fmu import check
 from tirefmu.symbolic.errors import FmuError
-
-from .conftest import Host
 
 OK, DISCARD, ERROR = 0, 2, 3
 NAMES = ("first", "mf52", "mf61", "rolling")
-
-
-@pytest.fixture(scope="module")
-def wheel_fmus(tires, compiler, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("wheels")
-
-    class Fmus(dict):
-        def __missing__(self, key):
-            name, fmi = key
-            self[key] = export(tires[name], folder / f"{name}_{fmi}.fmu", fmi=fmi, inputs="wheel")
-            return self[key]
-
-    return Fmus()
-
-
-@pytest.fixture
-def wheels(wheel_fmus):
-    with contextlib.ExitStack() as stack:
-        yield lambda name, fmi=3: Host(stack.enter_context(loaded(wheel_fmus[name, fmi])))
 
 
 @pytest.fixture

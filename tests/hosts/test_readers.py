@@ -20,8 +20,10 @@ from importlib import import_module
 import numpy as np
 import pandas as pd
 import pytest
+from fmpy import read_model_description, simulate_fmu
 
 from tirefmu.fitting import fit
+from tirefmu.fmu import export
 from tirefmu.hosts.convert import convert
 from tirefmu.hosts.dialects import HOSTS
 from tirefmu.hosts.lint import lint
@@ -192,3 +194,38 @@ def test_chrono_has_the_same_forces_where_it_limits_nothing(converted, fixed, na
     assert where.sum() > ROWS / 5
     largest = differences("Chrono", {name: found[name] for name in names}, evaluated, where)
     assert max(largest.values()) < 2e-5
+
+
+def slalom(tire, folder, largest, inclination):
+    """Return lagged slips, load and forces of a hub FMU whose wheel drives a slalom, brakes and bounces."""
+    fmu = export(tire, folder / "hub.fmu", inputs="hub")
+    starts = {v.name: v.start for v in read_model_description(str(fmu)).modelVariables}
+    rest, speed, spin = (float(starts[name]) for name in ("r_z", "v_x", "omega"))
+    time = np.arange(401) * 0.01
+    angle, slip = largest * np.sin(np.pi * time), -largest * np.clip((time - 2.0) / 0.5, 0.0, 1.0)
+    rolled = inclination * np.sin(2.0 * np.pi * time)
+    moved = {
+        "time": time, "v_x": speed + 0.0 * time, "v_y": speed * np.tan(angle), "omega": spin * (1.0 + slip),
+        "r_z": rest - 0.004 * np.sin(3.0 * np.pi * time),
+        "R_22": np.cos(rolled), "R_33": np.cos(rolled), "R_32": np.sin(rolled), "R_23": -np.sin(rolled),
+    }  # fmt: skip
+    outputs = {"kappa_lagged": "kappa", "alpha_lagged": "alpha", "gamma": "gamma", "Fz": "Fz"}
+    outputs |= {name: name for name in ("Fx", "Fy", "Mz")}
+    found = simulate_fmu(
+        str(fmu), fmi_type="CoSimulation", stop_time=4.0, step_size=0.01, output_interval=0.01,
+        input=pd.DataFrame(moved).to_records(index=False), start_values={"SLIP_ANGLE": 1.0}, output=list(outputs),
+        set_input_derivatives=False,
+    )  # fmt: skip
+    return pd.DataFrame({ours: found[name] for name, ours in outputs.items()})
+
+
+@pytest.mark.parametrize(("largest", "inclination"), [(0.08, 0.0), (0.2, 0.0), (0.08, 0.05)])
+def test_a_hub_fmu_drives_a_slalom_as_chronos_tire_does(golden, tmp_path, largest, inclination):
+    """With the slips of the FMU's carcass, which Chrono's tire has not."""
+    result = convert(read_tir(golden / "MagicFormula52_Parameters.tir"), tmp_path / "chrono.tir", "chrono")
+    path_of("TIREFMU_CHRONO")
+    driven = slalom(result.tire, tmp_path, largest, inclination)
+    assert driven[["Fx", "Fy"]].abs().max().min() > 4000.0
+    found = differences(f"Chrono, slalom {largest} {inclination}", chrono(result.path, driven), driven)
+    if (largest, inclination) == (0.08, 0.0):  # nothing is limited
+        assert max(found.values()) < 2e-5

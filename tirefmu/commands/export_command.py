@@ -17,6 +17,7 @@ from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, com
 @click.option("-o", "--output", type=FILE, help="FMU to write; with --kind sti a library, with ssv a parameter set.")
 @click.option("--ssp", type=FILE, metavar="FILE",
               help="Write a system of the tires (SSP): FMUs, parameter sets. Four are FL, FR, RL, RR.")  # fmt: skip
+@click.option("--vehicle", type=FILE, help="With --ssp: an FMU that is connected to the tires by names such as FL_Fz.")
 @RADIUS
 @click.option("--fmi", type=click.Choice(["2", "3"]),
               help="FMI version; 2 is SSP 1.0, 3 is SSP 2.0  [default: 3; pythonfmu, ssv, --ssp: 2]")  # fmt: skip
@@ -24,6 +25,7 @@ from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, com
               help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
               " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
 @click.option("--road", type=FILE, help="OpenCRG file of a road inside the FMU, for hub and hub-torque.")
+@click.option("--arrays", is_flag=True, help="FMI 3, hub inputs: vectors and the rotation matrix are array variables.")
 @click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
 @click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
 @click.option(
@@ -51,6 +53,7 @@ def export(
     tires: tuple[Path, ...],
     output: Path | None,
     ssp: Path | None,
+    vehicle: Path | None,
     fmi: str | None,
     radius: float | None,
     inputs: str,
@@ -60,6 +63,7 @@ def export(
     platforms: str,
     values: str,
     road: Path | None,
+    arrays: bool,
     quiet: bool,
     json_file: Path | None,
 ) -> int:
@@ -78,13 +82,15 @@ def export(
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
     if kind != "sti" and values != "built-in":
         raise TirefmuError("--values file is for --kind sti: a host sets the parameters of an FMU")
-    if road and (ssp or kind != "native"):
-        raise TirefmuError("--road is for one native FMU")
+    if (road or arrays) and (ssp or kind != "native"):
+        raise TirefmuError("--road and --arrays are for one native FMU")
+    if vehicle and not ssp:
+        raise TirefmuError("--vehicle is part of a system: give --ssp")
     check_output_paths(target, json_file)
-    check_input_paths(*tires, *([road] if road else []))
+    check_input_paths(*tires, *(path for path in (road, vehicle) if path))
     from tirefmu.fmu import export as export_fmu
     from tirefmu.fmu import export_parameters, export_sti, export_system
-    from tirefmu.fmu.description.interface import with_lengths
+    from tirefmu.fmu.description.standstill import with_lengths
     from tirefmu.tires import tire_from
 
     from ..terminal import Terminal
@@ -95,13 +101,15 @@ def export(
     shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": axes}
     with terminal.working("compiling" if kind in ("native", "sti") else "packing"):
         if ssp:
-            written = export_system(loaded, target, **shared, quantities=quantities, platforms=platforms)
+            system: dict[str, Any] = {"quantities": quantities, "platforms": platforms, "vehicle": vehicle}
+            written = export_system(loaded, target, **shared, **system)
         elif kind == "ssv":
             written = export_parameters(loaded[0], target, **shared)
         elif kind == "sti":
             written = export_sti(loaded[0], target, platforms=platforms, values=values)
         else:
             several: dict[str, Any] = {"quantities": quantities, "kind": kind, "platforms": platforms, "road": road}
+            several["arrays"] = arrays
             written = export_fmu(loaded[0], target, **shared, **several)
     size = written.stat().st_size
     what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
