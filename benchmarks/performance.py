@@ -66,7 +66,7 @@ EVALUATION = {
     ),
     ("batch", "100"): Line("forces, 100 points through Python", "1.05-1.11", 0.40, "objects that a call makes"),
     ("batch, by inputs", MANY): Line(
-        "by inputs (6), 1e6 points", "1.25-1.99", 0.40, "280 MB of new memory; the kernel alone .2",
+        "by inputs (6), 1e6 points", "1.25-1.99", 0.40, "the kernel .23, the transposition into 280 MB .05",
     ),
     ("batch, by coefficients", MANY): Line(
         "by coefficients, 1e6 points", "2.46", 1.0, "215 derivatives a row are written out: 1.7 kB",

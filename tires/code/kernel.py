@@ -13,6 +13,7 @@ from tirefmu.symbolic.model import Model
 
 from .compiler import CompilerError, instruction_set, loaded_library, processor
 from .modules import c_folder
+from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -81,7 +82,7 @@ class Kernel:
         columns = np.ascontiguousarray(inputs, dtype=np.float64)
         values = np.ascontiguousarray(parameters, dtype=np.float64)
         n = columns.shape[1]
-        results = np.empty((self.n_results, n)) if into is None else into
+        results = RESULTS.empty((self.n_results, n)) if into is None else into
         undone = np.empty(n, dtype=np.bool_)
         given, out, marks, coefficients = _address(columns), _address(results), _address(undone), _address(values)
         share = -(-n // (BLOCK * max(threads, 1))) * BLOCK
