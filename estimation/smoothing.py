@@ -8,9 +8,10 @@ intervals: Goldenshluger and Nemirovski, On spatially adaptive estimation of non
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import savgol_coeffs, savgol_filter
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -63,7 +64,7 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     best, widening = values.copy(), np.ones(n, dtype=bool)
     for half in HALF_WIDTHS:
         width = 2 * half + 1
-        line = savgol_filter(values, width, 2)
+        line = parabolas(values, width)
         spread = deviation * np.sqrt(_variance_factor(width, correlation))
         lower, upper = np.maximum(lower, line - AGREEMENT * spread), np.minimum(upper, line + AGREEMENT * spread)
         widening &= lower <= upper
@@ -84,9 +85,9 @@ def _without_spikes(values: FloatArray, deviation: float) -> FloatArray:
 
 def noise_of(values: FloatArray, window: int = WINDOW) -> tuple[float, float]:
     """Return the standard deviation of the noise, and its correlation between neighboring rows."""
-    away = -savgol_coeffs(window, 2)
+    away = -_parabola_weights(window)[window // 2]
     away[window // 2] += 1.0
-    residual = values - savgol_filter(values, window, 2)
+    residual = values - parabolas(values, window)
     typical = 1.4826 * float(np.median(np.abs(residual)))
     if typical == 0.0:  # exact except for steps
         return 0.0, 0.0
@@ -101,6 +102,40 @@ def noise_of(values: FloatArray, window: int = WINDOW) -> tuple[float, float]:
 
 def _variance_factor(width: int, correlation: float) -> float:
     """Return the variance at the center of a local parabola for noise of variance 1 with geometric correlation."""
-    weights = savgol_coeffs(width, 2)
+    weights = _parabola_weights(width)[width // 2]
     rows = np.arange(width)
     return float(weights @ correlation ** np.abs(rows[:, None] - rows) @ weights)
+
+
+def parabolas(values: FloatArray, width: int) -> FloatArray:
+    """Return the least-squares parabolas of the windows around each row, at that row (Savitzky-Golay filter).
+
+    The first and the last windows also give the rows at the ends. `scipy.signal.savgol_filter` returns the same;
+    loading scipy.signal takes longer than smoothing a recording.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+    width : int
+        Rows of a window: odd, at most n.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Examples
+    --------
+    >>> parabolas(np.array([0.0, 1.0, 4.0, 9.0, 16.0, 25.0]), 5).round(9).tolist()
+    [0.0, 1.0, 4.0, 9.0, 16.0, 25.0]
+    """
+    weights, half = _parabola_weights(width), width // 2
+    inner = np.convolve(values, weights[half][::-1], "valid")
+    first, last = weights[:half] @ values[:width], weights[half + 1 :] @ values[-width:]
+    return np.concatenate([first, inner, last])
+
+
+@cache
+def _parabola_weights(width: int) -> FloatArray:
+    """Return the weights of the rows of a window in its parabola at each of its rows, shape (width, width)."""
+    basis, _ = np.linalg.qr(np.vander(np.arange(width) - width // 2, 3).astype(np.float64))
+    return np.asarray(basis @ basis.T)

@@ -13,7 +13,7 @@ from math import tau
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy.special import chdtri
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -107,8 +107,8 @@ def once_per_revolution(
 
 def _threshold(stretches: int) -> float:
     """Return the significant ratio of power to its median: noise power is chi-squared, two degrees per interval."""
-    noise = stats.chi2(2 * stretches)
-    return max(SIGNIFICANT, float(noise.isf(BY_CHANCE / TRIED) / noise.median()))
+    by_chance, median = chdtri(2 * stretches, [BY_CHANCE / TRIED, 0.5])
+    return max(SIGNIFICANT, float(by_chance / median))
 
 
 def _stretches(

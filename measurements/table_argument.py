@@ -17,7 +17,6 @@ from .files.reading import read_recording
 from .quality.incomplete_rows import without_incomplete_rows
 from .quality.plausibility import check_plausible
 from .recording import Recording
-from .row_selection.selected import selected
 
 #: Types that the functions of the public interface accept as a table.
 TableLike = Recording | pd.DataFrame | str | os.PathLike[str]
@@ -84,6 +83,8 @@ def recording_from(
     _check_numbers(recording)
     recording = without_incomplete_rows(recording)
     if where is not None:
+        from .row_selection.selected import selected  # loaded here: most tables are used whole
+
         recording = selected(recording, where)
     check_plausible(recording)
     return recording

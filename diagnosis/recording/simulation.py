@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.estimation.state_starts import estimated_starts
-from tirefmu.symbolic.model.state_lines import owners_of
+from tirefmu.symbolic.added.effect import owners_of
 from tirefmu.tires.code import Code, chosen_derivatives, fastest_code
 from tirefmu.tires.states import Simulation, equilibrium
 from tirefmu.tires.tire import Tire

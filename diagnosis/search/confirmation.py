@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy.special import chdtrc, ndtri
 
 from tirefmu.estimation.block_regression import error_of_sum
 
@@ -18,6 +18,8 @@ from ..thresholds import CONFIRMED_STRETCHES, CONFIRMED_Z, STRETCHES
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
+#: Probability below which the estimate over its standard error is used as it is: quantiles end at 1e-308.
+LEAST_P = 1e-260
 #: Iterations of the fit without an effect.
 ITERATIONS = 6
 
@@ -174,5 +176,5 @@ def joint_z(size: float, coefficients: int) -> float:
     """
     if size <= 0.0:
         return 0.0
-    log_p = float(stats.chi2.logsf(size**2, coefficients))
-    return float(-stats.norm.ppf(np.exp(log_p) / 2.0)) if log_p > -600.0 else size
+    p = float(chdtrc(coefficients, size**2))
+    return float(-ndtri(p / 2.0)) if p > LEAST_P else size

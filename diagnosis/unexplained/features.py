@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import lfilter
 
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
+from tirefmu.tires.transient import recursion
 
 from ..probing.candidates import excited
 from ..probing.effect_probing import Screen
@@ -288,4 +288,4 @@ def _add_rates(add: Callable[..., None], t: FloatArray, named: Mapping[str, Floa
 def _low_pass(values: FloatArray, share: float) -> FloatArray:
     """Return a signal behind a first-order lag; `share` is the ratio of time step and time constant."""
     decay = float(np.exp(-share))
-    return np.asarray(lfilter([1.0 - decay], [1.0, -decay], values, zi=[decay * values[0]])[0])
+    return recursion(float(values[0]), np.full(len(values) - 1, decay), (1.0 - decay) * values[1:])

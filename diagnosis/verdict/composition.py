@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy.special import stdtrit
 
 from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
@@ -217,7 +217,7 @@ def _shown(response: Response, signals: Signals) -> tuple[str, ...]:
 
 def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Finding:
     solution = outcome.search.solution
-    quantile = float(stats.t.ppf(0.975, outcome.search.screen.n_blocks - 1))
+    quantile = float(stdtrit(outcome.search.screen.n_blocks - 1, 0.975))
     declarations, coefficients = outcome.start.book.coefficients, {}
     for name in refit.form.free:
         i = solution.free.index(name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtri
 
 from tirefmu.symbolic.detection import LARGEST_IN_SIZES
 from tirefmu.tires.tire import Tire
@@ -38,7 +38,7 @@ def detectable_sizes(
     signals = search.problem.simulator.signals
     found = {refit.name for refit in search.found}
     inverse_noise = search.screen.problem.inverse_noise
-    threshold = float(np.sqrt(stats.chi2.isf(EFFECT_P / max(search.tests, 1), 1)))
+    threshold = float(np.sqrt(chdtri(1, EFFECT_P / max(search.tests, 1))))
     detectable: dict[str, dict[str, float]] = {}
     not_identifiable: dict[str, str] = {}
     for name, candidate in tried.items():

@@ -7,8 +7,8 @@ from math import nan, radians
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg.lapack import dtbtrs
 from scipy.optimize import brentq
-from scipy.signal import lfilter
 
 from tirefmu.estimation.correlation import correlation_length
 
@@ -138,6 +138,8 @@ def _autoregressive_variance(residual: FloatArray, powers: FloatArray, solve: Fl
 
 def _autoregressive(columns: FloatArray, rho: float) -> FloatArray:
     """Return the product of the correlation matrix rho^|i - j| and columns, shape (n, m)."""
-    forward = lfilter([1.0], [1.0, -rho], columns, axis=0)
-    backward = lfilter([1.0], [1.0, -rho], columns[::-1], axis=0)[::-1]
+    step = np.ones((2, len(columns)))
+    step[1] = -rho
+    forward, _ = dtbtrs(step, columns, uplo="L", diag="U")
+    backward = dtbtrs(step, columns[::-1], uplo="L", diag="U")[0][::-1]
     return np.asarray(forward + backward - columns)

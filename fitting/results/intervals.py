@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from tirefmu.measurements import TableLike, recording_from
 from tirefmu.symbolic.errors import FitError
@@ -110,7 +110,7 @@ def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, lev
     flips = np.array([-1.0 if formula != result.signs and declarations[n].flips else 1.0 for n in covariance.index])
     value, error = standard_errors(tire, quantity, inputs, covariance * np.outer(flips, flips))
     written = convert_signs(pd.DataFrame({quantity: value}), formula, signs)[quantity].to_numpy()
-    half = float(norm.ppf(0.5 + 0.5 * level)) * error
+    half = float(ndtri(0.5 + 0.5 * level)) * error
     found = {"value": written, "error": error, "lower": written - half, "upper": written + half}
     return pd.DataFrame(found, rows.index)
 

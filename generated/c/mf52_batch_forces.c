@@ -20,8 +20,10 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
 /* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
 
    Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
-   the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
-   to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
+   the polynomials are tirefmu's own: those of sine, cosine, tangent and arcus tangent have the least maximum of the
+   relative error over the reduced range, by Remez's exchange in 50 digits; those of exp and log interpolate in 60
+   digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
    infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
@@ -95,19 +97,32 @@ static inline lanes lanes_sgn1(lanes x)
 /* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
+/* x - n q pi for a whole number n of up to 8 digits; pi in two parts where products are not rounded before they are
+   subtracted, in three parts otherwise, of which the first product with n is exact. */
+#ifdef __FP_FAST_FMA
+#define LANES_WITHOUT(x, n, q) (((x) - (n)*((q)*3.141592653589793)) - (n)*((q)*1.2246467991473532e-16))
+#else
+#define LANES_WITHOUT(x, n, q) ((((x) - (n)*((q)*3.141592651605606)) - (n)*((q)*1.9841871583270443e-09)) \
+    - (n)*((q)*1.034036596358821e-18))
+#endif
+
+/* NaN beyond 1.8e7, where the multiple of pi that is next to the angle is no longer exact. */
+static inline lanes lanes_checked_angle(lanes angle)
+{
+    return angle + 0.0*(angle*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
-    const lanes checked = angle + 0.0*(angle*1e301); /* NaN beyond 1.8e7, where n is no longer exact */
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = ((checked - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const lanes z = r*r, z2 = z*z, z4 = z2*z2;
-    const lanes series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes z = r*r;
+    const lanes series = -0.16666666666666186 + z*(0.00833333333328554 + z*(-0.0001984126982505578
+        + z*(2.7557316600497566e-06 + z*(-2.5051880270633995e-08 + z*(1.6048095311161784e-10
+        + z*-7.373343460223636e-13)))));
     return (lanes)((lane_bits)(r + r*z*series) ^ ((lane_bits)rounded << 63));
 }
 
@@ -121,9 +136,18 @@ static inline lanes lanes_cos(lanes x)
     return lanes_shifted_sin(x, 0.5);
 }
 
+/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
 static inline lanes lanes_tan(lanes x)
 {
-    return lanes_sin(x)/lanes_cos(x);
+    const lanes rounded = x*0.6366197723675814 + LANES_ROUNDING;
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(x), rounded - LANES_ROUNDING, 0.5);
+    const lanes z = r*r;
+    const lanes sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
+    const lanes cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
+    const lane_bits odd = ((lane_bits)rounded << 63) >> 63;
+    return choose(odd, -cosine, sine)/choose(odd, sine, cosine);
 }
 
 /* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8): three forms of
@@ -134,12 +158,11 @@ static inline lanes lanes_atan(lanes x)
     const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
     const lanes eighths = (shifted + 1.0) - near;
     const lanes t = (a*near - shifted)/(a*shifted + near);
-    const lanes z = t*t, z2 = z*z, z4 = z2*z2, z8 = z4*z4;
-    const lanes series = ((-0.3333333333333333 + z*0.19999999999995516)
-        + z2*(-0.14285714284665682 + z*0.11111111015187018))
-        + z4*((-0.0909090457530649 + z*0.07692183125376892) + z2*(-0.06664510525508936 + z*0.05858140904866328))
-        + z8*((-0.050854078345894844 + z*0.03923044778479309) + z2*-0.019175404711104935);
-    return with_sign_of(eighths*0.7853981633974483 + (t + (t*z*series + eighths*3.061616997868383e-17)), x);
+    const lanes z = t*t;
+    const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
+        + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
+        + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
+    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)
@@ -172,12 +195,17 @@ static double *aligned(double *array)
     return array + (beyond != 0 ? (64 - beyond)/8 : 0);
 }
 
-/* Take a block of inputs out of a table, its first row in the place of those that are missing. */
+/* Take a block of inputs out of a table, its first row in the place of those that are missing. Of the next block,
+   which arrives while this one is computed, one address of each cache line is named; beyond the table, that has no
+   effect. */
 static void take_block(size_t n, size_t stride, const double inputs[], double columns[])
 {
-    for (size_t k = 0; k < N_INPUTS; k++)
+    for (size_t k = 0; k < N_INPUTS; k++) {
+        for (size_t i = 0; i < BLOCK; i += 8)
+            __builtin_prefetch(inputs + k*stride + BLOCK + i);
         for (size_t i = 0; i < BLOCK; i++)
             columns[k*BLOCK + i] = inputs[k*stride + (i < n ? i : 0)];
+    }
 }
 
 /* Put n rows of results into a table; a row in which one is not finite is marked as undone. */
@@ -363,42 +391,42 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
 
         /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz < 1e-100, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
-        const lanes dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
+        const lanes dpi = (1.0/NOMPRES)*(p - NOMPRES); /* [4.E2b] normalized change in pressure */
         const lanes tan_alpha = lanes_tan(alpha); /* [2.11] lateral slip */
         const lanes gamma_star = lanes_sin(gamma); /* [4.E4] inclination gamma* */
-        const lanes M_y_near_locked = lanes_sin(0.5*PI*(1.0 + kappa)*lanes_absolute(V)/VXLOW); /* [MFeval] fade near the locked wheel */
-        const lanes dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
-        const lanes F_zx = choose(FZMIN > F_z, lanes_cube(F_z)/square(FZMIN), F_z); /* [MFeval] load of M_x */
-        const lanes F_zy = choose(FZMIN > F_z, lanes_square(F_z)/FZMIN, F_z); /* [MFeval] load of M_y */
+        const lanes M_y_near_locked = lanes_sin((0.5*PI/VXLOW)*(1.0 + kappa)*lanes_absolute(V)); /* [MFeval] fade near the locked wheel */
+        const lanes dfz = (1.0/F_z01)*(F_z - F_z01); /* [4.E2a] normalized change in load */
+        const lanes F_zx = choose(FZMIN > F_z, (1.0/square(FZMIN))*lanes_cube(F_z), F_z); /* [MFeval] load of M_x */
+        const lanes F_zy = choose(FZMIN > F_z, (1.0/FZMIN)*lanes_square(F_z), F_z); /* [MFeval] load of M_y */
         const lanes S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
         const lanes mu_x_loaded = LMUX*(1.0 - PDX3*lanes_square(gamma))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*lanes_square(dpi)); /* [4.E13] peak friction */
         const lanes K_xkappa = F_z*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*lanes_square(dpi))*lanes_exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-        const lanes S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
+        const lanes S_Vx = (LMUX*LVX)*F_z*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
         const lanes E_xalpha = REX1 + REX2*dfz; /* [4.E56] curvature of G_xa */
         const lanes S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
         const lanes E_ykappa = REY1 + REY2*dfz; /* [4.E64] curvature of G_yk */
-        const lanes B_t = LKY*(1.0 + QBZ4*gamma + QBZ5*lanes_absolute(gamma))*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
-        const lanes D_t = F_z*LTR*UNLOADED_RADIUS*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*lanes_square(gamma))/F_z01; /* [4.E43] peak factor of the trail */
+        const lanes B_t = (LKY/LMUY)*(1.0 + QBZ4*gamma + QBZ5*lanes_absolute(gamma))*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz)); /* [4.E40] stiffness factor of the trail */
+        const lanes D_t = (LTR*UNLOADED_RADIUS/F_z01)*F_z*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*lanes_square(gamma)); /* [4.E43] peak factor of the trail */
         const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
         const lanes E_x = LEX*(1.0 - PEX4*lanes_sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
-        const lanes K_yalpha = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*lanes_absolute(gamma_star))*lanes_sin(PKY4*lanes_atan(F_z/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*lanes_square(gamma_star))))); /* [4.E25] cornering stiffness */
-        const lanes S_Vygamma = F_z*LKYC*LMUY*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
-        const lanes S_Hy = LHY*(PHY1 + PHY2*dfz) + LKYC*PHY3*gamma_star; /* [4.E27] horizontal shift */
+        const lanes K_yalpha = (F_z01*LKY*PKY1)*(1.0 + PPY1*dpi)*(1.0 - PKY3*lanes_absolute(gamma_star))*lanes_sin(PKY4*lanes_atan((1.0/F_z01)*F_z/((1.0 + PPY2*dpi)*(PKY2 + PKY5*lanes_square(gamma_star))))); /* [4.E25] cornering stiffness */
+        const lanes S_Vygamma = (LKYC*LMUY)*F_z*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
+        const lanes S_Hy = LHY*(PHY1 + PHY2*dfz) + (LKYC*PHY3)*gamma_star; /* [4.E27] horizontal shift */
         const lanes mu_y_loaded = LMUY*(1.0 - PDY3*lanes_square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*lanes_square(dpi)); /* [4.E23] peak friction */
         const lanes B_xalpha = LXAL*(RBX1 + RBX3*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
         const lanes S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-        const lanes S_Vy = S_Vygamma + F_z*LMUY*LVY*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
+        const lanes S_Vy = S_Vygamma + (LMUY*LVY)*F_z*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
         const lanes V_c = lanes_sqrt(1.0 + lanes_square(tan_alpha))*lanes_absolute(V); /* [2.12] speed of the contact point */
         const lanes alpha_star = tan_alpha*lanes_sgn(V); /* [4.E3] lateral slip alpha* */
         const lanes mu_x = choose(F_z <= 0.0, each(0.0), mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
         const lanes alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
         const lanes B_ykappa = LYKA*(RBY1 + RBY4*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
         const lanes alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
-        const lanes D_r = F_z*LMUY*UNLOADED_RADIUS*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*lanes_absolute(gamma_star)))*lanes_cos(alpha_star)*lanes_sgn(V); /* [4.E47] peak factor of the residual moment */
+        const lanes D_r = (LMUY*UNLOADED_RADIUS)*F_z*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*lanes_absolute(gamma_star)))*lanes_cos(alpha_star)*lanes_sgn(V); /* [4.E47] peak factor of the residual moment */
         const lanes M_y_backward = choose(kappa >= -VXLOW - VXLOW/lanes_absolute(V), M_y_near_locked, each(-1.0)); /* [MFeval] the same, -1 where the wheel turns backward */
         const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
         const lanes E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*lanes_square(gamma_star) - (PEY3 + PEY4*gamma_star)*lanes_sgn1(alpha_y)); /* [4.E24] curvature factor */
-        const lanes E_t = (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*lanes_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
+        const lanes E_t = (1.0 + (1.0/PI)*(2.0*QEZ4 + (2.0*QEZ5)*gamma_star)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
         const lanes tan_alpha_teq = lanes_tan(alpha_t); /* [4.E77] the same as a slip */
         const lanes B_x = K_xkappa/(1e-06*lanes_sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
         const lanes D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
@@ -429,7 +457,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
         const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
-        const lanes B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
+        const lanes B_r = (C_y*QBZ10)*B_y + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
         const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
         const lanes tan_alpha_req = lanes_tan(alpha_r); /* [4.E78] the same as a slip */
         const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
@@ -440,21 +468,21 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes F_y0 = (S_Vy + D_y*lanes_sin(F_y0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
         const lanes Fx = choose(Fz < 1e-100, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
         const lanes alpha_req = lanes_atan(slip_alpha_req)*lanes_sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
-        const lanes M_y_speed = QSY1 + QSY3*lanes_absolute(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*lanes_fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
+        const lanes M_y_speed = QSY1 + QSY3*lanes_absolute((1.0/LONGVL)*V) + (QSY2/FNOMIN)*Fx + (QSY4/fourth(LONGVL))*lanes_fourth(V); /* [4.E70] resistance by force and speed */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
         const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
         const lanes Fy = choose(Fz < 1e-100, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
         const lanes M_zr = D_r/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
-        const lanes s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
+        const lanes s = (LS*UNLOADED_RADIUS)*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + (SSZ2/FNOMIN)*Fy); /* [4.E76] moment arm of Fx */
         const lanes F_y1 = Fy - S_Vyk; /* [4.E74] side force that the trail carries */
-        const lanes M_x_hump = QSX4*lanes_cos(QSX5*lanes_atan(lanes_square(F_zx)*square(QSX6)/square(FNOMIN)))*lanes_sin(QSX7*gamma + QSX8*lanes_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
+        const lanes M_x_hump = QSX4*lanes_cos(QSX5*lanes_atan((square(QSX6)/square(FNOMIN))*lanes_square(F_zx)))*lanes_sin(QSX7*gamma + QSX8*lanes_atan((QSX9/FNOMIN)*Fy)); /* [M] hump of M_x over load and side force */
         const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
-        const lanes M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
+        const lanes M_y_full = -(LMY*UNLOADED_RADIUS)*F_zy*M_y_speed; /* [4.E70] rolling resistance moment of the rolling wheel */
         const lanes M_y_rolling = choose(V == 0.0, each(0.0), M_y_full*M_y_taper*lanes_sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
         const lanes My = choose(Fz < 1e-100, each(0.0), M_y_rolling); /* [4.E70] rolling resistance moment */
         const lanes trail = D_t*LFZO*cos_alpha*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes Mz = choose(Fz < 1e-100, each(0.0), M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
-        const lanes Mx = choose(Fz < 1e-100, each(0.0), LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*lanes_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*lanes_absolute(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*lanes_absolute(gamma)))); /* [4.E69] overturning moment */
+        const lanes Mx = choose(Fz < 1e-100, each(0.0), (LMX*UNLOADED_RADIUS)*(F_zx*(M_x_hump + LVMX*QSX1 + (QSX3/FNOMIN)*Fy + QSX10*gamma*lanes_atan((QSX11/FNOMIN)*F_zx) - QSX12*gamma*lanes_absolute(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*lanes_absolute(gamma)))); /* [4.E69] overturning moment */
 
         *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;
         *(lanes_in_array *)(results + 1*STRIDE + i) = Fy;

@@ -23,8 +23,10 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
 /* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
 
    Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
-   the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
-   to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
+   the polynomials are tirefmu's own: those of sine, cosine, tangent and arcus tangent have the least maximum of the
+   relative error over the reduced range, by Remez's exchange in 50 digits; those of exp and log interpolate in 60
+   digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
    infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
@@ -98,19 +100,32 @@ static inline lanes lanes_sgn1(lanes x)
 /* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
+/* x - n q pi for a whole number n of up to 8 digits; pi in two parts where products are not rounded before they are
+   subtracted, in three parts otherwise, of which the first product with n is exact. */
+#ifdef __FP_FAST_FMA
+#define LANES_WITHOUT(x, n, q) (((x) - (n)*((q)*3.141592653589793)) - (n)*((q)*1.2246467991473532e-16))
+#else
+#define LANES_WITHOUT(x, n, q) ((((x) - (n)*((q)*3.141592651605606)) - (n)*((q)*1.9841871583270443e-09)) \
+    - (n)*((q)*1.034036596358821e-18))
+#endif
+
+/* NaN beyond 1.8e7, where the multiple of pi that is next to the angle is no longer exact. */
+static inline lanes lanes_checked_angle(lanes angle)
+{
+    return angle + 0.0*(angle*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
-    const lanes checked = angle + 0.0*(angle*1e301); /* NaN beyond 1.8e7, where n is no longer exact */
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = ((checked - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const lanes z = r*r, z2 = z*z, z4 = z2*z2;
-    const lanes series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes z = r*r;
+    const lanes series = -0.16666666666666186 + z*(0.00833333333328554 + z*(-0.0001984126982505578
+        + z*(2.7557316600497566e-06 + z*(-2.5051880270633995e-08 + z*(1.6048095311161784e-10
+        + z*-7.373343460223636e-13)))));
     return (lanes)((lane_bits)(r + r*z*series) ^ ((lane_bits)rounded << 63));
 }
 
@@ -124,9 +139,18 @@ static inline lanes lanes_cos(lanes x)
     return lanes_shifted_sin(x, 0.5);
 }
 
+/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
 static inline lanes lanes_tan(lanes x)
 {
-    return lanes_sin(x)/lanes_cos(x);
+    const lanes rounded = x*0.6366197723675814 + LANES_ROUNDING;
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(x), rounded - LANES_ROUNDING, 0.5);
+    const lanes z = r*r;
+    const lanes sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
+    const lanes cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
+    const lane_bits odd = ((lane_bits)rounded << 63) >> 63;
+    return choose(odd, -cosine, sine)/choose(odd, sine, cosine);
 }
 
 /* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8): three forms of
@@ -137,12 +161,11 @@ static inline lanes lanes_atan(lanes x)
     const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
     const lanes eighths = (shifted + 1.0) - near;
     const lanes t = (a*near - shifted)/(a*shifted + near);
-    const lanes z = t*t, z2 = z*z, z4 = z2*z2, z8 = z4*z4;
-    const lanes series = ((-0.3333333333333333 + z*0.19999999999995516)
-        + z2*(-0.14285714284665682 + z*0.11111111015187018))
-        + z4*((-0.0909090457530649 + z*0.07692183125376892) + z2*(-0.06664510525508936 + z*0.05858140904866328))
-        + z8*((-0.050854078345894844 + z*0.03923044778479309) + z2*-0.019175404711104935);
-    return with_sign_of(eighths*0.7853981633974483 + (t + (t*z*series + eighths*3.061616997868383e-17)), x);
+    const lanes z = t*t;
+    const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
+        + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
+        + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
+    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)
@@ -175,12 +198,17 @@ static double *aligned(double *array)
     return array + (beyond != 0 ? (64 - beyond)/8 : 0);
 }
 
-/* Take a block of inputs out of a table, its first row in the place of those that are missing. */
+/* Take a block of inputs out of a table, its first row in the place of those that are missing. Of the next block,
+   which arrives while this one is computed, one address of each cache line is named; beyond the table, that has no
+   effect. */
 static void take_block(size_t n, size_t stride, const double inputs[], double columns[])
 {
-    for (size_t k = 0; k < N_INPUTS; k++)
+    for (size_t k = 0; k < N_INPUTS; k++) {
+        for (size_t i = 0; i < BLOCK; i += 8)
+            __builtin_prefetch(inputs + k*stride + BLOCK + i);
         for (size_t i = 0; i < BLOCK; i++)
             columns[k*BLOCK + i] = inputs[k*stride + (i < n ? i : 0)];
+    }
 }
 
 /* Put n rows of results into a table; a row in which one is not finite is marked as undone. */
@@ -583,11 +611,11 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dfz_part2 = F_z - F_z01;
         const lanes S_Vyk_part2 = lanes_atan(S_Vyk_part1);
         const lanes B_t_part3 = 1.0 + B_t_part2*QBZ5 + QBZ4*gamma;
-        const lanes F_zx = choose(FZMIN > F_z, lanes_cube(F_z)/square(FZMIN), F_z); /* [MFeval] load of M_x */
-        const lanes F_zy = choose(FZMIN > F_z, lanes_square(F_z)/FZMIN, F_z); /* [MFeval] load of M_y */
+        const lanes F_zx = choose(FZMIN > F_z, (1.0/square(FZMIN))*lanes_cube(F_z), F_z); /* [MFeval] load of M_x */
+        const lanes F_zy = choose(FZMIN > F_z, (1.0/FZMIN)*lanes_square(F_z), F_z); /* [MFeval] load of M_y */
         const lanes dpi = dpi_part1*dpi_part2; /* [4.E2b] normalized change in pressure */
         const lanes M_y_speed_part2 = M_y_speed_part1*V;
-        const lanes M_y_near_locked_part4 = 0.5*PI*M_y_near_locked_part1*M_y_near_locked_part2*M_y_near_locked_part3;
+        const lanes M_y_near_locked_part4 = (0.5*PI*M_y_near_locked_part1)*M_y_near_locked_part2*M_y_near_locked_part3;
         const lanes dfz = dfz_part1*dfz_part2; /* [4.E2a] normalized change in load */
         const lanes mu_x_loaded_part3 = 1.0 + PPX3*dpi + PPX4*lanes_square(dpi);
         const lanes K_xkappa_part2 = 1.0 + PPX1*dpi + PPX2*lanes_square(dpi);
@@ -623,32 +651,32 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes s_part1 = SSZ3 + SSZ4*dfz;
         const lanes S_Hx = LHX*S_Hx_part1; /* [4.E17] horizontal shift */
         const lanes K_xkappa_part4 = lanes_exp(K_xkappa_part3);
-        const lanes S_Vx = F_z*LMUX*LVX*S_Vx_part1; /* [4.E18] vertical shift */
+        const lanes S_Vx = (LMUX*LVX)*F_z*S_Vx_part1; /* [4.E18] vertical shift */
         const lanes B_xalpha_part2 = lanes_sqrt(B_xalpha_part1);
         const lanes G_yk_u_part1 = S_Hyk + kappa;
-        const lanes D_t = D_t_part1*D_t_part2*D_t_part3*D_t_part4*F_z*LTR*UNLOADED_RADIUS; /* [4.E43] peak factor of the trail */
+        const lanes D_t = (D_t_part1*LTR*UNLOADED_RADIUS)*D_t_part2*D_t_part3*D_t_part4*F_z; /* [4.E43] peak factor of the trail */
         const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
-        const lanes M_x_hump_part2 = lanes_square(F_zx)*square(M_x_hump_part1)*square(QSX6);
+        const lanes M_x_hump_part2 = (square(M_x_hump_part1)*square(QSX6))*lanes_square(F_zx);
         const lanes mu_x_loaded = LMUX*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3; /* [4.E13] peak friction */
         const lanes E_x_part1 = lanes_sgn(kappa_x);
         const lanes K_yalpha_part2 = lanes_absolute(gamma_star);
         const lanes K_yalpha_part7 = PKY2 + PKY5*lanes_square(gamma_star);
-        const lanes S_Vygamma = F_z*LKYC*LMUY*S_Vygamma_part1*gamma_star; /* [4.E28] vertical shift by inclination */
-        const lanes S_Hy = LHY*S_Hy_part1 + LKYC*PHY3*gamma_star; /* [4.E27] horizontal shift */
+        const lanes S_Vygamma = (LKYC*LMUY)*F_z*S_Vygamma_part1*gamma_star; /* [4.E28] vertical shift by inclination */
+        const lanes S_Hy = LHY*S_Hy_part1 + (LKYC*PHY3)*gamma_star; /* [4.E27] horizontal shift */
         const lanes mu_y_loaded_part1 = 1.0 - PDY3*lanes_square(gamma_star);
         const lanes E_y_part2 = PEY3 + PEY4*gamma_star;
         const lanes B_xalpha_part4 = RBX1 + RBX3*lanes_square(gamma_star);
         const lanes B_ykappa_part5 = RBY1 + RBY4*lanes_square(gamma_star);
         const lanes D_Vyk_part4 = RVY1 + RVY2*dfz + RVY3*gamma_star;
         const lanes S_Ht = QHZ1 + QHZ2*dfz + S_Ht_part1*gamma_star; /* [4.E35] shift of the trail */
-        const lanes E_t_part1 = 2.0*QEZ4 + 2.0*QEZ5*gamma_star;
+        const lanes E_t_part1 = 2.0*QEZ4 + (2.0*QEZ5)*gamma_star;
         const lanes D_r_part5 = lanes_absolute(gamma_star);
         const lanes mu_x = choose(F_z <= 0.0, each(0.0), mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
         const lanes E_x_part2 = 1.0 - E_x_part1*PEX4;
         const lanes K_yalpha_part3 = 1.0 - K_yalpha_part2*PKY3;
-        const lanes S_Vy = S_Vygamma + F_z*LMUY*LVY*S_Vy_part1; /* [4.E29] vertical shift */
+        const lanes S_Vy = S_Vygamma + (LMUY*LVY)*F_z*S_Vy_part1; /* [4.E29] vertical shift */
         const lanes S_Vyk_part3 = RVY5*S_Vyk_part2;
-        const lanes B_t = B_t_part1*B_t_part3*B_t_part4*LKY; /* [4.E40] stiffness factor of the trail */
+        const lanes B_t = (B_t_part1*LKY)*B_t_part3*B_t_part4; /* [4.E40] stiffness factor of the trail */
         const lanes D_r_part6 = D_r_part2*D_r_part3 + D_r_part4*D_r_part5;
         const lanes V_c_part1 = 1.0 + lanes_square(tan_alpha);
         const lanes alpha_star = alpha_star_part1*tan_alpha; /* [4.E3] lateral slip alpha* */
@@ -701,9 +729,9 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes F_x0_v_part1 = lanes_atan(F_x0_u);
         const lanes B_ykappa_part3 = lanes_sqrt(B_ykappa_part2);
         const lanes cos_alpha_part2 = 1.0/cos_alpha_part1;
-        const lanes D_r = D_r_part7*D_r_part8*D_r_part9*F_z*LMUY*UNLOADED_RADIUS; /* [4.E47] peak factor of the residual moment */
+        const lanes D_r = (LMUY*UNLOADED_RADIUS)*D_r_part7*D_r_part8*D_r_part9*F_z; /* [4.E47] peak factor of the residual moment */
         const lanes D_Vyk_part3 = 1.0/D_Vyk_part2;
-        const lanes E_t_part4 = 1.0 + E_t_part1*E_t_part3/PI;
+        const lanes E_t_part4 = 1.0 + (1.0/PI)*E_t_part1*E_t_part3;
         const lanes B_ykappa_part4 = 1.0/B_ykappa_part3;
         const lanes cos_alpha = V*cos_alpha_part2; /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
         const lanes G_xa_v_part2 = G_xa_u - G_xa_v_part1;
@@ -727,7 +755,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes G_yk_v_part1 = lanes_atan(G_yk_u);
         const lanes G_yk0_v_part1 = lanes_atan(G_yk0_u);
         const lanes F_x0_w_part1 = lanes_atan(F_x0_v);
-        const lanes K_yalpha = F_z01*K_yalpha_part1*K_yalpha_part12*K_yalpha_part3*LKY*PKY1; /* [4.E25] cornering stiffness */
+        const lanes K_yalpha = (F_z01*LKY*PKY1)*K_yalpha_part1*K_yalpha_part12*K_yalpha_part3; /* [4.E25] cornering stiffness */
         const lanes G_xa_w = C_xalpha*G_xa_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes G_xa0_w = C_xalpha*G_xa0_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes K_yalpha1_part1 = lanes_sgn1(K_yalpha);
@@ -738,7 +766,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
         const lanes G_yk_v_part2 = G_yk_u - G_yk_v_part1;
         const lanes G_yk0_v_part2 = G_yk0_u - G_yk0_v_part1;
-        const lanes B_r = B_r_part1*LKY*QBZ9 + B_y*C_y*QBZ10; /* [4.E45] stiffness factor of the residual moment */
+        const lanes B_r = B_r_part1*LKY*QBZ9 + (C_y*QBZ10)*B_y; /* [4.E45] stiffness factor of the residual moment */
         const lanes F_x0_w = C_x*F_x0_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes F_y0_v_part1 = lanes_atan(F_y0_u);
         const lanes G_yk_v = G_yk_u - E_ykappa*G_yk_v_part2; /* [4.1] B x bent by E */
@@ -766,8 +794,8 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes Fx_part1 = F_x0*G_xa;
         const lanes Fx = choose(Fz < 1e-100, each(0.0), Fx_part1); /* [4.E50] longitudinal force */
         const lanes slip_alpha_teq_part1 = 1e-60 + kappa_share + lanes_square(tan_alpha_teq);
-        const lanes M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
-        const lanes M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
+        const lanes M_y_speed = QSY1 + M_y_speed_part3*QSY3 + (M_y_speed_part4*QSY2)*Fx + (M_y_speed_part5*QSY4)*M_y_speed_part6; /* [4.E70] resistance by force and speed */
+        const lanes M_y_full = -(LMY*UNLOADED_RADIUS)*F_zy*M_y_speed; /* [4.E70] rolling resistance moment of the rolling wheel */
         const lanes slip_alpha_req_part1 = 1e-60 + kappa_share + lanes_square(tan_alpha_req);
         const lanes slip_alpha_teq_part2 = lanes_sqrt(slip_alpha_teq_part1);
         const lanes F_y0_w = C_y*F_y0_w_part1; /* [4.1] angle of the Magic Formula */
@@ -787,11 +815,11 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
         const lanes alpha_req = alpha_req_part1*alpha_req_part2; /* [4.E78] equivalent slip of the residual moment */
         const lanes trail_v_part1 = lanes_atan(trail_u);
-        const lanes s_part3 = SSZ1 + gamma*s_part1 + Fy*SSZ2*s_part2;
+        const lanes s_part3 = SSZ1 + gamma*s_part1 + (SSZ2*s_part2)*Fy;
         const lanes F_y1 = Fy - S_Vyk; /* [4.E74] side force that the trail carries */
-        const lanes M_x_hump_part6 = Fy*M_x_hump_part1*QSX9;
+        const lanes M_x_hump_part6 = (M_x_hump_part1*QSX9)*Fy;
         const lanes M_zr_part1 = 1.0 + lanes_square(B_r)*lanes_square(alpha_req);
-        const lanes s = LS*UNLOADED_RADIUS*s_part3; /* [4.E76] moment arm of Fx */
+        const lanes s = (LS*UNLOADED_RADIUS)*s_part3; /* [4.E76] moment arm of Fx */
         const lanes M_x_hump_part7 = lanes_atan(M_x_hump_part6);
         const lanes M_zr_part2 = lanes_sqrt(M_zr_part1);
         const lanes trail_v_part2 = trail_u - trail_v_part1;
@@ -808,21 +836,21 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes mu_x_loaded_shared2 = LMUX*mu_x_loaded_part1;
         const lanes mu_x_loaded_part1_by_PDX3 = -lanes_square(gamma);
         const lanes mu_x_loaded_part3_by_PPX4 = lanes_square(dpi);
-        const lanes mu_x_loaded_part3_by_dpi = PPX3 + 2.0*PPX4*dpi;
+        const lanes mu_x_loaded_part3_by_dpi = PPX3 + (2.0*PPX4)*dpi;
         const lanes mu_x_loaded_by_LMUX = mu_x_loaded_part1*mu_x_loaded_shared1;
         const lanes mu_x_loaded_by_mu_x_loaded_part1 = LMUX*mu_x_loaded_shared1;
         const lanes mu_x_loaded_by_mu_x_loaded_part2 = mu_x_loaded_part3*mu_x_loaded_shared2;
         const lanes mu_x_loaded_by_mu_x_loaded_part3 = mu_x_loaded_part2*mu_x_loaded_shared2;
         const lanes mu_x_by_mu_x_loaded = choose(F_z <= 0.0, each(0.0), each(1.0));
         const lanes E_x_part3_by_PEX3 = lanes_square(dfz);
-        const lanes E_x_part3_by_dfz = PEX2 + 2.0*PEX3*dfz;
+        const lanes E_x_part3_by_dfz = PEX2 + (2.0*PEX3)*dfz;
         const lanes E_x_by_E_x_part2 = E_x_part3*LEX;
         const lanes E_x_by_E_x_part3 = E_x_part2*LEX;
         const lanes E_x_by_LEX = E_x_part2*E_x_part3;
         const lanes K_xkappa_shared1 = K_xkappa_part2*K_xkappa_part4*LKX;
         const lanes K_xkappa_shared2 = F_z*K_xkappa_part1*LKX;
         const lanes K_xkappa_part2_by_PPX2 = lanes_square(dpi);
-        const lanes K_xkappa_part2_by_dpi = PPX1 + 2.0*PPX2*dpi;
+        const lanes K_xkappa_part2_by_dpi = PPX1 + (2.0*PPX2)*dpi;
         const lanes K_xkappa_by_K_xkappa_part1 = F_z*K_xkappa_shared1;
         const lanes K_xkappa_by_K_xkappa_part2 = K_xkappa_part4*K_xkappa_shared2;
         const lanes K_xkappa_by_K_xkappa_part4 = K_xkappa_part2*K_xkappa_shared2;
@@ -838,8 +866,8 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes F_x0_part1_by_F_x0_w = lanes_cos(F_x0_w);
         const lanes K_yalpha_shared1 = K_yalpha_part6*K_yalpha_part8;
         const lanes K_yalpha_shared2 = F_z*K_yalpha_part4;
-        const lanes K_yalpha_shared3 = K_yalpha_part12*K_yalpha_part3*LKY*PKY1;
-        const lanes K_yalpha_shared4 = F_z01*K_yalpha_part1*LKY*PKY1;
+        const lanes K_yalpha_shared3 = (LKY*PKY1)*K_yalpha_part12*K_yalpha_part3;
+        const lanes K_yalpha_shared4 = (F_z01*LKY*PKY1)*K_yalpha_part1;
         const lanes K_yalpha_shared5 = F_z01*K_yalpha_part1*K_yalpha_part12*K_yalpha_part3;
         const lanes K_yalpha_part6_by_K_yalpha_part5 = -lanes_square(K_yalpha_part6);
         const lanes K_yalpha_part7_by_PKY5 = lanes_square(gamma_star);
@@ -866,7 +894,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes mu_y_loaded_shared2 = LMUY*mu_y_loaded_part1;
         const lanes mu_y_loaded_part1_by_PDY3 = -lanes_square(gamma_star);
         const lanes mu_y_loaded_part3_by_PPY4 = lanes_square(dpi);
-        const lanes mu_y_loaded_part3_by_dpi = PPY3 + 2.0*PPY4*dpi;
+        const lanes mu_y_loaded_part3_by_dpi = PPY3 + (2.0*PPY4)*dpi;
         const lanes mu_y_loaded_by_LMUY = mu_y_loaded_part1*mu_y_loaded_shared1;
         const lanes mu_y_loaded_by_mu_y_loaded_part1 = LMUY*mu_y_loaded_shared1;
         const lanes mu_y_loaded_by_mu_y_loaded_part2 = mu_y_loaded_part3*mu_y_loaded_shared2;
@@ -885,7 +913,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes F_y0_w_part1_by_F_y0_v = 1.0/(1.0 + lanes_square(F_y0_v));
         const lanes F_y0_part1_by_F_y0_w = lanes_cos(F_y0_w);
         const lanes mu_y_by_mu_y_loaded = choose(F_z <= 0.0, each(0.0), each(1.0));
-        const lanes B_xalpha_part1_by_RBX2 = 2.0*RBX2*lanes_square(kappa);
+        const lanes B_xalpha_part1_by_RBX2 = (2.0*RBX2)*lanes_square(kappa);
         const lanes B_xalpha_part2_by_B_xalpha_part1 = 0.5/B_xalpha_part2;
         const lanes B_xalpha_part3_by_B_xalpha_part2 = -lanes_square(B_xalpha_part3);
         const lanes B_xalpha_part4_by_RBX3 = lanes_square(gamma_star);
@@ -899,8 +927,8 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes G_xa_part1_by_G_xa0_w = -lanes_sin(G_xa0_w);
         const lanes G_xa_part2_by_G_xa_part1 = -lanes_square(G_xa_part2);
         const lanes G_xa_part3_by_G_xa_w = -lanes_sin(G_xa_w);
-        const lanes B_ykappa_part2_by_B_ykappa_part1 = 2.0*B_ykappa_part1*square(RBY2);
-        const lanes B_ykappa_part2_by_RBY2 = 2.0*RBY2*lanes_square(B_ykappa_part1);
+        const lanes B_ykappa_part2_by_B_ykappa_part1 = (2.0*square(RBY2))*B_ykappa_part1;
+        const lanes B_ykappa_part2_by_RBY2 = (2.0*RBY2)*lanes_square(B_ykappa_part1);
         const lanes B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3;
         const lanes B_ykappa_part4_by_B_ykappa_part3 = -lanes_square(B_ykappa_part4);
         const lanes B_ykappa_part5_by_RBY4 = lanes_square(gamma_star);
@@ -916,7 +944,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes G_yk_part3_by_G_yk_w = -lanes_sin(G_yk_w);
         const lanes D_Vyk_shared1 = F_z*mu_y;
         const lanes D_Vyk_shared2 = D_Vyk_part3*D_Vyk_part4;
-        const lanes D_Vyk_part1_by_RVY4 = 2.0*RVY4*lanes_square(alpha_star);
+        const lanes D_Vyk_part1_by_RVY4 = (2.0*RVY4)*lanes_square(alpha_star);
         const lanes D_Vyk_part2_by_D_Vyk_part1 = 0.5/D_Vyk_part2;
         const lanes D_Vyk_part3_by_D_Vyk_part2 = -lanes_square(D_Vyk_part3);
         const lanes D_Vyk_by_D_Vyk_part3 = D_Vyk_part4*D_Vyk_shared1;
@@ -933,33 +961,33 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes B_t_shared1 = B_t_part4*LKY;
         const lanes B_t_shared2 = B_t_part1*B_t_part3;
         const lanes B_t_part4_by_QBZ3 = lanes_square(dfz);
-        const lanes B_t_part4_by_dfz = QBZ2 + 2.0*QBZ3*dfz;
+        const lanes B_t_part4_by_dfz = QBZ2 + (2.0*QBZ3)*dfz;
         const lanes B_t_by_B_t_part1 = B_t_part3*B_t_shared1;
         const lanes B_t_by_B_t_part3 = B_t_part1*B_t_shared1;
         const lanes B_t_by_B_t_part4 = B_t_shared2*LKY;
         const lanes B_t_by_LKY = B_t_part4*B_t_shared2;
-        const lanes D_t_shared1 = D_t_part3*D_t_part4*F_z*LTR*UNLOADED_RADIUS;
-        const lanes D_t_shared2 = D_t_part1*D_t_part2*F_z*LTR*UNLOADED_RADIUS;
-        const lanes D_t_shared3 = D_t_part1*D_t_part2*D_t_part3*D_t_part4*UNLOADED_RADIUS;
+        const lanes D_t_shared1 = (LTR*UNLOADED_RADIUS)*D_t_part3*D_t_part4*F_z;
+        const lanes D_t_shared2 = (D_t_part1*LTR*UNLOADED_RADIUS)*D_t_part2*F_z;
+        const lanes D_t_shared3 = (D_t_part1*UNLOADED_RADIUS)*D_t_part2*D_t_part3*D_t_part4;
         const lanes D_t_part4_by_QDZ4 = lanes_square(gamma);
         const lanes D_t_by_D_t_part1 = D_t_part2*D_t_shared1;
         const lanes D_t_by_D_t_part2 = D_t_part1*D_t_shared1;
         const lanes D_t_by_D_t_part3 = D_t_part4*D_t_shared2;
         const lanes D_t_by_D_t_part4 = D_t_part3*D_t_shared2;
         const lanes D_t_by_LTR = D_t_shared3*F_z;
-        const lanes D_t_by_UNLOADED_RADIUS = D_t_part1*D_t_part2*D_t_part3*D_t_part4*F_z*LTR;
+        const lanes D_t_by_UNLOADED_RADIUS = (D_t_part1*LTR)*D_t_part2*D_t_part3*D_t_part4*F_z;
         const lanes E_t_part1_by_QEZ5 = 2.0*gamma_star;
         const lanes E_t_part2_by_B_t = C_t*alpha_t;
         const lanes E_t_part2_by_C_t = B_t*alpha_t;
         const lanes E_t_part2_by_alpha_t = B_t*C_t;
         const lanes E_t_part3_by_E_t_part2 = 1.0/(1.0 + lanes_square(E_t_part2));
-        const lanes E_t_part4_by_E_t_part1 = E_t_part3/PI;
-        const lanes E_t_part4_by_E_t_part3 = E_t_part1/PI;
+        const lanes E_t_part4_by_E_t_part1 = (1.0/PI)*E_t_part3;
+        const lanes E_t_part4_by_E_t_part3 = (1.0/PI)*E_t_part1;
         const lanes E_t_part5_by_QEZ3 = lanes_square(dfz);
-        const lanes E_t_part5_by_dfz = QEZ2 + 2.0*QEZ3*dfz;
+        const lanes E_t_part5_by_dfz = QEZ2 + (2.0*QEZ3)*dfz;
         const lanes B_r_by_C_y = B_y*QBZ10;
         const lanes B_r_by_QBZ10 = B_y*C_y;
-        const lanes D_r_shared1 = D_r_part9*F_z*LMUY*UNLOADED_RADIUS;
+        const lanes D_r_shared1 = (LMUY*UNLOADED_RADIUS)*D_r_part9*F_z;
         const lanes D_r_shared3 = D_r_part7*D_r_part8*D_r_part9*F_z;
         const lanes D_r_part7_by_D_r_part6 = LKZC*gamma_star;
         const lanes D_r_part7_by_LKZC = D_r_part6*gamma_star;
@@ -997,11 +1025,11 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes s_by_LS = UNLOADED_RADIUS*s_part3;
         const lanes s_by_UNLOADED_RADIUS = LS*s_part3;
         const lanes Mz_by_Mz_part1 = choose(Fz < 1e-100, each(0.0), each(1.0));
-        const lanes F_zx_by_FZMIN = choose(FZMIN > F_z, -2.0*lanes_cube(F_z)/cube(FZMIN), each(0.0));
+        const lanes F_zx_by_FZMIN = choose(FZMIN > F_z, (-2.0/cube(FZMIN))*lanes_cube(F_z), each(0.0));
         const lanes M_x_hump_shared3 = lanes_square(F_zx);
-        const lanes M_x_hump_part2_by_F_zx = F_zx*M_x_hump_shared1*M_x_hump_shared2;
-        const lanes M_x_hump_part2_by_M_x_hump_part1 = M_x_hump_part1*M_x_hump_shared2*M_x_hump_shared3;
-        const lanes M_x_hump_part2_by_QSX6 = 2.0*M_x_hump_shared1*M_x_hump_shared3*QSX6;
+        const lanes M_x_hump_part2_by_F_zx = (M_x_hump_shared1*M_x_hump_shared2)*F_zx;
+        const lanes M_x_hump_part2_by_M_x_hump_part1 = (M_x_hump_part1*M_x_hump_shared2)*M_x_hump_shared3;
+        const lanes M_x_hump_part2_by_QSX6 = (2.0*M_x_hump_shared1*QSX6)*M_x_hump_shared3;
         const lanes M_x_hump_part3_by_M_x_hump_part2 = 1.0/(1.0 + lanes_square(M_x_hump_part2));
         const lanes M_x_hump_part5_by_M_x_hump_part4 = -lanes_sin(M_x_hump_part4);
         const lanes M_x_hump_part6_by_M_x_hump_part1 = Fy*QSX9;
@@ -1013,7 +1041,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes M_x_hump_by_QSX4 = M_x_hump_part5*M_x_hump_part9;
         const lanes Mx_shared3 = Fy*QSX3;
         const lanes Mx_shared4 = lanes_square(F_zx);
-        const lanes Mx_shared5 = QSX10*gamma/(1.0 + Mx_shared2*Mx_shared4*square(QSX11));
+        const lanes Mx_shared5 = QSX10*gamma/(1.0 + (Mx_shared2*square(QSX11))*Mx_shared4);
         const lanes Mx_shared7 = F_zx*Mx_shared6;
         const lanes Mx_shared9 = F_zx*Mx_shared8;
         const lanes Mx_shared10 = Mx_shared9*QSX11;
@@ -1028,7 +1056,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes Mx_shared19 = Mx_shared7*gamma;
         const lanes Mx_shared20 = Mx_shared19*QSX2;
         const lanes Mx_shared21 = Fy*Mx_shared6;
-        const lanes Mx_by_FNOMIN = choose(Fz < 1e-100, each(0.0), Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11));
+        const lanes Mx_by_FNOMIN = choose(Fz < 1e-100, each(0.0), Mx_shared7*(-Mx_shared2*Mx_shared3 - (Mx_shared2*QSX11)*F_zx*Mx_shared5));
         const lanes Mx_by_F_zx = choose(Fz < 1e-100, each(0.0), Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
         const lanes Mx_by_Fy = choose(Fz < 1e-100, each(0.0), Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
         const lanes Mx_by_LMX = choose(Fz < 1e-100, each(0.0), Mx_shared18*UNLOADED_RADIUS);
@@ -1037,7 +1065,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes Mx_by_PPMX1 = choose(Fz < 1e-100, each(0.0), -Mx_shared20*dpi);
         const lanes Mx_by_QSX1 = choose(Fz < 1e-100, each(0.0), LVMX*Mx_shared7);
         const lanes Mx_by_QSX10 = choose(Fz < 1e-100, each(0.0), Mx_shared15*Mx_shared19);
-        const lanes Mx_by_QSX11 = choose(Fz < 1e-100, each(0.0), Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8);
+        const lanes Mx_by_QSX11 = choose(Fz < 1e-100, each(0.0), (Mx_shared6*Mx_shared8)*Mx_shared4*Mx_shared5);
         const lanes Mx_by_QSX12 = choose(Fz < 1e-100, each(0.0), -Mx_shared11*Mx_shared19);
         const lanes Mx_by_QSX13 = choose(Fz < 1e-100, each(0.0), Mx_shared21);
         const lanes Mx_by_QSX14 = choose(Fz < 1e-100, each(0.0), Mx_shared11*Mx_shared21);
@@ -1045,13 +1073,13 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes Mx_by_QSX3 = choose(Fz < 1e-100, each(0.0), Mx_shared21*Mx_shared9);
         const lanes Mx_by_UNLOADED_RADIUS = choose(Fz < 1e-100, each(0.0), LMX*Mx_shared18);
         const lanes Mx_by_dpi = choose(Fz < 1e-100, each(0.0), -Mx_shared20*PPMX1);
-        const lanes F_zy_by_FZMIN = choose(FZMIN > F_z, -lanes_square(F_z)/square(FZMIN), each(0.0));
+        const lanes F_zy_by_FZMIN = choose(FZMIN > F_z, -(1.0/square(FZMIN))*lanes_square(F_z), each(0.0));
         const lanes M_y_speed_part3_by_M_y_speed_part2 = lanes_sgn(M_y_speed_part2);
         const lanes M_y_speed_by_M_y_speed_part4 = Fx*QSY2;
         const lanes M_y_speed_by_M_y_speed_part5 = M_y_speed_part6*QSY4;
         const lanes M_y_speed_by_QSY2 = Fx*M_y_speed_part4;
         const lanes M_y_speed_by_QSY4 = M_y_speed_part5*M_y_speed_part6;
-        const lanes M_y_near_locked_shared1 = 0.5*PI*M_y_near_locked_part3;
+        const lanes M_y_near_locked_shared1 = (0.5*PI)*M_y_near_locked_part3;
         const lanes M_y_near_locked_part4_by_M_y_near_locked_part1 = M_y_near_locked_part2*M_y_near_locked_shared1;
         const lanes M_y_near_locked_by_M_y_near_locked_part4 = lanes_cos(M_y_near_locked_part4);
         const lanes M_y_backward_by_M_y_near_locked = choose(kappa >= -VXLOW - VXLOW/lanes_absolute(V), each(1.0), each(0.0));

@@ -16,8 +16,10 @@ static inline double square(double x) { return x*x; }
 /* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
 
    Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
-   the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
-   to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
+   the polynomials are tirefmu's own: those of sine, cosine, tangent and arcus tangent have the least maximum of the
+   relative error over the reduced range, by Remez's exchange in 50 digits; those of exp and log interpolate in 60
+   digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
    infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
@@ -76,19 +78,32 @@ static inline lanes lanes_square(lanes x) { return x*x; }
 /* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
+/* x - n q pi for a whole number n of up to 8 digits; pi in two parts where products are not rounded before they are
+   subtracted, in three parts otherwise, of which the first product with n is exact. */
+#ifdef __FP_FAST_FMA
+#define LANES_WITHOUT(x, n, q) (((x) - (n)*((q)*3.141592653589793)) - (n)*((q)*1.2246467991473532e-16))
+#else
+#define LANES_WITHOUT(x, n, q) ((((x) - (n)*((q)*3.141592651605606)) - (n)*((q)*1.9841871583270443e-09)) \
+    - (n)*((q)*1.034036596358821e-18))
+#endif
+
+/* NaN beyond 1.8e7, where the multiple of pi that is next to the angle is no longer exact. */
+static inline lanes lanes_checked_angle(lanes angle)
+{
+    return angle + 0.0*(angle*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
-    const lanes checked = angle + 0.0*(angle*1e301); /* NaN beyond 1.8e7, where n is no longer exact */
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = ((checked - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const lanes z = r*r, z2 = z*z, z4 = z2*z2;
-    const lanes series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes z = r*r;
+    const lanes series = -0.16666666666666186 + z*(0.00833333333328554 + z*(-0.0001984126982505578
+        + z*(2.7557316600497566e-06 + z*(-2.5051880270633995e-08 + z*(1.6048095311161784e-10
+        + z*-7.373343460223636e-13)))));
     return (lanes)((lane_bits)(r + r*z*series) ^ ((lane_bits)rounded << 63));
 }
 
@@ -110,12 +125,11 @@ static inline lanes lanes_atan(lanes x)
     const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
     const lanes eighths = (shifted + 1.0) - near;
     const lanes t = (a*near - shifted)/(a*shifted + near);
-    const lanes z = t*t, z2 = z*z, z4 = z2*z2, z8 = z4*z4;
-    const lanes series = ((-0.3333333333333333 + z*0.19999999999995516)
-        + z2*(-0.14285714284665682 + z*0.11111111015187018))
-        + z4*((-0.0909090457530649 + z*0.07692183125376892) + z2*(-0.06664510525508936 + z*0.05858140904866328))
-        + z8*((-0.050854078345894844 + z*0.03923044778479309) + z2*-0.019175404711104935);
-    return with_sign_of(eighths*0.7853981633974483 + (t + (t*z*series + eighths*3.061616997868383e-17)), x);
+    const lanes z = t*t;
+    const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
+        + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
+        + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
+    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)
@@ -148,12 +162,17 @@ static double *aligned(double *array)
     return array + (beyond != 0 ? (64 - beyond)/8 : 0);
 }
 
-/* Take a block of inputs out of a table, its first row in the place of those that are missing. */
+/* Take a block of inputs out of a table, its first row in the place of those that are missing. Of the next block,
+   which arrives while this one is computed, one address of each cache line is named; beyond the table, that has no
+   effect. */
 static void take_block(size_t n, size_t stride, const double inputs[], double columns[])
 {
-    for (size_t k = 0; k < N_INPUTS; k++)
+    for (size_t k = 0; k < N_INPUTS; k++) {
+        for (size_t i = 0; i < BLOCK; i += 8)
+            __builtin_prefetch(inputs + k*stride + BLOCK + i);
         for (size_t i = 0; i < BLOCK; i++)
             columns[k*BLOCK + i] = inputs[k*stride + (i < n ? i : 0)];
+    }
 }
 
 /* Put n rows of results into a table; a row in which one is not finite is marked as undone. */
@@ -286,27 +305,27 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
         const lanes gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
-        const lanes B_xalpha = LXA*RBX1/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
-        const lanes B_ykappa = LYK*RBY1/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-        const lanes dfz = -1.0 + F_z/F_z01; /* [4.E2a] normalized change in load */
+        const lanes B_xalpha = (LXA*RBX1)/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
+        const lanes B_ykappa = (LYK*RBY1)/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
+        const lanes dfz = -1.0 + (1.0/F_z01)*F_z; /* [4.E2a] normalized change in load */
         const lanes sign_gamma = gamma_s/lanes_sqrt(1e-06 + lanes_square(gamma_s)); /* [Trento] smoothed sign */
-        const lanes K_yalpha_w = 2.0*lanes_atan(F_z/(F_z01*PKY2)); /* [4.E25] how far K_yalpha is up */
+        const lanes K_yalpha_w = 2.0*lanes_atan((1.0/(F_z01*PKY2))*F_z); /* [4.E25] how far K_yalpha is up */
         const lanes S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
         const lanes mu_x = LMUX*(1.0 - PDX3*lanes_square(gamma_s))*(PDX1 + PDX2*dfz); /* [4.E13] peak friction */
         const lanes K_xkappa = F_z*LKXK*(PKX1 + PKX2*dfz)*lanes_exp(-PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-        const lanes S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
+        const lanes S_Vx = (LMUX*LVX)*F_z*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
         const lanes S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s); /* [4.E27] horizontal shift */
-        const lanes S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
+        const lanes S_Vy = (LMUY*LVY)*F_z*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
         const lanes mu_y = LMUY*(1.0 - PDY3*lanes_square(gamma_s))*(PDY1 + PDY2*dfz); /* [4.E23] peak friction */
         const lanes S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-        const lanes D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*lanes_square(gamma_s))/FNOMIN; /* [4.E43] peak factor of the trail */
-        const lanes D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
+        const lanes D_t = (LT*UNLOADED_RADIUS/FNOMIN)*F_z*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*lanes_square(gamma_s)); /* [4.E43] peak factor of the trail */
+        const lanes D_r = (LMR*LMUY*UNLOADED_RADIUS)*F_z*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
         const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
         const lanes alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
         const lanes alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
         const lanes sign_kappa_x = kappa_x/lanes_sqrt(1e-06 + lanes_square(kappa_x)); /* [Trento] smoothed sign */
         const lanes sign_alpha_y = alpha_y/lanes_sqrt(1e-06 + lanes_square(alpha_y)); /* [Trento] smoothed sign */
-        const lanes B_t = LKY*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
+        const lanes B_t = (LKY/LMUY)*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz)); /* [4.E40] stiffness factor of the trail */
         const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
         const lanes D_y = F_z*mu_y; /* [4.E22] peak factor */
         const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha)); /* [4.E67] peak of S_Vyk */
@@ -314,23 +333,23 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes G_xa_w0 = RCX1*lanes_atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
         const lanes G_yk_w = RCY1*lanes_atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
         const lanes G_yk_w0 = RCY1*lanes_atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
-        const lanes B_x = K_xkappa/(C_x*D_x); /* [4.E16] stiffness factor */
+        const lanes B_x = (1.0/C_x)*K_xkappa/D_x; /* [4.E16] stiffness factor */
         const lanes E_x = LEX*(1.0 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
         const lanes E_y = LEY*(1.0 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
         const lanes E_t = (1.0 + (QEZ4 + QEZ5*gamma_s)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
-        const lanes K_yalpha = F_z01*LFZ0*LKA*PKY1*(1.0 - PKY3*sign_gamma)*lanes_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
+        const lanes K_yalpha = (F_z01*LFZ0*LKA*PKY1)*(1.0 - PKY3*sign_gamma)*lanes_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
         const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
         const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
         const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes S_Vyk = D_Vyk*LVYK*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
         const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
-        const lanes B_y = K_yalpha/(C_y*D_y); /* [4.E26] stiffness factor */
+        const lanes B_y = (1.0/C_y)*K_yalpha/D_y; /* [4.E26] stiffness factor */
         const lanes S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
         const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
         const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
         const lanes alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
-        const lanes B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
+        const lanes B_r = (C_y*QBZ10)*B_y + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
         const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
         const lanes alpha_teq = alpha_t*lanes_sqrt(1.0 + kappa_share/(1e-06 + lanes_square(alpha_t))); /* [4.E77] equivalent slip of the trail */
         const lanes alpha_req = alpha_r*lanes_sqrt(1.0 + kappa_share/(1e-06 + lanes_square(alpha_r))); /* [4.E78] equivalent slip of the residual moment */
@@ -343,7 +362,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes F_y0 = S_Vy + D_y*lanes_sin(F_y0_w); /* [4.E19] side force in pure slip */
         const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
         const lanes Fy = choose(Fz <= 1e-06, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-        const lanes s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
+        const lanes s = (LS*UNLOADED_RADIUS)*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + (SSZ2/FNOMIN)*Fy); /* [4.E76] moment arm of Fx */
         const lanes trail = D_t*lanes_cos(alpha)*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes Mz = choose(Fz <= 1e-06, each(0.0), M_zr + Fx*s - trail*(Fy - S_Vyk)); /* [4.E71] aligning moment */
 

@@ -17,8 +17,10 @@ static inline double square(double x) { return x*x; }
 /* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
 
    Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
-   the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
-   to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
+   the polynomials are tirefmu's own: those of sine, cosine, tangent and arcus tangent have the least maximum of the
+   relative error over the reduced range, by Remez's exchange in 50 digits; those of exp and log interpolate in 60
+   digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
    infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
@@ -77,19 +79,32 @@ static inline lanes lanes_square(lanes x) { return x*x; }
 /* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
+/* x - n q pi for a whole number n of up to 8 digits; pi in two parts where products are not rounded before they are
+   subtracted, in three parts otherwise, of which the first product with n is exact. */
+#ifdef __FP_FAST_FMA
+#define LANES_WITHOUT(x, n, q) (((x) - (n)*((q)*3.141592653589793)) - (n)*((q)*1.2246467991473532e-16))
+#else
+#define LANES_WITHOUT(x, n, q) ((((x) - (n)*((q)*3.141592651605606)) - (n)*((q)*1.9841871583270443e-09)) \
+    - (n)*((q)*1.034036596358821e-18))
+#endif
+
+/* NaN beyond 1.8e7, where the multiple of pi that is next to the angle is no longer exact. */
+static inline lanes lanes_checked_angle(lanes angle)
+{
+    return angle + 0.0*(angle*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
-    const lanes checked = angle + 0.0*(angle*1e301); /* NaN beyond 1.8e7, where n is no longer exact */
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = ((checked - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const lanes z = r*r, z2 = z*z, z4 = z2*z2;
-    const lanes series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes z = r*r;
+    const lanes series = -0.16666666666666186 + z*(0.00833333333328554 + z*(-0.0001984126982505578
+        + z*(2.7557316600497566e-06 + z*(-2.5051880270633995e-08 + z*(1.6048095311161784e-10
+        + z*-7.373343460223636e-13)))));
     return (lanes)((lane_bits)(r + r*z*series) ^ ((lane_bits)rounded << 63));
 }
 
@@ -111,12 +126,11 @@ static inline lanes lanes_atan(lanes x)
     const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
     const lanes eighths = (shifted + 1.0) - near;
     const lanes t = (a*near - shifted)/(a*shifted + near);
-    const lanes z = t*t, z2 = z*z, z4 = z2*z2, z8 = z4*z4;
-    const lanes series = ((-0.3333333333333333 + z*0.19999999999995516)
-        + z2*(-0.14285714284665682 + z*0.11111111015187018))
-        + z4*((-0.0909090457530649 + z*0.07692183125376892) + z2*(-0.06664510525508936 + z*0.05858140904866328))
-        + z8*((-0.050854078345894844 + z*0.03923044778479309) + z2*-0.019175404711104935);
-    return with_sign_of(eighths*0.7853981633974483 + (t + (t*z*series + eighths*3.061616997868383e-17)), x);
+    const lanes z = t*t;
+    const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
+        + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
+        + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
+    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)
@@ -149,12 +163,17 @@ static double *aligned(double *array)
     return array + (beyond != 0 ? (64 - beyond)/8 : 0);
 }
 
-/* Take a block of inputs out of a table, its first row in the place of those that are missing. */
+/* Take a block of inputs out of a table, its first row in the place of those that are missing. Of the next block,
+   which arrives while this one is computed, one address of each cache line is named; beyond the table, that has no
+   effect. */
 static void take_block(size_t n, size_t stride, const double inputs[], double columns[])
 {
-    for (size_t k = 0; k < N_INPUTS; k++)
+    for (size_t k = 0; k < N_INPUTS; k++) {
+        for (size_t i = 0; i < BLOCK; i += 8)
+            __builtin_prefetch(inputs + k*stride + BLOCK + i);
         for (size_t i = 0; i < BLOCK; i++)
             columns[k*BLOCK + i] = inputs[k*stride + (i < n ? i : 0)];
+    }
 }
 
 /* Put n rows of results into a table; a row in which one is not finite is marked as undone. */
@@ -490,7 +509,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes E_t_part1 = QEZ4 + QEZ5*gamma_s;
         const lanes dfz = -1.0 + F_z*dfz_part1; /* [4.E2a] normalized change in load */
         const lanes sign_gamma_part2 = lanes_sqrt(sign_gamma_part1);
-        const lanes K_yalpha_w_part3 = F_z*K_yalpha_w_part1*K_yalpha_w_part2;
+        const lanes K_yalpha_w_part3 = (K_yalpha_w_part1*K_yalpha_w_part2)*F_z;
         const lanes S_Hx_part1 = PHX1 + PHX2*dfz;
         const lanes mu_x_part2 = PDX1 + PDX2*dfz;
         const lanes E_x_part2 = PEX1 + PEX2*dfz + PEX3*lanes_square(dfz);
@@ -512,23 +531,23 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes S_Hx = LHX*S_Hx_part1; /* [4.E17] horizontal shift */
         const lanes mu_x = LMUX*mu_x_part1*mu_x_part2; /* [4.E13] peak friction */
         const lanes K_xkappa_part3 = lanes_exp(K_xkappa_part2);
-        const lanes S_Vx = F_z*LMUX*LVX*S_Vx_part1; /* [4.E18] vertical shift */
+        const lanes S_Vx = (LMUX*LVX)*F_z*S_Vx_part1; /* [4.E18] vertical shift */
         const lanes S_Hy = LHY*S_Hy_part1; /* [4.E27] horizontal shift */
         const lanes S_Vy_part2 = PVY1 + PVY2*dfz + S_Vy_part1*gamma_s;
         const lanes mu_y = LMUY*mu_y_part1*mu_y_part2; /* [4.E23] peak friction */
         const lanes B_xalpha_part2 = lanes_sqrt(B_xalpha_part1);
         const lanes D_Vyk_part2 = lanes_sqrt(D_Vyk_part1);
         const lanes S_Ht = QHZ1 + QHZ2*dfz + S_Ht_part1*gamma_s; /* [4.E35] shift of the trail */
-        const lanes D_t = D_t_part1*D_t_part2*D_t_part3*F_z*LT*UNLOADED_RADIUS; /* [4.E43] peak factor of the trail */
+        const lanes D_t = (D_t_part1*LT*UNLOADED_RADIUS)*D_t_part2*D_t_part3*F_z; /* [4.E43] peak factor of the trail */
         const lanes D_r_part2 = QDZ6 + D_r_part1*gamma_s + QDZ7*dfz;
         const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
         const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
-        const lanes S_Vy = F_z*LMUY*LVY*S_Vy_part2; /* [4.E29] vertical shift */
+        const lanes S_Vy = (LMUY*LVY)*F_z*S_Vy_part2; /* [4.E29] vertical shift */
         const lanes alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
         const lanes D_y = F_z*mu_y; /* [4.E22] peak factor */
         const lanes B_ykappa_part3 = lanes_sqrt(B_ykappa_part2);
         const lanes alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
-        const lanes D_r = D_r_part2*F_z*LMR*LMUY*UNLOADED_RADIUS; /* [4.E47] peak factor of the residual moment */
+        const lanes D_r = (LMR*LMUY*UNLOADED_RADIUS)*D_r_part2*F_z; /* [4.E47] peak factor of the residual moment */
         const lanes sign_gamma_part3 = 1.0/sign_gamma_part2;
         const lanes sign_kappa_x_part1 = 1e-06 + lanes_square(kappa_x);
         const lanes B_x_part2 = 1.0/D_x;
@@ -549,14 +568,14 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes B_t_part2 = 1.0 + QBZ4*gamma_s + QBZ5*sign_gamma;
         const lanes B_x = B_x_part1*B_x_part2*K_xkappa; /* [4.E16] stiffness factor */
         const lanes K_yalpha_w = 2.0*K_yalpha_w_part4; /* [4.E25] how far K_yalpha is up */
-        const lanes B_xalpha = B_xalpha_part3*LXA*RBX1; /* [4.E54] stiffness of G_xa */
+        const lanes B_xalpha = (LXA*RBX1)*B_xalpha_part3; /* [4.E54] stiffness of G_xa */
         const lanes D_Vyk = D_Vyk_part3*D_Vyk_part4*F_z*mu_y; /* [4.E67] peak of S_Vyk */
-        const lanes B_t = B_t_part1*B_t_part2*B_t_part3*LKY; /* [4.E40] stiffness factor of the trail */
+        const lanes B_t = (B_t_part1*LKY)*B_t_part2*B_t_part3; /* [4.E40] stiffness factor of the trail */
         const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
         const lanes K_yalpha_part2 = lanes_sin(K_yalpha_w);
         const lanes G_xa_w_part2 = B_xalpha*G_xa_w_part1;
         const lanes G_xa_w0_part1 = B_xalpha*RHX1;
-        const lanes B_ykappa = B_ykappa_part4*LYK*RBY1; /* [4.E62] stiffness of G_yk */
+        const lanes B_ykappa = (LYK*RBY1)*B_ykappa_part4; /* [4.E62] stiffness of G_yk */
         const lanes E_t_part2 = B_t*C_t*alpha_t;
         const lanes sign_kappa_x_part3 = 1.0/sign_kappa_x_part2;
         const lanes F_x0_v_part1 = lanes_atan(F_x0_u);
@@ -575,7 +594,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes E_y_part2 = 1.0 - E_y_part1*sign_alpha_y;
         const lanes E_x = E_x_part1*E_x_part2*LEX; /* [4.E14] curvature factor */
         const lanes E_y = E_y_part2*E_y_part3*LEY; /* [4.E24] curvature factor */
-        const lanes K_yalpha = F_z01*K_yalpha_part1*K_yalpha_part2*LFZ0*LKA*PKY1; /* [4.E25] cornering stiffness */
+        const lanes K_yalpha = (F_z01*LFZ0*LKA*PKY1)*K_yalpha_part1*K_yalpha_part2; /* [4.E25] cornering stiffness */
         const lanes F_x0_v_part2 = F_x0_u - F_x0_v_part1;
         const lanes B_y = B_y_part1*B_y_part2*K_yalpha; /* [4.E26] stiffness factor */
         const lanes G_xa_w = G_xa_w_part3*RCX1; /* [4.E51] angle of the weighting function */
@@ -590,7 +609,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes G_yk_w = G_yk_w_part3*RCY1; /* [4.E59] angle of the weighting function */
         const lanes G_yk_w0 = G_yk_w0_part2*RCY1; /* [4.E60] the same at zero slip */
         const lanes E_t = E_t_part4*E_t_part5; /* [4.E44] curvature factor of the trail */
-        const lanes B_r = B_r_part1*LKY*QBZ9 + B_y*C_y*QBZ10; /* [4.E45] stiffness factor of the residual moment */
+        const lanes B_r = B_r_part1*LKY*QBZ9 + (C_y*QBZ10)*B_y; /* [4.E45] stiffness factor of the residual moment */
         const lanes F_x0_w_part1 = lanes_atan(F_x0_v);
         const lanes F_y0_v_part1 = lanes_atan(F_y0_u);
         const lanes G_yk_part1 = lanes_cos(G_yk_w0);
@@ -631,9 +650,9 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes trail_w_part1 = lanes_atan(trail_v);
         const lanes Fy_part1 = S_Vyk + F_y0*G_yk;
         const lanes Fy = choose(Fz <= 1e-06, each(0.0), Fy_part1); /* [4.E58] side force */
-        const lanes s_part3 = SSZ1 + gamma_s*s_part1 + Fy*SSZ2*s_part2;
+        const lanes s_part3 = SSZ1 + gamma_s*s_part1 + (SSZ2*s_part2)*Fy;
         const lanes Mz_part1 = Fy - S_Vyk;
-        const lanes s = LS*UNLOADED_RADIUS*s_part3; /* [4.E76] moment arm of Fx */
+        const lanes s = (LS*UNLOADED_RADIUS)*s_part3; /* [4.E76] moment arm of Fx */
         const lanes trail_w = C_t*trail_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes trail_part2 = lanes_cos(trail_w);
         const lanes trail = D_t*trail_part1*trail_part2; /* [4.E73] pneumatic trail */
@@ -644,12 +663,12 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes sign_kappa_x_part2_by_sign_kappa_x_part1 = 0.5/sign_kappa_x_part2;
         const lanes sign_kappa_x_part3_by_sign_kappa_x_part2 = -lanes_square(sign_kappa_x_part3);
         const lanes mu_x_part1_by_PDX3 = -lanes_square(gamma_s);
-        const lanes mu_x_part1_by_gamma_s = -2.0*PDX3*gamma_s;
+        const lanes mu_x_part1_by_gamma_s = (-2.0*PDX3)*gamma_s;
         const lanes mu_x_by_LMUX = mu_x_part1*mu_x_part2;
         const lanes mu_x_by_mu_x_part1 = LMUX*mu_x_part2;
         const lanes mu_x_by_mu_x_part2 = LMUX*mu_x_part1;
         const lanes E_x_part2_by_PEX3 = lanes_square(dfz);
-        const lanes E_x_part2_by_dfz = PEX2 + 2.0*PEX3*dfz;
+        const lanes E_x_part2_by_dfz = PEX2 + (2.0*PEX3)*dfz;
         const lanes E_x_by_E_x_part1 = E_x_part2*LEX;
         const lanes E_x_by_E_x_part2 = E_x_part1*LEX;
         const lanes E_x_by_LEX = E_x_part1*E_x_part2;
@@ -679,7 +698,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes sign_alpha_y_part2_by_sign_alpha_y_part1 = 0.5/sign_alpha_y_part2;
         const lanes sign_alpha_y_part3_by_sign_alpha_y_part2 = -lanes_square(sign_alpha_y_part3);
         const lanes mu_y_part1_by_PDY3 = -lanes_square(gamma_s);
-        const lanes mu_y_part1_by_gamma_s = -2.0*PDY3*gamma_s;
+        const lanes mu_y_part1_by_gamma_s = (-2.0*PDY3)*gamma_s;
         const lanes mu_y_by_LMUY = mu_y_part1*mu_y_part2;
         const lanes mu_y_by_mu_y_part1 = LMUY*mu_y_part2;
         const lanes mu_y_by_mu_y_part2 = LMUY*mu_y_part1;
@@ -689,9 +708,9 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes K_yalpha_w_part3_by_K_yalpha_w_part1 = F_z*K_yalpha_w_part2;
         const lanes K_yalpha_w_part3_by_K_yalpha_w_part2 = F_z*K_yalpha_w_part1;
         const lanes K_yalpha_w_part4_by_K_yalpha_w_part3 = 1.0/(1.0 + lanes_square(K_yalpha_w_part3));
-        const lanes K_yalpha_shared1 = K_yalpha_part2*LFZ0*LKA*PKY1;
-        const lanes K_yalpha_shared2 = F_z01*K_yalpha_part1*LKA*PKY1;
-        const lanes K_yalpha_shared3 = F_z01*K_yalpha_part1*K_yalpha_part2*LFZ0;
+        const lanes K_yalpha_shared1 = (LFZ0*LKA*PKY1)*K_yalpha_part2;
+        const lanes K_yalpha_shared2 = (F_z01*LKA*PKY1)*K_yalpha_part1;
+        const lanes K_yalpha_shared3 = (F_z01*LFZ0)*K_yalpha_part1*K_yalpha_part2;
         const lanes K_yalpha_part2_by_K_yalpha_w = lanes_cos(K_yalpha_w);
         const lanes K_yalpha_by_F_z01 = K_yalpha_part1*K_yalpha_shared1;
         const lanes K_yalpha_by_K_yalpha_part1 = F_z01*K_yalpha_shared1;
@@ -706,7 +725,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes F_y0_v_part1_by_F_y0_u = 1.0/(1.0 + lanes_square(F_y0_u));
         const lanes F_y0_w_part1_by_F_y0_v = 1.0/(1.0 + lanes_square(F_y0_v));
         const lanes F_y0_part1_by_F_y0_w = lanes_cos(F_y0_w);
-        const lanes B_xalpha_part1_by_RBX2 = 2.0*RBX2*lanes_square(kappa);
+        const lanes B_xalpha_part1_by_RBX2 = (2.0*RBX2)*lanes_square(kappa);
         const lanes B_xalpha_part2_by_B_xalpha_part1 = 0.5/B_xalpha_part2;
         const lanes B_xalpha_part3_by_B_xalpha_part2 = -lanes_square(B_xalpha_part3);
         const lanes B_xalpha_by_LXA = B_xalpha_part3*RBX1;
@@ -716,8 +735,8 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes G_xa_part1_by_G_xa_w0 = -lanes_sin(G_xa_w0);
         const lanes G_xa_part2_by_G_xa_part1 = -lanes_square(G_xa_part2);
         const lanes G_xa_part3_by_G_xa_w = -lanes_sin(G_xa_w);
-        const lanes B_ykappa_part2_by_B_ykappa_part1 = 2.0*B_ykappa_part1*square(RBY2);
-        const lanes B_ykappa_part2_by_RBY2 = 2.0*RBY2*lanes_square(B_ykappa_part1);
+        const lanes B_ykappa_part2_by_B_ykappa_part1 = (2.0*square(RBY2))*B_ykappa_part1;
+        const lanes B_ykappa_part2_by_RBY2 = (2.0*RBY2)*lanes_square(B_ykappa_part1);
         const lanes B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3;
         const lanes B_ykappa_part4_by_B_ykappa_part3 = -lanes_square(B_ykappa_part4);
         const lanes B_ykappa_by_LYK = B_ykappa_part4*RBY1;
@@ -729,7 +748,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes G_yk_part3_by_G_yk_w = -lanes_sin(G_yk_w);
         const lanes D_Vyk_shared1 = F_z*mu_y;
         const lanes D_Vyk_shared2 = D_Vyk_part3*D_Vyk_part4;
-        const lanes D_Vyk_part1_by_RVY4 = 2.0*RVY4*lanes_square(alpha);
+        const lanes D_Vyk_part1_by_RVY4 = (2.0*RVY4)*lanes_square(alpha);
         const lanes D_Vyk_part2_by_D_Vyk_part1 = 0.5/D_Vyk_part2;
         const lanes D_Vyk_part3_by_D_Vyk_part2 = -lanes_square(D_Vyk_part3);
         const lanes D_Vyk_by_D_Vyk_part3 = D_Vyk_part4*D_Vyk_shared1;
@@ -746,16 +765,16 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes B_t_shared1 = B_t_part3*LKY;
         const lanes B_t_shared2 = B_t_part1*B_t_part2;
         const lanes B_t_part3_by_QBZ3 = lanes_square(dfz);
-        const lanes B_t_part3_by_dfz = QBZ2 + 2.0*QBZ3*dfz;
+        const lanes B_t_part3_by_dfz = QBZ2 + (2.0*QBZ3)*dfz;
         const lanes B_t_by_B_t_part1 = B_t_part2*B_t_shared1;
         const lanes B_t_by_B_t_part2 = B_t_part1*B_t_shared1;
         const lanes B_t_by_B_t_part3 = B_t_shared2*LKY;
         const lanes B_t_by_LKY = B_t_part3*B_t_shared2;
-        const lanes D_t_shared1 = D_t_part3*F_z*LT*UNLOADED_RADIUS;
-        const lanes D_t_shared2 = D_t_part1*D_t_part2*LT*UNLOADED_RADIUS;
+        const lanes D_t_shared1 = (LT*UNLOADED_RADIUS)*D_t_part3*F_z;
+        const lanes D_t_shared2 = (D_t_part1*LT*UNLOADED_RADIUS)*D_t_part2;
         const lanes D_t_shared3 = D_t_part1*D_t_part2*D_t_part3*F_z;
         const lanes D_t_part3_by_QDZ4 = lanes_square(gamma_s);
-        const lanes D_t_part3_by_gamma_s = QDZ3 + 2.0*QDZ4*gamma_s;
+        const lanes D_t_part3_by_gamma_s = QDZ3 + (2.0*QDZ4)*gamma_s;
         const lanes D_t_by_D_t_part1 = D_t_part2*D_t_shared1;
         const lanes D_t_by_D_t_part2 = D_t_part1*D_t_shared1;
         const lanes D_t_by_D_t_part3 = D_t_shared2*F_z;
@@ -766,14 +785,14 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes E_t_part2_by_alpha_t = B_t*C_t;
         const lanes E_t_part3_by_E_t_part2 = 1.0/(1.0 + lanes_square(E_t_part2));
         const lanes E_t_part5_by_QEZ3 = lanes_square(dfz);
-        const lanes E_t_part5_by_dfz = QEZ2 + 2.0*QEZ3*dfz;
+        const lanes E_t_part5_by_dfz = QEZ2 + (2.0*QEZ3)*dfz;
         const lanes B_r_by_C_y = B_y*QBZ10;
         const lanes B_r_by_QBZ10 = B_y*C_y;
         const lanes D_r_shared2 = D_r_part2*F_z*UNLOADED_RADIUS;
         const lanes D_r_by_D_r_part2 = D_r_shared1*F_z;
         const lanes D_r_by_LMR = D_r_shared2*LMUY;
         const lanes D_r_by_LMUY = D_r_shared2*LMR;
-        const lanes D_r_by_UNLOADED_RADIUS = D_r_part2*F_z*LMR*LMUY;
+        const lanes D_r_by_UNLOADED_RADIUS = (LMR*LMUY)*D_r_part2*F_z;
         const lanes kappa_share_shared1 = lanes_square(kappa_share_part1);
         const lanes kappa_share_shared2 = lanes_square(kappa);
         const lanes kappa_share_shared3 = 2.0*kappa_share_shared1;

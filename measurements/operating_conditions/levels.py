@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import find_peaks
 
 from tirefmu.symbolic.errors import DataError
 
@@ -101,6 +100,30 @@ def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np
     right_share = position - left
     counts = np.bincount(left, 1.0 - right_share, bins + 1) + np.bincount(left + 1, right_share, bins + 1)
     density = gaussian_filter1d(counts, sigma=4.0, mode="constant")
-    peaks, properties = find_peaks(density, prominence=0.0)
-    prominent = properties["prominences"] >= LEAST_LEVEL_PROMINENCE * density[peaks]
+    peaks = _peaks(density)
+    prominent = _prominences(density, peaks) >= LEAST_LEVEL_PROMINENCE * density[peaks]
     return np.asarray(lowest + bin_width * peaks[prominent])
+
+
+def _peaks(density: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return the indices of the local maxima; of equal values the one in the middle, nothing at the ends.
+
+    `scipy.signal.find_peaks` returns the same. Loading scipy.signal takes longer than reading a table.
+    """
+    starts = np.flatnonzero(np.diff(density, prepend=np.nan) != 0.0)  # of runs of equal values
+    ends = np.append(starts[1:], len(density)) - 1
+    heights = density[starts]
+    higher = (heights[1:-1] > heights[:-2]) & (heights[1:-1] > heights[2:])
+    return np.asarray((starts[1:-1] + ends[1:-1])[higher] // 2)
+
+
+def _prominences(density: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the height of each peak above the higher one of the lowest points that separate it from higher peaks."""
+    prominences = np.empty(len(peaks))
+    for i, peak in enumerate(peaks):
+        higher = np.flatnonzero(density > density[peak])
+        position = int(np.searchsorted(higher, peak))
+        left = higher[position - 1] if position else 0
+        right = higher[position] if position < len(higher) else len(density)
+        prominences[i] = density[peak] - max(density[left : peak + 1].min(), density[peak:right].min())
+    return prominences

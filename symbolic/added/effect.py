@@ -116,3 +116,29 @@ def sections_of(effects: Sequence[AddedEffect]) -> list[type[Section]]:
 def _filled(declarations: dict[str, Coefficient], space: dict[str, object]) -> None:
     """Put declarations into a class body."""
     space.update(declarations)
+
+
+def owners_of(effects: Sequence[AddedEffect]) -> dict[str, list[tuple[AddedEffect, State]]]:
+    """Return the states of effects by name, each with the effects that declare it.
+
+    Raises
+    ------
+    EffectError
+        If two effects declare a state of the same name differently, or a state has the name of a line, or of an FMU's
+        variable, of another.
+    """
+    owners: dict[str, list[tuple[AddedEffect, State]]] = {}
+    for effect in effects:
+        for state in effect.states:
+            shared = owners.setdefault(state.name, [])
+            if shared and shared[0][1] != state:
+                raise EffectError(f"state {state.name} of {effect.name} is another one in {shared[0][0].name}")
+            shared.append((effect, state))
+    taken = {
+        line: name
+        for name, ((_, state), *_) in owners.items()
+        for line in (*state.line_names, state.event_line, f"{name}_velocity", f"{name}_event")
+    }
+    for name in sorted(owners.keys() & taken.keys()):
+        raise EffectError(f"state {name} has the name of a quantity of state {taken[name]}")
+    return owners

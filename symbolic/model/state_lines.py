@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import sympy as sp
 
-from ..added import AddedEffect
+from ..added.effect import AddedEffect, owners_of
 from ..added.formula import formula
 from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State
 from ..declarations import Effect
@@ -43,32 +43,6 @@ def state_lines(effects: Sequence[AddedEffect]) -> tuple[Equation, ...]:
     for name, owners in owners_of(effects).items():
         _file(eq, owners[0][1], [Effect(effect.name, effect.physics, optional=True) for effect, _ in owners], name)
     return tuple(eq.equations)
-
-
-def owners_of(effects: Sequence[AddedEffect]) -> dict[str, list[tuple[AddedEffect, State]]]:
-    """Return the states of effects by name, each with the effects that declare it.
-
-    Raises
-    ------
-    EffectError
-        If two effects declare a state of the same name differently, or a state has the name of a line, or of an FMU's
-        variable, of another.
-    """
-    owners: dict[str, list[tuple[AddedEffect, State]]] = {}
-    for effect in effects:
-        for state in effect.states:
-            shared = owners.setdefault(state.name, [])
-            if shared and shared[0][1] != state:
-                raise EffectError(f"state {state.name} of {effect.name} is another one in {shared[0][0].name}")
-            shared.append((effect, state))
-    taken = {
-        line: name
-        for name, ((_, state), *_) in owners.items()
-        for line in (*state.line_names, state.event_line, f"{name}_velocity", f"{name}_event")
-    }
-    for name in sorted(owners.keys() & taken.keys()):
-        raise EffectError(f"state {name} has the name of a quantity of state {taken[name]}")
-    return owners
 
 
 def check_state_reads(model: str, effects: Sequence[AddedEffect], known: set[str]) -> None:

@@ -13,12 +13,17 @@ static double *aligned(double *array)
     return array + (beyond != 0 ? (64 - beyond)/8 : 0);
 }
 
-/* Take a block of inputs out of a table, its first row in the place of those that are missing. */
+/* Take a block of inputs out of a table, its first row in the place of those that are missing. Of the next block,
+   which arrives while this one is computed, one address of each cache line is named; beyond the table, that has no
+   effect. */
 static void take_block(size_t n, size_t stride, const double inputs[], double columns[])
 {
-    for (size_t k = 0; k < N_INPUTS; k++)
+    for (size_t k = 0; k < N_INPUTS; k++) {
+        for (size_t i = 0; i < BLOCK; i += 8)
+            __builtin_prefetch(inputs + k*stride + BLOCK + i);
         for (size_t i = 0; i < BLOCK; i++)
             columns[k*BLOCK + i] = inputs[k*stride + (i < n ? i : 0)];
+    }
 }
 
 /* Put n rows of results into a table; a row in which one is not finite is marked as undone. */

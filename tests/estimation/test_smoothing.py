@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+from scipy.signal import savgol_coeffs, savgol_filter
 
-from tirefmu.estimation.smoothing import _without_spikes, smoothed
+from tirefmu.estimation.smoothing import _parabola_weights, _without_spikes, parabolas, smoothed
 
 
 def sweeps(n=3000):
@@ -62,3 +63,11 @@ def test_fast_changes_of_a_coarse_channel_are_no_spikes():
     apex = -1e-3 * np.linspace(0.5, 3.0, 50)[:, None] * np.arange(-5, 6) ** 2.0
     for one in apex:
         np.testing.assert_array_equal(_without_spikes(one, 1e-3), one)
+
+
+@pytest.mark.parametrize("width", [3, 5, 11, 37])
+def test_parabolas_are_the_filter_of_savitzky_and_golay(width):
+    values = np.random.default_rng(4).standard_normal(80)
+    np.testing.assert_allclose(parabolas(values, width), savgol_filter(values, width, 2), atol=1e-13)
+    np.testing.assert_allclose(parabolas(values[:width], width), savgol_filter(values[:width], width, 2), atol=1e-13)
+    np.testing.assert_allclose(_parabola_weights(width)[width // 2], savgol_coeffs(width, 2), atol=1e-14)

@@ -94,7 +94,9 @@ with open("inputs.csv", "w") as file:
 assert main(["info", "unicamp_small_tire", "--quiet"]) == 0
 assert "pandas" not in sys.modules
 assert main(["evaluate", "trento_hoosier", "inputs.csv", "-o", "bench.csv", "--quiet"]) == 0
+assert "scipy" not in sys.modules
 fitted = tirefmu.fit("bench.csv", "fiala", nominal={"Fz0": 900.0, "R0": 0.2}, recipe="joint", iterations=1)
+assert not {"matplotlib", "scipy.stats", "scipy.signal"} & sys.modules.keys()
 fitted.tire.save("tire.tir")
 for inputs in ("slip", "wheel"):
     assert sources(3, interface(tirefmu.load("tire.tir"), inputs=inputs), "{1}")
@@ -120,3 +122,8 @@ def test_a_tire_is_evaluated_fitted_and_exported_without_its_equations(tmp_path,
 
 def test_a_tire_is_evaluated_without_them():
     assert loaded_by("import tirefmu; tirefmu.published('trento_hoosier').forces(alpha=0.1, Fz=700.0)", LARGE) == []
+
+
+def test_a_diagnosis_starts_without_figures_and_fmus():
+    names = ("matplotlib", "fmpy", "sympy", "casadi", "scipy.stats", "scipy.signal")
+    assert loaded_by("import tirefmu; tirefmu.diagnose", names) == []

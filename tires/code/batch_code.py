@@ -14,6 +14,7 @@ from .interface import Code, all_straight, as_matrices, chunks_of, jacobian_entr
 from .kernel import ChosenDerivatives, Kernel
 from .modules import numpy_module
 from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
+from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows of which the derivatives by inputs, 35 numbers in MF6.1, fit into the second cache of a processor. With a
@@ -150,7 +151,7 @@ class _BatchCode:
         if self._threads > 1 or not all_straight(self._book, inputs, parameters):
             return as_matrices(self._table("jacobian_inputs", inputs, parameters), forces)
         n, columns = inputs.shape[1], len(self._module.INPUTS)
-        matrices = np.empty((n, forces * columns))
+        matrices = RESULTS.empty((n, forces * columns))
         for rows, results in self._chunks("jacobian_inputs", inputs, parameters, ROWS_IN_CACHE):
             matrices[rows] = results.T
         return matrices.reshape(n, forces, columns)
