@@ -147,7 +147,7 @@ def fit(
     findings = _findings(result.tire, recordings)
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     warned = {finding.text for finding in findings if finding.serious}
-    terminal.fit_result(replace(result, notes=tuple(note for note in result.notes if note not in warned)), findings)
+    terminal.fit_result(result.with_notes(tuple(note for note in result.notes if note not in warned)), findings)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
