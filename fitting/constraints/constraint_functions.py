@@ -70,7 +70,8 @@ class ConstraintFunctions:
         self._blocks = blocks
         self._divisors = _joined(np.full(n, block.size) for block, n in zip(blocks, sizes, strict=True))
         n = len(problem.tire.book.parameters)
-        self._function, self._values = _all_of(blocks, n) if blocks else (None, None)
+        functions: tuple[Any, Any] = _all_of(blocks, n) if blocks else (None, None)
+        self._function, self._values = functions
 
     def __len__(self) -> int:
         return len(self.low)
