@@ -47,6 +47,7 @@ class ConstraintFunctions:
     def __init__(self, problem: Problem, constraints: Sequence[tuple[Constraint, FloatArray]]) -> None:
         self._problem = problem
         self._latest: tuple[FloatArray, FloatArray, FloatArray] | None = None
+        self._valued: tuple[FloatArray, FloatArray] | None = None
         self._each: Any = None
         blocks = [_Block(problem, constraint, points) for constraint, points in constraints if points.shape[1]]
         blocks = [block for block in blocks if block.free.size]
@@ -68,14 +69,21 @@ class ConstraintFunctions:
         self._factors = _joined(np.tile(block.reach, n) for block, n in zip(blocks, sizes, strict=True))[order]
         self._blocks = blocks
         self._divisors = _joined(np.full(n, block.size) for block, n in zip(blocks, sizes, strict=True))
-        self._function = _all_of(blocks, len(problem.tire.book.parameters)) if blocks else None
+        n = len(problem.tire.book.parameters)
+        functions: tuple[Any, Any] = _all_of(blocks, n) if blocks else (None, None)
+        self._function, self._values = functions
 
     def __len__(self) -> int:
         return len(self.low)
 
     def values(self, x: FloatArray) -> FloatArray:
         """Return the constrained quantities at scaled free values x."""
-        return self._at(x)[0]
+        if self._function is None or (self._latest is not None and np.array_equal(self._latest[0], x)):
+            return self._at(x)[0]
+        if self._valued is None or not np.array_equal(self._valued[0], x):
+            values = self._values(self._problem.parameters(x))
+            self._valued = x.copy(), np.array(values).ravel() / self._divisors
+        return self._valued[1]
 
     def values_of_each(self, population: FloatArray) -> FloatArray:
         """Return the constrained quantities at many points at once.
@@ -136,8 +144,8 @@ class _Block:
         Typical size, by which the quantity is divided.
     bounds : tuple of (float, float)
         Of the quantity divided by its size.
-    function : casadi.Function
-        The quantity and its nonzero derivatives by parameters, `width` of them, at one point.
+    value, function : casadi.Function
+        The quantity; the quantity and its nonzero derivatives by parameters, `width` of them, at one point.
     free : ndarray of int, shape (n_reached,)
         The free coefficients that influence it.
     reach : ndarray, shape (n_reached,)
@@ -147,19 +155,20 @@ class _Block:
     """
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
-        self._value, self.function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
+        self.value, self.function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
         self.points, self.size, self.bounds = points, constraint.size, constraint.scaled_bounds
         index = {int(column): i for i, column in enumerate(problem.columns)}
         self.width = len(reached)
-        influential = self._influential(problem) if self.width else np.zeros(0, dtype=np.bool_)
+        sought = np.array([column in index for column in reached], dtype=np.bool_)
+        influential = self._influential(problem, sought) if sought.any() else np.zeros(self.width, dtype=np.bool_)
         picked = [(i, index[column]) for i, column in enumerate(reached) if column in index and influential[i]]
         self.free = np.array([free for _, free in picked], dtype=int)
         self.reach = problem.reach[self.free] / self.size
         within = np.array([i for i, _ in picked], dtype=int)
         self.entries = np.add.outer(self.width * np.arange(points.shape[1]), within).ravel()
 
-    def _influential(self, problem: Problem) -> npt.NDArray[np.bool_]:
-        """Return which derivatives are nonzero at any tested point.
+    def _influential(self, problem: Problem, sought: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+        """Return which of the sought derivatives are nonzero at any tested point.
 
         If PDX2 is fixed at 0, no free coefficient changes the decrease of friction with load. Such rows of zeros are
         omitted, because an interior-point method cannot move them away from a bound.
@@ -171,23 +180,30 @@ class _Block:
             nearby = problem.parameters(present + random.uniform(-0.3, 0.3, len(present)))
             gradients = self.function.map(n)(self.points, np.repeat(nearby[:, None], n, axis=1))[1]
             influential |= np.any(np.array(gradients).reshape(self.width, n) != 0.0, axis=1)
+            if influential[sought].all():
+                break
         return influential
 
     def written_out(self, parameters: Any) -> list[Any]:
         """Return the value at each point as an expression of the parameters."""
-        return [self._value(point, parameters) / self.size for point in self.points.T]
+        return [self.value(point, parameters) / self.size for point in self.points.T]
 
 
-def _all_of(blocks: Sequence[_Block], n_parameters: int) -> Any:
-    """Return one function of the parameters: the values of all blocks, and all their derivatives point by point."""
+def _all_of(blocks: Sequence[_Block], n_parameters: int) -> tuple[Any, Any]:
+    """Return two functions of the parameters: the values of all blocks with all derivatives, and the values alone."""
     parameters = ca.MX.sym("parameters", n_parameters)
-    values, gradients = [], []
+    values, gradients, alone = [], [], []
     for block in blocks:
         n = block.points.shape[1]
-        value, gradient = block.function.map(n)(block.points, ca.repmat(parameters, 1, n))
+        at = block.points, ca.repmat(parameters, 1, n)
+        value, gradient = block.function.map(n)(*at)
         values.append(ca.vec(value))
         gradients.append(ca.vec(gradient))
-    return ca.Function("imposed", [parameters], [ca.vertcat(*values), ca.vertcat(*gradients)])
+        alone.append(ca.vec(block.value.map(n)(*at)))
+    return (
+        ca.Function("imposed", [parameters], [ca.vertcat(*values), ca.vertcat(*gradients)]),
+        ca.Function("values", [parameters], [ca.vertcat(*alone)]),
+    )
 
 
 def _joined(arrays: Iterable[npt.NDArray[Any]], kind: type = float) -> npt.NDArray[Any]:

@@ -18,6 +18,8 @@ from tirefmu.measurements import (
     identity_notes,
 )
 from tirefmu.measurements.operating_conditions.held_levels import held_levels
+from tirefmu.measurements.operating_conditions.phases import Motions, motions_of
+from tirefmu.measurements.quality.row_exclusion import check_inputs
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
@@ -127,9 +129,12 @@ def prepare(
     unfitted: list[str] = []
     segments = 0
     for number, recording in enumerate(recordings):
-        included, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
+        if screening:
+            check_inputs(recording)  # before they are compared with levels
+        motions = motions_of(recording) if screening or rows != "equal" else None
+        included, found = _screened(recording, motions) if screening else (np.ones(len(recording), dtype=np.bool_), ())
         excluded_rows += found
-        weight = _weights(recording, included, rows)
+        weight = _weights(recording, included, rows, motions)
         segment = _segment_numbers(recording) + segments
         segments = int(segment[-1]) + 1
         table, unfitted_channels = _without_information(recording.with_signs("adapted-sae").table, included, book)
@@ -146,11 +151,13 @@ def prepare(
     return FitData(data, tuple(excluded_rows), (*notes, *unfitted), rows)
 
 
-def _weights(recording: Recording, included: npt.NDArray[np.bool_], rows: str) -> npt.NDArray[np.float64]:
+def _weights(
+    recording: Recording, included: npt.NDArray[np.bool_], rows: str, motions: Motions | None
+) -> npt.NDArray[np.float64]:
     """Return the weights of rows by the name of a weighting, with mean 1 over the included rows."""
     if rows == "equal":
         return np.ones(len(recording))
-    weight = group_by_condition(recording).weights(included)
+    weight = group_by_condition(recording, motions=motions).weights(included)
     if rows == "load" and "Fz" in recording.table and included.any():
         load = np.abs(_levelled(recording.table["Fz"]))
         weight = weight / np.maximum(load, LEAST_LOAD * load[included].max()) ** 2
@@ -166,9 +173,9 @@ def _levelled(column: pd.Series) -> npt.NDArray[np.float64]:
     return np.asarray(found[np.searchsorted(0.5 * (found[1:] + found[:-1]), values)])
 
 
-def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:
+def _screened(recording: Recording, motions: Motions | None) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:
     """Return which rows are included, and the excluded rows by reason."""
-    found = exclude_rows(recording)
+    found = exclude_rows(recording, motions=motions)
     return found.included, tuple(
         ExcludedRows(
             recording.source, reason, EXCLUSION_REASONS[reason], count, len(recording),

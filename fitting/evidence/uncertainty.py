@@ -252,10 +252,14 @@ def _add_scores(
     for chunk, outputs in part.jacobian_chunks(x, CHUNK):
         for channel, (free, jacobian) in outputs.items():
             weight = part.root[channel, chunk] ** 2
-            here = np.flatnonzero(weight)
+            segment = part.rows.segment[chunk]
+            if weight.all():
+                jacobian *= weight
+                scores = jacobian
+            else:
+                here = np.flatnonzero(weight)
+                scores, segment = jacobian[:, here] * weight[here], segment[here]
             variance, correlation = noise[channel]
-            scores = jacobian[:, here] * weight[here]
-            segment = part.rows.segment[chunk][here]
             middle[np.ix_(free, free)] += variance * correlation.covariance(scores, segment)
 
 

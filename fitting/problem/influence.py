@@ -54,4 +54,6 @@ def influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
         for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, CHUNK):
             most = np.fmax(most, np.fmax.reduce(np.where(present[chunk].T[force], np.abs(jacobian), 0.0), axis=1))
         seen.update(coefficient[most * reach_of_each[coefficient] > 1e-6 * forces[force]].tolist())
+        if seen.issuperset(columns.tolist()):
+            break
     return {name for name, column in zip(names, columns, strict=True) if int(column) in seen}

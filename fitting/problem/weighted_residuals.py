@@ -88,7 +88,13 @@ class Rows:
         if n >= len(self):
             return self
         groups, sizes = np.unique(self.group, return_counts=True)
-        contents = [self.measured[self.group == group].tobytes() for group in groups]
+        equal = np.isin(
+            sizes, [size for size, times in zip(*np.unique(sizes, return_counts=True), strict=True) if times > 1]
+        )
+        contents = [
+            self.measured[self.group == group].tobytes() if tied else b""
+            for group, tied in zip(groups, equal, strict=True)
+        ]
         order = sorted(range(len(groups)), key=lambda i: (sizes[i], contents[i]))
         rows = np.concatenate([np.flatnonzero(self.group == groups[i]) for i in order])
         return self.take(np.sort(np.random.default_rng(seed).choice(rows, n, replace=False)))

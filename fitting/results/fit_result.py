@@ -141,6 +141,12 @@ class FitResult:
             profiles=tuple(one.mirrored() if declarations[one.name].flips else one for one in self.profiles),
         )
 
+    def with_notes(self, notes: tuple[str, ...]) -> FitResult:
+        """Return the result with other notes; what has been computed from it is not computed again."""
+        changed = replace(self, notes=notes)
+        vars(changed).update({name: vars(self)[name] for name in ("findings", "verdict") if name in vars(self)})
+        return changed
+
     def __repr__(self) -> str:
         """Return a few lines: status, goodness of fit by channel, coefficients that are not determined."""
         return fit_text(self)

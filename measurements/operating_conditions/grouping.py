@@ -12,7 +12,7 @@ from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording
 from ..thresholds import OVERSAMPLED
 from .levels import level_tolerance, levels
-from .phases import Phase, phases
+from .phases import Motions, Phase, phases
 
 _Key = tuple[tuple[str, ...], tuple[tuple[str, float], ...]]
 
@@ -83,7 +83,9 @@ class Grouping:
         return np.asarray(weights / weights[selected].mean())
 
 
-def group_by_condition(recording: Recording, *, most_levels: int | None = None) -> Grouping:
+def group_by_condition(
+    recording: Recording, *, most_levels: int | None = None, motions: Motions | None = None
+) -> Grouping:
     """Return the rows of a recording by the swept inputs and the levels of the held inputs.
 
     A phase of a time series (`phases`) belongs to one condition. Steady points are grouped by the nearest level of each
@@ -94,6 +96,8 @@ def group_by_condition(recording: Recording, *, most_levels: int | None = None) 
     recording : Recording
     most_levels : int, optional
         An input with more levels does not define conditions: it was swept in steps.
+    motions : Motions, optional
+        Those of the recording (`motions_of`), if they are known.
 
     Returns
     -------
@@ -108,7 +112,7 @@ def group_by_condition(recording: Recording, *, most_levels: int | None = None) 
     (((('Fz', 900.0),), (('Fz', 1800.0),)), (('alpha',), ('alpha',)), [500, 300])
     """
     most = np.inf if most_levels is None else most_levels
-    series = [phase for phase in phases(recording) if phase.kind != "points"]
+    series = [phase for phase in phases(recording, motions=motions) if phase.kind != "points"]
     held = {name: _levels_of(series, recording, name) for name in CONTROLLED_INPUTS if name in recording.table}
     held = {name: found for name, found in held.items() if 0 < len(found) <= most}
     labels = np.full(len(recording), -1, dtype=np.intp)

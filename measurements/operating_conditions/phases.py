@@ -50,7 +50,7 @@ class Phase:
     held: Mapping[str, float]
 
 
-def phases(recording: Recording) -> list[Phase]:
+def phases(recording: Recording, *, motions: Motions | None = None) -> list[Phase]:
     """Return the phases of a bench test.
 
     An input that was held at levels (`levels`) moves while it is between two of them. An input without levels moves
@@ -60,6 +60,8 @@ def phases(recording: Recording) -> list[Phase]:
     Parameters
     ----------
     recording : Recording
+    motions : Motions, optional
+        Those of the recording (`motions_of`), if they are known.
 
     Returns
     -------
@@ -76,31 +78,30 @@ def phases(recording: Recording) -> list[Phase]:
     >>> [(phase.kind, phase.moving) for phase in phases(bench)]
     [('sweep', ('alpha',)), ('sweep', ('alpha',))]
     """
-    inputs = _inputs(recording)
+    known = motions_of(recording) if motions is None else motions
+    inputs = known.inputs
     columns = {each.name: recording.table[each.name].to_numpy(dtype=np.float64) for each in inputs}
-    segments = _merged_segments(recording)
-    series = [segment for segment in segments if segment.is_series]
-    of_inputs = [iter(_motions(each, series)) for each in inputs]
+    of_inputs = [iter(each) for each in known.motions]
     found: list[Phase] = []
-    for segment in segments:
+    for segment in _merged_segments(known.segments):
         if not segment.is_series:
             found.append(Phase(segment.rows, "points", (), _medians(columns, inputs, segment.rows)))
             continue
-        motions = [next(of_input) for of_input in of_inputs]
-        state = np.stack([np.zeros(len(segment)), *(motion.moving for motion in motions)])
+        own = [next(of_input) for of_input in of_inputs]
+        state = np.stack([np.zeros(len(segment), dtype=np.bool_), *(motion.moving for motion in own)])
         cuts = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
-        edges = {0, *cuts.tolist(), *(jump for motion in motions for jump in motion.jumps), state.shape[1]}
+        edges = {0, *cuts.tolist(), *(jump for motion in own for jump in motion.jumps), state.shape[1]}
         for start, stop in pairwise(sorted(edges)):
             rows = slice(segment.rows.start + start, segment.rows.start + stop)
-            moving = tuple(each.name for each, motion in zip(inputs, motions, strict=True) if motion.moving[start])
-            between = any(motion.between[start] for motion in motions)
+            moving = tuple(each.name for each, motion in zip(inputs, own, strict=True) if motion.moving[start])
+            between = any(motion.between[start] for motion in own)
             kind = "transition" if between else "sweep" if moving else "plateau"
             held = _medians(columns, [each for each in inputs if each.name not in moving], rows)
             found.append(Phase(rows, kind, moving, held))
     return found
 
 
-def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.object_]:
+def transitions(recording: Recording, *, settling: float = 0.0, motions: Motions | None = None) -> NDArray[np.object_]:
     """Return for each row which held input is in transition to another level.
 
     Parameters
@@ -108,6 +109,8 @@ def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.ob
     recording : Recording
     settling : float
         s by which each transition is extended, until the tire has settled.
+    motions : Motions, optional
+        Those of the recording (`motions_of`), if they are known.
 
     Returns
     -------
@@ -115,11 +118,11 @@ def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.ob
         Name of the input, or "".
     """
     found = np.full(len(recording), "", dtype=object)
-    series = [segment for segment in segments_of(recording) if segment.is_series]
-    for each in _inputs(recording):
+    known = motions_of(recording) if motions is None else motions
+    for each, own in zip(known.inputs, known.motions, strict=True):
         if not len(each.held):
             continue
-        for segment, motion in zip(series, _motions(each, series), strict=True):
+        for segment, motion in zip(known.series, own, strict=True):
             between = motion.between.copy()
             between[[jump for jump in motion.jumps if settling]] = True
             if between.any():
@@ -145,6 +148,45 @@ class _Motion:
     moving: NDArray[np.bool_]
     between: NDArray[np.bool_]
     jumps: list[int]
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """How the inputs of a recording move, from which phases and transitions follow.
+
+    Parameters
+    ----------
+    segments : list of Segment
+    inputs : list
+        The controlled inputs with the levels at which they were held.
+    motions : list of list
+        By input, the motion in each segment that is a time series.
+    """
+
+    segments: list[Segment]
+    inputs: list[_Input]
+    motions: list[list[_Motion]]
+
+    @property
+    def series(self) -> list[Segment]:
+        """The segments that are time series."""
+        return [segment for segment in self.segments if segment.is_series]
+
+
+def motions_of(recording: Recording) -> Motions:
+    """Return how the inputs of a recording move.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Returns
+    -------
+    Motions
+    """
+    segments, inputs = segments_of(recording), _inputs(recording)
+    series = [segment for segment in segments if segment.is_series]
+    return Motions(segments, inputs, [list(_motions(each, series)) for each in inputs])
 
 
 def _inputs(recording: Recording) -> list[_Input]:
@@ -176,10 +218,10 @@ def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[
     return np.array([value for value, stay in zip(found, stays, strict=True) if stay >= FEWEST_STAY_ROWS])
 
 
-def _merged_segments(recording: Recording) -> list[Segment]:
+def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:
     """Return the segments; consecutive ones that are no time series are merged."""
     found: list[Segment] = []
-    for segment in segments_of(recording):
+    for segment in segments:
         if found and not segment.is_series and not found[-1].is_series:
             found[-1] = replace(segment, rows=slice(found[-1].rows.start, segment.rows.stop))
         else:

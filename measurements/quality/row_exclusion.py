@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tirefmu.symbolic.errors import DataError
 
 from ..channels import INPUTS, OUTPUTS
-from ..operating_conditions.phases import transitions
+from ..operating_conditions.phases import Motions, transitions
 from ..recording import Recording
 from ..thresholds import (
     COLD_START,
@@ -107,6 +107,7 @@ def exclude_rows(
     transition: bool = True,
     outlier: bool = True,
     settling: float = SETTLING_TIME,
+    motions: Motions | None = None,
 ) -> RowExclusion:
     """Return the rows of a recording that do not represent the steady, warm tire.
 
@@ -117,6 +118,8 @@ def exclude_rows(
         Whether to exclude rows for these reasons.
     settling : float
         s after a transition until the tire has settled.
+    motions : Motions, optional
+        Those of the recording (`motions_of`), if they are known.
 
     Returns
     -------
@@ -127,7 +130,7 @@ def exclude_rows(
     DataError
         If an input is not finite.
     """
-    _check_inputs(recording)
+    check_inputs(recording)
     reasons = np.full(len(recording), "", dtype=object)
     notes: list[str] = []
 
@@ -143,7 +146,7 @@ def exclude_rows(
         rows, details = _warm_up(recording)
         exclude(rows, "warm-up", details)
     if transition:
-        changing = transitions(recording, settling=settling)
+        changing = transitions(recording, settling=settling, motions=motions)
         for name in INPUTS:
             exclude(changing == name, "transition", f"{name} changes from one level to another")
     for value in outliers(recording) if outlier else ():
@@ -153,7 +156,8 @@ def exclude_rows(
     return RowExclusion(recording, reasons, tuple(notes))
 
 
-def _check_inputs(recording: Recording) -> None:
+def check_inputs(recording: Recording) -> None:
+    """Raise a DataError if an input is not finite."""
     for name in INPUTS:
         if name in recording.table:
             bad = np.flatnonzero(~np.isfinite(recording.table[name].to_numpy(dtype=np.float64)))

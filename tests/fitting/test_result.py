@@ -183,3 +183,11 @@ def test_the_stages_report_rows_and_coefficients(side_fit):
     assert first.free <= last.free == sum(coefficient.determined for coefficient in result.coefficients)
     assert all(stage.iterations > 0 for stage in result.stages)
     assert last.r2_uncentred == pytest.approx(result.channels[0].r2_uncentred, abs=1e-9)
+
+
+def test_other_notes_keep_what_has_been_computed(side_fit):
+    result, _ = side_fit
+    verdict = result.verdict
+    changed = result.with_notes(("a note",))
+    assert changed.notes == ("a note",)
+    assert changed.verdict is verdict

@@ -149,7 +149,7 @@ def fit(
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     warned = {finding.text for finding in findings if finding.serious}
     notes = tuple(note for note in result.notes if note not in warned)
-    terminal.fit_result(replace(result, notes=notes), findings, every)
+    terminal.fit_result(result.with_notes(notes), findings, every)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
