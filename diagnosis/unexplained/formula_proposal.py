@@ -15,7 +15,7 @@ from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
-from ..thresholds import COEFFICIENT_BOUND_FACTOR, MIN_IMPROVEMENT
+from ..thresholds import COEFFICIENT_BOUND_FACTOR, FINAL_ITERATIONS, MAX_WORSE_CHANNEL, MIN_IMPROVEMENT
 from .past import STATES
 from .structure import Structure
 
@@ -188,8 +188,25 @@ def added_if_better(
     extended_problem = replace(problem, simulator=simulator)
     free = (*solution.free, *(declaration.name for declaration in effect.declarations))
     fitted = extended_problem.solve(parameters, free, iterations=8)
-    gain = problem.holdout_gain(solution, fitted)
-    return Added(effect, tire, extended_problem, fitted) if gain > MIN_IMPROVEMENT else _too_small(gain)
+    reason = _against_delivery(problem, solution, extended_problem, fitted)
+    return reason or Added(effect, tire, extended_problem, fitted)
+
+
+def _against_delivery(problem: LeastSquares, without: Solution, extended: LeastSquares, fitted: Solution) -> str:
+    """Return why a formula is not delivered, or ''; a tire contains no corrections of the functional form."""
+    if problem.disturbances.added:
+        problem, extended = (
+            replace(one, disturbances=one.disturbances.of_recording()) for one in (problem, extended)
+        )  # fmt: skip
+        without = problem.solve(without.parameters, without.free, iterations=FINAL_ITERATIONS)
+        fitted = extended.solve(fitted.parameters, fitted.free, iterations=FINAL_ITERATIONS)
+    if (gain := problem.holdout_gain(without, fitted)) <= MIN_IMPROVEMENT:
+        return _too_small(gain)
+    for i, channel in enumerate(problem.simulator.signals.channels):
+        before, after = (float(np.sum(problem.weighted(one.residual)[i] ** 2)) for one in (without, fitted))
+        if after > MAX_WORSE_CHANNEL["train"] ** 2 * before:
+            return f"it increases the error of {channel}"
+    return ""
 
 
 def _too_small(gain: float) -> str:
