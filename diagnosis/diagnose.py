@@ -24,7 +24,7 @@ from .recording.signals import FORMULA_SIGNS, signals_of
 from .search.effect_search import Search
 from .search.memory import searched
 from .search.settling import settle
-from .unexplained.formula_proposal import INEXPRESSIBLE, Added, Unknown, added_if_better, effect_of, unknown_of
+from .unexplained.formula_proposal import Added, Unknown, added_if_better, effect_of, unknown_of
 from .verdict.composition import SearchOutcome, composed
 from .verdict.result import Diagnosis
 
@@ -155,10 +155,8 @@ def _unknown_structure(start: Tire, search: Search, report: Callable[[str], None
     unknowns = []
     for structure in search.structures:
         effect = effect_of(structure)
-        added: Added | str = INEXPRESSIBLE
-        if effect:
-            report("adding the proposed formula to the model equations")
-            added = added_if_better(structure, effect, start, search.problem, search.solution)
+        report("adding the proposed formula to the model equations")
+        added = added_if_better(structure, effect, start, search.problem, search.solution)
         if isinstance(added, Added):
             start = added.tire
             search.problem, search.solution = added.problem, added.solution

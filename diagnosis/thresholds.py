@@ -64,8 +64,11 @@ MIN_SKEW = 0.003
 #: Prior standard deviation of the relative error of the load that follows the direction of slip: benches hold the load
 #: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
-#: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load. Not recorded.
-MIN_VARIATION: Mapping[str, float] = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02}
+#: Larger errors of the load are removed from the disturbances, as implausible cross-talk is. Derived: as above.
+MAX_LOAD_ERROR = 0.01
+#: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load or speed. Not recorded,
+#: except the last one, a convention: a bench holds a constant speed within 1 %.
+MIN_VARIATION: Mapping[str, float] = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02, "V": 0.05}
 #: The same in standard deviations of the input's noise. Not recorded.
 MIN_VARIATION_IN_NOISE = 4.0
 

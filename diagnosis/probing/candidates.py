@@ -207,5 +207,5 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
 
 
 def _least_variation(signals: Signals, tire: Tire, name: str) -> float:
-    least = MIN_VARIATION.get(name, 0.0) * (tire.values["FNOMIN"] if name == "Fz" else 1.0)
+    least = MIN_VARIATION.get(name, 0.0) * (tire.nominal(name) if name in ("Fz", "V") else 1.0)
     return max(least, MIN_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)

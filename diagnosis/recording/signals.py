@@ -112,6 +112,12 @@ class Signals:
         edges = np.flatnonzero(np.diff(self.holdout.astype(int), prepend=0, append=0)).reshape(-1, 2)
         return [(int(first), int(end) - 1) for first, end in edges]
 
+    def with_inputs_of(self, tire: Tire) -> Signals:
+        """Return the signals with the inputs of a tire, in their order; those without signals are at nominal values."""
+        known = dict(zip(self.names, self.inputs, strict=True))
+        rows = [known[name] if name in known else np.full(len(self.t), tire.nominal(name)) for name in tire.inputs]
+        return replace(self, names=tire.inputs, inputs=np.stack(rows))
+
     def named(self) -> dict[str, FloatArray]:
         """Return the inputs at the compared rows by name."""
         return dict(zip(self.names, self.inputs[:, self.rows], strict=True))

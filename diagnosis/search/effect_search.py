@@ -30,7 +30,7 @@ from ..thresholds import (
     SEARCH_ROWS,
 )
 from ..unexplained.drift import is_drift
-from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
+from ..unexplained.structure import CORE_INPUTS, Structure, core_part, structure_of
 from .refits import REFINEMENT, Refit, Tried, distinct, preferred
 
 FloatArray = npt.NDArray[np.float64]
@@ -110,12 +110,19 @@ class Search:
             return best
         if is_drift(self.screen, structure):
             return best
+        if not set(structure.depends_on) <= CORE_INPUTS | self._varied():
+            structure = self._core_first(structure)
         share = 1.0 if self._is_finer_form(structure) else PREFERRED_SHARE
         if best and best.gain > share * structure.gain:
             return best
         if self._is_finer_form(structure):
             return structure
         return best if best and self._joint_gain(best) > PREFERRED_JOINT_SHARE * structure.gain else structure
+
+    def _core_first(self, structure: Structure) -> Structure:
+        """Return the part of a structure that is an error of the functional form, if this alone is significant."""
+        part = core_part(self.screen, structure)
+        return part if part is not None and part.passes and self._predicts_holdout(part) else structure
 
     def best_effect(self) -> Refit | None:
         """Test all candidates on the residual and return the best one that passes."""
@@ -207,14 +214,20 @@ class Search:
         )  # fmt: skip
 
     def _is_part_of_memory(self, refit: Refit) -> bool:
-        """Return whether a candidate of the past, or of what heats, gains little beside a found effect with states.
+        """Return whether a candidate of the past, or of what heats, gains little beside a found effect of the past.
 
-        The form of such an effect is uncertain, and its error resembles a further one.
+        The form of an effect with states is uncertain, and its error resembles a further one. A recorded temperature
+        follows the sliding, too: the error of its effect resembles an effect with states.
         """
-        gains = [float(one.gains.sum()) for one in self.found if self.candidates[one.name].has_states]
         candidate = self.candidates.get(refit.name)
-        of_past = candidate is not None and (candidate.has_states or bool(PAST.intersection(candidate.requires)))
-        return bool(gains) and of_past and float(refit.gains.sum()) < FURTHER_MEMORY * max(gains)
+        if candidate is None or not (candidate.has_states or PAST.intersection(candidate.requires)):
+            return False
+        resembled = [
+            float(one.gains.sum())
+            for one in self.found
+            if (known := self.candidates[one.name]).has_states or (candidate.has_states and "T" in known.requires)
+        ]
+        return bool(resembled) and float(refit.gains.sum()) < FURTHER_MEMORY * max(resembled)
 
     def probe(self) -> list[Tried]:
         """Estimate the noise, and return every testable form with its response."""

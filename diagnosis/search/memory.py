@@ -21,7 +21,7 @@ from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen
 from ..recording.load_error import LAGS, load_error_responses
 from ..recording.skew import delay_response
-from ..thresholds import EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, LOAD_ERROR_PRIOR, MAX_SKEW, MIN_SKEW
+from ..thresholds import EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, LOAD_ERROR_PRIOR, MAX_LOAD_ERROR, MAX_SKEW, MIN_SKEW
 from . import alignment
 from .effect_search import Search
 from .refits import Tried, consistent
@@ -98,12 +98,20 @@ def _is_significant(screen: Screen, tried: Tried, tests: int) -> bool:
 
 
 def _disturbed(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
-    """Return problem and solution with a skew of the recording and errors of the load as linear disturbances."""
+    """Return problem and solution with a skew of the recording and errors of the load as linear disturbances.
+
+    The errors of the load are removed if the recording would need larger ones than a bench has.
+    """
     skew = delay_response(problem.simulator, solution.parameters)[:, :, None]
     loads = load_error_responses(problem.simulator, solution.parameters)
     columns, names = np.concatenate([skew, loads], axis=-1), (SKEW, *LOAD_ERRORS)
     deviations = np.array([MAX_SKEW, *(LOAD_ERROR_PRIOR for _ in LOAD_ERRORS)])
     disturbed = replace(problem, disturbances=problem.disturbances.without(names).extended(names, columns, deviations))
+    first = disturbed.at(solution.parameters, solution.free)
+    errors = first.disturbance[[disturbed.disturbances.names.index(name) for name in LOAD_ERRORS]]
+    if np.all(np.abs(errors) <= MAX_LOAD_ERROR):
+        return disturbed, first
+    disturbed = replace(disturbed, disturbances=disturbed.disturbances.without(LOAD_ERRORS))
     return disturbed, disturbed.at(solution.parameters, solution.free)
 
 

@@ -6,20 +6,18 @@ quantity, so that it can be added to the model equations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import uniform_filter1d
 
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import recursion
 
-from ..probing.candidates import excited
+from ..probing.candidates import excited, varies
 from ..probing.effect_probing import Screen
 from ..recording.signals import Signals
+from .past import Past, add_rates_and_memory
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -39,7 +37,11 @@ class Feature:
         Whether the sign changes under mirroring left to right. Odd features are terms; even ones are factors, or
         scale a term.
     expressible : bool
-        Whether an effect file can contain the formula.
+        Whether the text is a formula of inputs and nominal values.
+    formula : str
+        Of a rate or memory: a formula that reads states and resembles it, or ''.
+    states : tuple of str
+        The states that this formula requires, of `past.STATES`.
     parts : tuple of str
         Texts of the two features of a product.
     slips : frozenset of str
@@ -51,16 +53,26 @@ class Feature:
     values: FloatArray
     odd: bool = False
     expressible: bool = True
+    formula: str = ""
+    states: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
     slips: frozenset[str] = frozenset()
 
+    @property
+    def in_effect_file(self) -> str:
+        """The formula in an effect file, or '' if none can contain it."""
+        return self.text if self.expressible else self.formula
+
     def __mul__(self, other: Feature) -> Feature:
+        formulas = self.in_effect_file, other.in_effect_file
         return Feature(
             f"{_bracketed(self.text)}*{_bracketed(other.text)}",
             self.depends_on | other.depends_on,
             self.values * other.values,
             self.odd != other.odd,
             self.expressible and other.expressible,
+            "*".join(map(_bracketed, formulas)) if all(formulas) else "",
+            tuple(dict.fromkeys((*self.states, *other.states))),
             (self.text, other.text),
             self.slips | other.slips,
         )
@@ -202,18 +214,20 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     odd_ones: list[Feature] = []
     rows = signals.rows
 
-    def add(text: str, depends: str, values: FloatArray, *, odd: bool = False, expressible: bool = True) -> None:
+    def add(text: str, depends: str, values: FloatArray, *, odd: bool = False, past: Past | None = None) -> None:
         at = values[rows]
         size = float(np.std(at))
         names = frozenset(depends.split())
         if size > 1e-9 and names & (signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
             slips = names & {"alpha", "kappa"}
             slips = slips if len(slips) == 1 else frozenset()
-            (odd_ones if odd else even_ones).append(Feature(text, names, at, odd, expressible, slips=slips))
+            formula, states = (past.formula, past.states) if past else ("", ())
+            feature = Feature(text, names, at, odd, past is None, formula, states, slips=slips)
+            (odd_ones if odd else even_ones).append(feature)
 
     slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
     load = named["Fz"] / nominal["FNOMIN"]
-    has_speed = "V" in named and "V" in signals.recorded and "LONGVL" in nominal
+    has_speed = "V" in named and varies(signals, tire, "V") and "LONGVL" in nominal
     speed = np.abs(named["V"]) / nominal["LONGVL"] if has_speed else np.ones_like(load)
     times_speed, of_speed = ("*absolute(V)/LONGVL", " V") if has_speed else ("", "")
     add("Fz/FNOMIN - 1", "Fz", load - 1.0)
@@ -243,49 +257,5 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     add("5*tan(alpha)", "alpha", 5.0 * np.tan(named["alpha"]), odd=True)
     add("5*kappa", "kappa", 5.0 * named["kappa"])
     if signals.timed:
-        _add_rates(add, signals.t, named)
+        add_rates_and_memory(add, signals.t, named)
     return even_ones, odd_ones
-
-
-def _add_rates(add: Callable[..., None], t: FloatArray, named: Mapping[str, FloatArray]) -> None:
-    """Add features of rates of change and of memory: first-order lags of the inputs."""
-    steps = np.diff(t)
-    step = float(np.median(steps[steps > 0.0]))
-    width = max(3, round(0.1 / step))
-
-    def rate(name: str) -> FloatArray:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = np.gradient(named[name], t)
-        usable = np.where(np.isfinite(slope), slope, 0.0)
-        return np.asarray(uniform_filter1d(usable, width, mode="nearest"))
-
-    turning = rate("alpha")
-    typical = 0.3 * float(np.sqrt(np.mean(turning**2))) + 1e-9
-    add("rate of alpha", "dalpha/dt", turning / (3.3 * typical), odd=True, expressible=False)
-    add("direction of alpha's change", "dalpha/dt memory", np.tanh(turning / typical), odd=True, expressible=False)
-    loading = np.tanh(turning / typical) * np.tanh(named["alpha"] / 0.02)
-    add("alpha growing or falling", "dalpha/dt memory alpha", loading, expressible=False)
-    changing = rate("kappa")
-    typical = 0.3 * float(np.sqrt(np.mean(changing**2))) + 1e-9
-    add("direction of kappa's change", "dkappa/dt memory", np.tanh(changing / typical), expressible=False)
-    add("kappa growing or falling", "dkappa/dt memory kappa",
-        np.tanh(changing / typical) * np.tanh(named["kappa"] / 0.02), expressible=False)  # fmt: skip
-    pressing = rate("Fz")
-    add("rate of Fz", "dFz/dt", pressing / (float(np.std(pressing)) + 1e-9), expressible=False)
-    for seconds in (1.0, 5.0):
-        slide = np.abs(np.tan(named["alpha"])) + np.abs(named["kappa"])
-        add(f"slip of the last {seconds:g} s", "memory alpha kappa",
-            5.0 * _low_pass(slide, step / seconds), expressible=False)  # fmt: skip
-    add(
-        "alpha of the last 0.3 s",
-        "dalpha/dt memory",
-        5.0 * _low_pass(named["alpha"], step / 0.3),
-        odd=True,
-        expressible=False,
-    )
-
-
-def _low_pass(values: FloatArray, share: float) -> FloatArray:
-    """Return a signal behind a first-order lag; `share` is the ratio of time step and time constant."""
-    decay = float(np.exp(-share))
-    return recursion(float(values[0]), np.full(len(values) - 1, decay), (1.0 - decay) * values[1:])

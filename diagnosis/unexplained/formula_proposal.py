@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +15,8 @@ from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
-from ..thresholds import COEFFICIENT_BOUND_FACTOR, MIN_IMPROVEMENT
+from ..thresholds import COEFFICIENT_BOUND_FACTOR, FINAL_ITERATIONS, MAX_WORSE_CHANNEL, MIN_IMPROVEMENT
+from .past import STATES
 from .structure import Structure
 
 FloatArray = npt.NDArray[np.float64]
@@ -66,19 +68,13 @@ class Added:
     solution: Solution
 
 
-def effect_of(structure: Structure) -> AddedEffect | None:
-    """Return structure as an effect, or None if an effect file cannot express it.
+def effect_of(structure: Structure) -> AddedEffect:
+    """Return structure as an effect; rates and memories become states.
 
     Parameters
     ----------
     structure : Structure
-
-    Returns
-    -------
-    AddedEffect or None
     """
-    if not structure.expressible:
-        return None
     sizes = structure.response.estimate
     names = [f"FOUND{i + 1}" for i in range(len(sizes))]
     declarations = "\n".join(
@@ -86,31 +82,43 @@ def effect_of(structure: Structure) -> AddedEffect | None:
         f"upper = {_bound(size)!r}{', flips = true' if structure.location.flips else ''}}}"
         for name, term, size in zip(names, structure.terms, sizes, strict=True)
     )
-    total = " + ".join(f"{name}*({term.text})" for name, term in zip(names, structure.terms, strict=True))
+    total = " + ".join(f"{name}*({term.in_effect_file})" for name, term in zip(names, structure.terms, strict=True))
     per = f"{structure.location.per}*" if structure.location.per else ""
     acts = "\n".join(
         f'[[acts]]\non = "{quantity}"\n{structure.location.how} = '
         + (f'"1 + {total}"' if structure.location.how == "factor" else f'"{per}({total})"')
         for quantity in structure.location.quantities
     )
-    name = "found_" + "_".join(structure.depends_on).lower()
+    name = "found_" + "_".join(re.sub(r"\W", "", variable) for variable in structure.depends_on).lower()
+    states = dict.fromkeys(state for term in structure.terms for state in term.states)
     text = (
         f'name = "{name}"\nphysics = "{structure.location.name} changes with {", ".join(structure.depends_on)}"\n'
-        f'source = "proposed by the diagnosis of a recording"\n[coefficients]\n{declarations}\n{acts}\n'
+        f'source = "proposed by the diagnosis of a recording"\n[coefficients]\n{declarations}\n'
+        + "".join(map(_table_of, states))
+        + f"{acts}\n"
     )
     return read_effect(text, f"{name}.toml")
 
 
-def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | str) -> Unknown:
+def _table_of(state: str) -> str:
+    """Return the table of a state in an effect file."""
+    rows = [
+        f"{key} = " + (toml_string(value) if isinstance(value, str) else f"[{', '.join(map(toml_string, value))}]")
+        for key, value in STATES[state].items()
+    ]
+    return "\n".join((f"[states.{state}]", *rows, ""))
+
+
+def unknown_of(structure: Structure, effect: AddedEffect, added: Added | str) -> Unknown:
     """Return the report of structure that no candidate effect explains.
 
     Parameters
     ----------
     structure : Structure
-    effect : AddedEffect or None
+    effect : AddedEffect
         Result of `effect_of`.
     added : Added or str
-        Result of `added_if_better`, or the reason why no formula was tried.
+        Result of `added_if_better`.
     """
     formula = structure.formula
     if isinstance(added, Added):
@@ -125,8 +133,6 @@ def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | 
     )  # fmt: skip
 
 
-#: The reason why a formula with a rate or a memory is not added.
-INEXPRESSIBLE = "it depends on the rate or history of an input, in a form that no effect with states has"
 #: Measurement that determines the form of structure that depends on a rate. Relaxation depends on the distance rolled,
 #: a delay on time, friction within the carcass on the direction only.
 _MEASUREMENTS = {
@@ -171,7 +177,7 @@ def added_if_better(
         return _too_small(gain)
     try:
         tire = replace(start, added=(*start.added, effect))
-        simulator = Simulator(tire, problem.simulator.signals)
+        simulator = Simulator(tire, problem.simulator.signals.with_inputs_of(tire))  # the states are inputs
     except EffectError as error:
         return f"the model cannot contain the formula: {error}"
     parameters = tire.parameters()
@@ -182,8 +188,25 @@ def added_if_better(
     extended_problem = replace(problem, simulator=simulator)
     free = (*solution.free, *(declaration.name for declaration in effect.declarations))
     fitted = extended_problem.solve(parameters, free, iterations=8)
-    gain = problem.holdout_gain(solution, fitted)
-    return Added(effect, tire, extended_problem, fitted) if gain > MIN_IMPROVEMENT else _too_small(gain)
+    reason = _against_delivery(problem, solution, extended_problem, fitted)
+    return reason or Added(effect, tire, extended_problem, fitted)
+
+
+def _against_delivery(problem: LeastSquares, without: Solution, extended: LeastSquares, fitted: Solution) -> str:
+    """Return why a formula is not delivered, or ''; a tire contains no corrections of the functional form."""
+    if problem.disturbances.added:
+        problem, extended = (
+            replace(one, disturbances=one.disturbances.of_recording()) for one in (problem, extended)
+        )  # fmt: skip
+        without = problem.solve(without.parameters, without.free, iterations=FINAL_ITERATIONS)
+        fitted = extended.solve(fitted.parameters, fitted.free, iterations=FINAL_ITERATIONS)
+    if (gain := problem.holdout_gain(without, fitted)) <= MIN_IMPROVEMENT:
+        return _too_small(gain)
+    for i, channel in enumerate(problem.simulator.signals.channels):
+        before, after = (float(np.sum(problem.weighted(one.residual)[i] ** 2)) for one in (without, fitted))
+        if after > MAX_WORSE_CHANNEL["train"] ** 2 * before:
+            return f"it increases the error of {channel}"
+    return ""
 
 
 def _too_small(gain: float) -> str:

@@ -53,6 +53,8 @@ class Structure:
         Change of the forces per unit of each term, N and N m.
     stretch_gains : ndarray, shape (STRETCHES,)
         Gain in each long stretch, estimated from the other stretches, as a share of the total squared misfit.
+    tests : int
+        Number of columns tested.
     """
 
     location: Location
@@ -64,6 +66,7 @@ class Structure:
     p: float
     columns: FloatArray
     stretch_gains: FloatArray
+    tests: int
 
     @property
     def passes(self) -> bool:
@@ -81,11 +84,6 @@ class Structure:
     def depends_on(self) -> tuple[str, ...]:
         """The variables, sorted."""
         return tuple(sorted(frozenset(self.location.proportional_to).union(*(term.depends_on for term in self.terms))))
-
-    @property
-    def expressible(self) -> bool:
-        """Whether an effect file can contain it."""
-        return all(term.expressible for term in self.terms)
 
     @property
     def formula(self) -> str:
@@ -130,16 +128,43 @@ def structure_of(screen: Screen) -> Structure | None:
     assert best is not None
     chosen, response = [best[1]], best[2]
     chosen, response = _extended_terms(screen, columns, candidates, chosen, response)
-    location = candidates[chosen[0]][0]
+    return _evaluated(
+        screen, candidates[chosen[0]][0], tuple(candidates[i][1] for i in chosen), response, len(candidates)
+    )
+
+
+def core_part(screen: Screen, structure: Structure) -> Structure | None:
+    """Return the terms of a structure that depend on the inputs of the steady-state core alone, or None.
+
+    A formula that gathers an error of the functional form and a missing effect says of neither what it is.
+
+    Parameters
+    ----------
+    screen : Screen
+        Of the residual that has the structure.
+    structure : Structure
+    """
+    proportional = frozenset(structure.location.proportional_to)
+    of_core = [i for i, term in enumerate(structure.terms) if proportional | term.depends_on <= CORE_INPUTS]
+    if not of_core:
+        return None
+    terms = tuple(structure.terms[i] for i in of_core)
+    response = screen.response(structure.response.columns[:, :, of_core])
+    return _evaluated(screen, structure.location, terms, response, structure.tests)
+
+
+def _evaluated(
+    screen: Screen, location: Location, terms: tuple[Feature, ...], response: Response, tests: int
+) -> Structure:
+    """Return terms at a location with their gains."""
     gains = screen.baseline.loss - response.loss
     total = float(screen.baseline.loss.sum())
-    error = error_of_sum(gains) / total
-    p = min(1.0, response.p_coloured * len(candidates))
-    terms = tuple(candidates[i][1] for i in chosen)
+    gain, error = float(gains.sum()) / total, error_of_sum(gains) / total
+    p = min(1.0, response.p_coloured * tests)
     acts = directions(screen)[location.name]
     unweighted = np.stack([acts * term.values for term in terms], axis=-1)
     stretch_gains = _stretch_gains(screen, response.columns)
-    return Structure(location, terms, response, float(gains.sum()) / total, error, gains, p, unweighted, stretch_gains)
+    return Structure(location, terms, response, gain, error, gains, p, unweighted, stretch_gains, tests)
 
 
 def _stretch_gains(screen: Screen, columns: FloatArray) -> FloatArray:

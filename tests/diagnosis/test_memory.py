@@ -9,10 +9,13 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
+from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.probing.candidates import candidates_for, is_testable
 from tirefmu.diagnosis.recording.load_error import load_error_responses
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
 from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.search.memory import LOAD_ERRORS, _disturbed
+from tirefmu.diagnosis.unexplained.features import features
 from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
@@ -123,6 +126,28 @@ def test_a_load_error_in_the_direction_of_slip_is_no_effect():
         table.assign(Fz=table["Fz"] * (1.0 + 0.004 * direction)), signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL
     )
     assert result.found == ()
+
+
+def test_a_load_error_that_no_bench_has_is_no_explanation():
+    """A difference between growing and falling slip of 3 % belongs to the tire, one of 0.4 % may be one of the load."""
+    table = recorded(tire_with())
+    direction = np.tanh(np.gradient(np.abs(table["alpha"]), table["t"]) / 0.05)
+    start = tire_with()
+    for size, explained in ((0.004, True), (0.03, False)):
+        forces = table.assign(Fz=table["Fz"] * (1.0 + size * direction))
+        problem, solution = fit_baseline(start, signals_of(forces, start, FORMULA_SIGNS), known=True)
+        disturbed, _ = _disturbed(problem, solution)
+        assert set(LOAD_ERRORS).issubset(disturbed.disturbances.names) == explained
+
+
+def test_a_constant_speed_is_no_variable_of_a_formula():
+    tire = tire_with()
+    signals = signals_of(recorded(tire), tire, FORMULA_SIGNS)
+    inputs, row = signals.inputs.copy(), signals.names.index("V")
+    for share, expected in ((0.01, False), (0.2, True)):
+        inputs[row] = tire.nominal("V") * (1.0 + share * np.linspace(-0.5, 0.5, inputs.shape[1]))
+        many = features(replace(signals, inputs=inputs, recorded=signals.recorded | {"V"}), tire)
+        assert any("V" in one.depends_on for ones in many for one in ones) == expected
 
 
 def test_the_memory_suite_hides_each_effect_with_the_errors_of_a_recording():

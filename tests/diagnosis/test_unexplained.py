@@ -6,17 +6,20 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
+from tirefmu.diagnosis.recording.simulation import Simulator
 from tirefmu.diagnosis.thresholds import MIN_STRETCHES, STRETCHES, STRUCTURE_P
 from tirefmu.diagnosis.unexplained.drift import is_drift
 from tirefmu.diagnosis.unexplained.features import (
     Feature,
-    _low_pass,
     determined,
     directions,
     features,
     locations_of,
 )
-from tirefmu.diagnosis.unexplained.structure import structure_of
+from tirefmu.diagnosis.unexplained.formula_proposal import effect_of
+from tirefmu.diagnosis.unexplained.past import STATES, _low_pass
+from tirefmu.diagnosis.unexplained.structure import core_part, structure_of
+from tirefmu.symbolic.added import library
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +41,6 @@ def test_structure_is_identified_with_its_location_variable_and_size(velocity_de
     assert found.generalizes
     assert (found.stretch_gains > 0.0).sum() == STRETCHES
     assert found.depends_on == ("alpha",)
-    assert found.expressible
     (size,) = [
         value for value, term in zip(found.response.estimate, found.terms, strict=True) if "tan(alpha)" in term.text
     ]
@@ -85,6 +87,10 @@ def test_a_product_is_odd_if_one_of_its_factors_is():
     rate = Feature("rate of alpha", frozenset({"dalpha/dt"}), values, odd=True, expressible=False)
     assert [(a * b).odd for a, b in ((even, even), (even, odd), (odd, even), (odd, odd))] == [False, True, True, False]
     assert not (even * rate).expressible
+    assert (even * rate).in_effect_file == ""  # neither part of the rate is a formula
+    lagged = replace(rate, formula="alpha - late_alpha", states=("late_alpha",))
+    assert (even * lagged).in_effect_file == "Fz*(alpha - late_alpha)"
+    assert (even * lagged).states == ("late_alpha",)
     assert (even * odd).text == "Fz*10*gamma"
     assert (even * odd).depends_on == {"Fz", "gamma"}
     np.testing.assert_array_equal((even * odd).values, values**2)
@@ -158,3 +164,57 @@ def test_a_formula_of_two_slips_needs_combined_slip(problem):
     assert ("friction", "5*absolute(tan(alpha))") in lost
     assert ("side force", "5*absolute(tan(alpha))*5*absolute(kappa)") in lost
     assert {("trail", "5*absolute(tan(alpha))"), ("friction", "5*sqrt(tan(alpha)**2 + kappa**2)")} <= formulas(pure)
+
+
+def test_the_states_of_a_proposal_resemble_the_features(at_true_values, velocity_dependent_friction):
+    """Rates and memories are written as an effect, which a tire simulates: both change the forces alike.
+
+    A direction turns at once where it is computed from a recording, but over a width as the state of a tire.
+    """
+    simulator, size = at_true_values.problem.simulator, 0.02
+    structure = structure_of(velocity_dependent_friction)
+    place = next(one for one in locations_of(simulator.book) if one.name == "friction")
+    past = [one for many in features(at_true_values.signals, simulator.tire) for one in many if not one.expressible]
+    assert {state for one in past for state in one.states} == STATES.keys()
+    response = replace(structure.response, estimate=np.full(len(past), size))
+    effect = effect_of(replace(structure, location=place, terms=tuple(past), response=response))
+    tire = replace(simulator.tire, added=(*simulator.tire.added, effect))
+    signals = at_true_values.signals.with_inputs_of(tire)
+    assert signals.names == tire.inputs
+    extended, parameters = Simulator(tire, signals), tire.parameters()
+    own = [extended.index[name] for name in simulator.names]
+    parameters[own] = simulator.tire.parameters()
+    without, direction = extended.forces(parameters), directions(at_true_values)["friction"]
+    for i, feature in enumerate(past):
+        parameters[extended.index[f"FOUND{i + 1}"]] = size
+        change = (extended.forces(parameters) - without).ravel()
+        parameters[extended.index[f"FOUND{i + 1}"]] = 0.0
+        expected = (size * direction * feature.values).ravel()
+        turns = any("direction" in state for state in feature.states)
+        assert np.corrcoef(change, expected)[0, 1] > (0.5 if turns else 0.95), feature.text
+        slope = float(change @ expected / (expected @ expected))
+        assert slope == pytest.approx(0.75 if turns else 1.0, abs=0.25 if turns else 0.1), feature.text
+
+
+def test_no_effect_of_the_library_has_the_states_of_a_proposal():
+    assert STATES.keys().isdisjoint(state.name for effect in library().values() for state in effect.states)
+
+
+def test_the_part_of_a_structure_in_the_inputs_of_the_core(velocity_dependent_friction):
+    screen = velocity_dependent_friction
+    found = structure_of(screen)
+    (term,) = found.terms[:1]
+    assert core_part(screen, found).formula == found.formula
+    other = replace(term, depends_on=frozenset({"memory"}), text="something else")
+    mixed = replace(
+        found,
+        terms=(*found.terms[:1], other),
+        response=screen.response(
+            np.repeat(found.columns[:, :, :1] * screen.problem.inverse_noise[:, :, None], 2, axis=2)
+        ),
+    )
+    part = core_part(screen, mixed)
+    assert part.terms == (term,)
+    assert part.depends_on == ("alpha",)
+    assert part.gain <= found.gain + 0.05
+    assert core_part(screen, replace(found, terms=(other,))) is None
