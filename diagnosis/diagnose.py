@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from threadpoolctl import threadpool_limits
 
@@ -99,12 +99,39 @@ def diagnose(
         if worse_by_smoothing(problem, solution, recorded):
             problem, solution = fit_baseline(start, recorded, known=tire is not None)
         before, search = searched(problem, solution, candidates_tried, report)
-        unknown, start = _unknown_structure(start, search, report)
-        settled = settle(search, before)
-        report("computing confounded explanations and detectable sizes")
+        outcome = _Outcome(recording, turning, candidates_tried, before, began, report)
+        return outcome.of(search, start).in_signs("iso")
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """What a diagnosis needs after its search."""
+
+    recording: Recording
+    turning: Recording
+    tried: Mapping[str, Candidate]
+    before: Screen
+    began: float
+    report: Callable[[str], None]
+
+    def of(self, search: Search, start: Tire) -> Diagnosis:
+        """Return the diagnosis with the proposed formulas, or without them if the tire with them is not delivered."""
+        without = search.copy()
+        unknown, extended = _unknown_structure(start, search, self.report)
+        result = self._completed(search, extended, unknown)
+        if result.delivered or extended is start:
+            return result
+        self.report("the tire with the proposed formula is not better: repeated without the formula")
+        reason = f"with it, {'; '.join(result.not_delivered_because)}"
+        rejected = tuple(replace(one, added=False, not_added_because=reason) if one.added else one for one in unknown)
+        return self._completed(without, start, rejected)
+
+    def _completed(self, search: Search, tire: Tire, unknown: tuple[Unknown, ...]) -> Diagnosis:
+        settled = settle(search, self.before)
+        self.report("computing confounded explanations and detectable sizes")
         turns = any(one.name == "turn_slip" for one in search.found)
-        outcome = SearchOutcome(turning if turns else recording, start, candidates_tried, settled, search, unknown)
-        return composed(outcome, began).in_signs("iso")
+        recording = self.turning if turns else self.recording
+        return composed(SearchOutcome(recording, tire, self.tried, settled, search, unknown), self.began)
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:

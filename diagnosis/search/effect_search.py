@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -75,6 +76,12 @@ class Search:
     last: list[Tried] = field(default_factory=list)
     screen: Screen = field(init=False)
     tests: int = 0
+
+    def copy(self) -> Search:
+        """Return a search that continues from here without a change of this one."""
+        other = copy(self)
+        other.found, other.refinements = list(self.found), list(self.refinements)
+        return other
 
     def run(self) -> None:
         """Repeat rounds until no candidate passes the criteria."""

@@ -10,6 +10,8 @@ import sympy as sp
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.recording.signals import signals_of
 from tirefmu.diagnosis.unexplained.features import features
+from tirefmu.diagnosis.verdict import composition
+from tirefmu.diagnosis.verdict.delivery import reasons_against
 from tirefmu.symbolic.added.folder import declared_effects
 from tirefmu.symbolic.added.formula import formula
 
@@ -89,6 +91,23 @@ def test_an_unexplained_effect_is_added_to_the_model():
     assert diagnosis.unknown[0].added
     assert set(diagnosis.unknown[0].depends_on) == UNKNOWN["crown"]
     assert closed(case, diagnosis) > 0.9
+
+
+def test_a_formula_that_prevents_delivery_is_left_out(monkeypatch):
+    """The first tire, with the formula, is refused; the second one has none and is judged as any other."""
+    judged = []
+
+    def reasons(*given):
+        judged.append(given)
+        return ("its residual is larger",) if len(judged) == 1 else reasons_against(*given)
+
+    monkeypatch.setattr(composition, "reasons_against", reasons)
+    diagnosis = answer(case_of("unknown", list(UNKNOWN).index("crown")))
+    assert len(judged) == 1  # without the formula nothing is added, and nothing is to be judged
+    assert not diagnosis.unknown[0].added
+    assert diagnosis.unknown[0].not_added_because == "with it, its residual is larger"
+    assert diagnosis.delivered
+    assert diagnosis.tire.has == diagnosis.base_tire.has
 
 
 def test_confounded_effects_are_reported_with_the_separating_measurement():
