@@ -14,9 +14,9 @@
 /* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
 
    Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
-   the polynomials are tirefmu's own: those of sine, cosine, tangent and arcus tangent have the least maximum of the
-   relative error over the reduced range, by Remez's exchange in 50 digits; those of exp and log interpolate in 60
-   digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   the polynomials are tirefmu's own: those of tangent and arcus tangent have the least maximum of the relative error
+   over the reduced range, by Remez's exchange in 50 digits; those of sine (exactly 1 at pi/2), exp and log interpolate in
+   60 digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
    place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
    infinities) they give NaN: the caller of the kernel computes that row again separately. */

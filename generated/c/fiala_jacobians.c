@@ -21,9 +21,10 @@ static inline double sgn(double x)
 
 /* Sine, cosine, tangent and arcus tangent without branches and calls, so that a processor overlaps what does not depend
    on each other. Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary
-   Functions, 1980); the polynomials are tirefmu's own, with the least maximum of the relative error over the reduced
-   range (Remez's exchange in 50 digits), rounded to double. The error, measured against 36 digits, is below 3 units in
-   the last place.
+   Functions, 1980); the polynomials are tirefmu's own: that of the sine interpolates in 60 digits at the Chebyshev nodes
+   of the reduced range, as with it the sine of pi/2 is exactly 1, and factors of low speed are exactly 0 at standstill;
+   those of the tangent have the least maximum of the relative error (Remez's exchange in 50 digits); rounded to double.
+   The error, measured against 36 digits, is below 3 units in the last place.
    Arguments that the reduction does not cover (huge angles, infinities, NaN) go to math.h. */
 
 /* Extended precision or liberties with rounding would spoil the reduction. */

@@ -33,9 +33,10 @@ static inline double sgn1(double x)
 
 /* Sine, cosine, tangent and arcus tangent without branches and calls, so that a processor overlaps what does not depend
    on each other. Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary
-   Functions, 1980); the polynomials are tirefmu's own, with the least maximum of the relative error over the reduced
-   range (Remez's exchange in 50 digits), rounded to double. The error, measured against 36 digits, is below 3 units in
-   the last place.
+   Functions, 1980); the polynomials are tirefmu's own: that of the sine interpolates in 60 digits at the Chebyshev nodes
+   of the reduced range, as with it the sine of pi/2 is exactly 1, and factors of low speed are exactly 0 at standstill;
+   those of the tangent have the least maximum of the relative error (Remez's exchange in 50 digits); rounded to double.
+   The error, measured against 36 digits, is below 3 units in the last place.
    Arguments that the reduction does not cover (huge angles, infinities, NaN) go to math.h. */
 
 /* Extended precision or liberties with rounding would spoil the reduction. */
@@ -72,10 +73,11 @@ static inline double shifted_sin(double angle, double shift)
     const double rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
     const double n = (rounded - ROUNDING) - shift;
     const double r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const double z = r*r, z2 = z*z;
-    const double series = (-0.16666666666666186 + z*0.00833333333328554)
-        + z2*((-0.0001984126982505578 + z*2.7557316600497566e-06)
-        + z2*((-2.5051880270633995e-08 + z*1.6048095311161784e-10) + z2*-7.373343460223636e-13));
+    const double z = r*r, z2 = z*z, z4 = z2*z2;
+    const double series = ((-0.16666666666666666 + z*0.008333333333333316)
+        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
+        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
+        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
     return double_of(bits_of(r + r*z*series) ^ (bits_of(rounded) << 63));
 }
 
