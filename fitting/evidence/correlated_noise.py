@@ -9,11 +9,10 @@ faster than the noise, as that of a slip stiffness in a quick sweep, has its sma
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import lfilter
+from scipy.linalg import solve_banded
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -87,13 +86,10 @@ class NoiseCorrelation:
         if self.share == 0.0 or weights.shape[1] < 2:
             return np.asarray(independent)
         # The correlation matrix of autoregressive noise is A^-1 D A^-T; A has 1 on its diagonal and -decay below it.
-        solved = np.empty_like(weights)
-        starts = np.flatnonzero(np.diff(segment, prepend=segment[0] - 1))
-        for start, stop in pairwise([*starts.tolist(), weights.shape[1]]):  # A^-T: a recursion from the last row
-            piece = weights[:, start:stop][:, ::-1]
-            solved[:, start:stop] = lfilter([1.0], [1.0, -self.decay], piece, axis=1)[:, ::-1]
-        scales = np.full(weights.shape[1], np.sqrt(1.0 - self.decay**2))
-        scales[starts] = 1.0
-        solved *= scales
-        correlated = solved @ solved.T  # half the work of a product of two different matrices
+        decay = np.where(segment[1:] == segment[:-1], self.decay, 0.0)
+        bands = np.ones((2, weights.shape[1]))
+        bands[0, 1:] = -decay
+        solved = solve_banded((0, 1), bands, weights.T)
+        innovations = np.concatenate([[1.0], 1.0 - decay**2])
+        correlated = solved.T @ (solved * innovations[:, None])
         return np.asarray((1.0 - self.share) * independent + self.share * correlated)

@@ -155,7 +155,7 @@ def test_it_is_fitted_and_reported(fitted, fault):
 
 def test_a_missing_slip_follows_the_verdict_before_all_tables(fitted):
     outcome, _ = fitted([sweeps().drop(columns="alpha")])
-    headline, _ = outcome.out.split("Coefficients", 1)
+    headline, _ = outcome.out.split("Goodness of fit", 1)
     assert headline.startswith("verdict: ")
     assert "warning: a.csv: NO COLUMN alpha (slip angle): Fy and Mz cannot be fitted" in headline
 

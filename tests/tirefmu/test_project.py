@@ -192,7 +192,8 @@ def test_init_and_run(command, bench_csv, tmp_path):
     assert command(*arguments).err.count("exists already") == 1
     path.write_text(path.read_text().replace("run = true", "run = false"))
     first = command("run", path)
-    assert first.err == ""
+    finished = [line.split(": ")[0] for line in first.err.splitlines()]
+    assert finished == ["inspect", "fit", "explore", "export", "check bench"]
     assert first.status in (0, 1)
     second = command("run", path, "--json", tmp_path / "run.json")
     assert second.status == first.status
