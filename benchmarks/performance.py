@@ -193,8 +193,8 @@ def fit_text(found: Mapping[str, Any], real: float | None, scale: float) -> str:
     ]  # fmt: skip
     return (
         f"## Fit\n\n{table(('', 'here', 'reference machine', 'target', 'before'), rows)}\n"
-        "`trf` has no constraints. Where its cost is higher than that of the full fit, it has stopped elsewhere, and its\n"
-        "time is no measure:\n\n"
+        "`trf` has no constraints. Where its cost is higher than that of the full fit, it has stopped elsewhere,\n"
+        "and its time is no measure:\n\n"
         f"{table(('', 'CPU s', 'of trf', 'cost', 'Jacobians'), solvers)}\n"
         "Iterations of each stage of the whole fit. A stage that ends early has few free coefficients or starts near\n"
         "its optimum; the stopping window is ten iterations in the last stage (ARCHITECTURE.md, Solver):\n\n"
