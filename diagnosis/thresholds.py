@@ -9,8 +9,9 @@ There are four kinds of reasons:
 - *Not recorded*: the value is that of the first version; no study of it is recorded.
 
 No recorded study validates a single threshold on independent data. The benchmark validates, as a set, the thresholds
-that it did not select. The measured recordings of ``make real`` (docs/diagnosis.md) selected none and validate the
-complete set.
+that it did not select. The measured recordings of ``make real`` (docs/diagnosis.md) selected no value, but three rules
+followed from looking at one of them: `MAX_LOAD_ERROR`, the least variation of a speed, and `FURTHER_MEMORY` beside an
+effect of a recorded temperature. For these, the confirmation suite is the validation (docs/discovery.md).
 
 Thresholds of one effect are in its file (docs/effects.md), those of `tirefmu.estimation` in its modules.
 """
@@ -131,8 +132,8 @@ PREFERRED_SHARE = 0.6
 #: The same for the joint gain with the effects that the next rounds would identify, and the number of those rounds.
 #: Benchmark: several missing effects were reported as unexplained structure.
 PREFERRED_JOINT_SHARE, LOOKAHEAD = 0.8, 3
-#: Share of the gain of an identified effect with states that a further effect of the past must gain. Benchmark: a
-#: hysteresis of another form was reported as two effects.
+#: Share of the gain of an identified effect with states, or of a recorded temperature, that a further effect of the
+#: past must gain. Benchmark: a hysteresis of another form was reported as two effects.
 FURTHER_MEMORY = 0.15
 #: Rows of the fits in the search; iterations of the final fit. Conventions: computing time.
 SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
