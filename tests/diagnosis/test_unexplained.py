@@ -177,7 +177,7 @@ def test_the_states_of_a_proposal_resemble_the_features(at_true_values, velocity
     past = [one for many in features(at_true_values.signals, simulator.tire) for one in many if not one.expressible]
     assert {state for one in past for state in one.states} == STATES.keys()
     response = replace(structure.response, estimate=np.full(len(past), size))
-    effect = effect_of(replace(structure, location=place, terms=tuple(past), response=response))
+    effect = effect_of([replace(structure, location=place, terms=tuple(past), response=response)])
     tire = replace(simulator.tire, added=(*simulator.tire.added, effect))
     signals = at_true_values.signals.with_inputs_of(tire)
     assert signals.names == tire.inputs
