@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.added import effect_text
+from tirefmu.symbolic.added import AddedEffect, effect_text
 from tirefmu.symbolic.errors import DataError, UnknownName, path_from
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
@@ -182,6 +182,12 @@ class Diagnosis:
         return next((color for color in ("red", "amber") if color in ratings), "green")
 
     @property
+    def proposed(self) -> tuple[AddedEffect, ...]:
+        """The effects that the diagnosis wrote itself: a correction of the form, and unexplained effects."""
+        written = [self.correction, *self.unknown]
+        return tuple(one.effect for one in written if one is not None and one.effect is not None)
+
+    @property
     def _summarized(self) -> tuple[str, tuple[Finding, ...], Mapping[str, Mapping[str, float]], int, str]:
         return self.verdict, self.found, self.gap["holdout"], len(self.rows), self.signs
 
@@ -308,8 +314,7 @@ class Diagnosis:
             path.mkdir(parents=True, exist_ok=True)
             self.tire.save(path / "improved.tir")
             self.base_tire.save(path / "base.tir")
-            corrections = [self.correction.effect] if self.correction else []
-            for proposed in [*corrections, *(one.effect for one in self.unknown if one.effect)]:
+            for proposed in self.proposed:
                 (path / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
             content = self.to_json(tire="improved.tir", base_tire="base.tir")
             (path / "diagnosis.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
