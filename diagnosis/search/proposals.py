@@ -40,7 +40,7 @@ def with_correction(search: Search, start: Tire, report: Callable[[str], None]) 
     """Add the errors of the functional form that the hold-out set confirms to the model of a search.
 
     Only those in the inputs of the steady-state core: others are errors of the form of an identified effect, which they
-    would replace in part.
+    would replace in part. And only beside an identified effect: where nothing is missing, the model remains as it is.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def with_correction(search: Search, start: Tire, report: Callable[[str], None]) 
         The baseline model, with the correction.
     """
     forms = [form for form in search.forms if set(form.depends_on) <= CORE_INPUTS]
-    if not forms:
+    if not (forms and search.found):
         return None, start
     problem = replace(search.problem, disturbances=search.problem.disturbances.of_recording())
     solution = problem.solve(search.solution.parameters, search.solution.free, iterations=FINAL_ITERATIONS)
