@@ -55,7 +55,10 @@ def draw_curves(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
     measured = _shown(diagnosis, channel)
     for ax, block in zip(axes, _blocks(diagnosis, channel), strict=False):
         _draw(
-            ax, table.iloc[block], measured[block], {name: (y[block], *style) for name, (y, *style) in computed.items()}
+            ax,
+            table.iloc[block],
+            measured[block],
+            {name: (y[block], color, dashes) for name, (y, color, dashes) in computed.items()},
         )
     for ax in axes:
         ax.set_visible(bool(ax.lines))
