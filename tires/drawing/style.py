@@ -139,7 +139,7 @@ def place_legend(ax: Axes, title: str | None = None) -> None:
 
 def write_footnote(figure: Figure, signs: str, *notes: str) -> None:
     """Write the sign convention and notes below the axes."""
-    lines = textwrap.wrap("; ".join([_CONVENTION[signs], *notes]), int(16 * figure.get_figwidth()))
+    lines = textwrap.wrap("; ".join([_CONVENTION[signs], *notes]), int(14 * figure.get_figwidth()))
     figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=NOTE_SIZE, color="0.3")
 
 
