@@ -46,6 +46,11 @@ def headline_of(command: str, result: Mapping[str, Any], status: int) -> Headlin
     return Headline(text, "bad" if status else "limited" if limited else "good")
 
 
+def _inspect_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
+    serious = any(each["serious"] for each in result["findings"])
+    return "data would mislead a fit" if serious else "data ready for a fit", bool(result["findings"])
+
+
 def _fit_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
     return f"tire {result['verdict']['word']}", bool(result["verdict"]["reasons"])
 
@@ -61,7 +66,7 @@ def _diagnose_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
 
 
 _HEADLINES: dict[str, Callable[[Mapping[str, Any]], tuple[str, bool]]] = {
-    "inspect": lambda result: (f"data {result['verdict']}", bool(result["findings"])),
+    "inspect": _inspect_headline,
     "fit": _fit_headline,
     "explore": lambda result: ("page with sliders", False),
     "export": lambda result: (f"FMU for FMI {result['fmi']}", False),
