@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence, Set
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 from math import nan
@@ -20,7 +20,7 @@ from tirefmu.tires.property_file.names import assumed_lines, in_written_order
 from tirefmu.tires.tire import Tire
 
 from .constraints.physical import Constraint, chosen_constraints, operating_range
-from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
+from .constraints.verification import VerifiedConstraints
 from .data.fit_data import FitData
 from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
@@ -44,14 +44,12 @@ from .results.goodness_of_fit import channel_fits
 from .results.records import FittedCoefficient, StageFit
 from .results.solved_stage import SolvedStage
 from .solvers.interruption import Interruption
-from .solvers.ipopt import Solution
 from .solvers.restarts import best_end
 from .solvers.selection import Solver
-from .stiffness_targets import StiffnessTargets, solve_with_targets
+from .stage_solution import StageSolver
+from .stiffness_targets import StiffnessTargets
 
 FloatArray = npt.NDArray[np.float64]
-#: Upper limit of the rounds in which points that violate a constraint are added.
-ROUNDS = 12
 #: Strength of the regularization of scaled coefficients, by the weights of the stage: with noise weights the cost is
 #: about 1/2, with equal weights about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
@@ -250,13 +248,12 @@ class FitRun:
         start = np.array([f.guess for f in free.values()]) / scale
         lower = np.array([f.lower for f in free.values()]) / scale
         upper = np.array([f.upper for f in free.values()]) / scale
-        report = partial(self._interruption.report, stage.name)
-        solve_from = partial(
-            self._solve_with_constraints, problem, lower=lower, upper=upper, channels=channels, report=report,
-            ridge=RIDGE[stage.weights], stage_type=self._stage_type(stage),
+        solver = StageSolver(
+            problem, lower, upper, self._constraints, channels, self._stage_type(stage), RIDGE[stage.weights],
+            self._solver, partial(self._interruption.report, stage.name), self._stop,
         )  # fmt: skip
-        first = solve_from(np.clip(start, lower, upper))
-        solution = best_end(problem, first, solve_from, lower, upper, stage.again, always=self._given)
+        first = solver.solve(np.clip(start, lower, upper), continues=self._continues(stage))
+        solution = best_end(problem, first, solver.solve, lower, upper, stage.again, always=self._given)
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
@@ -297,40 +294,15 @@ class FitRun:
             return "final"
         return "penultimate" if following[0].rows is None else "intermediate"
 
-    def _solve_with_constraints(
-        self,
-        problem: Problem,
-        start: FloatArray,
-        lower: FloatArray,
-        upper: FloatArray,
-        channels: Sequence[str],
-        report: Callable[[int, float], None],
-        *,
-        ridge: float,
-        stage_type: str,
-    ) -> Solution:
-        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them.
-
-        An intermediate stage is solved again once: if its values violated a constraint, their residuals would give the
-        next stage weights for a noise that no tire with this constraint reaches.
-        """
-        known = self._constraints.of(channels) + self._constraints.violated
-        dense = self._constraints.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
-        solve_from = partial(
-            self._solver, problem, lower=lower, upper=upper, ridge=ridge, stage_type=stage_type, progress=report,
-            stop=self._stop,
-        )  # fmt: skip
-        solution = solve_with_targets(problem, start, partial(solve_from, constraints=known), self._stop)
-        for _ in range(1 if stage_type == "intermediate" else ROUNDS):
-            if self._stop():
-                break
-            violated = self._constraints.violations(dense, problem.parameters(solution.x))
-            if not violated:
-                break
-            known = known + violated
-            after = solve_from(solution.x, constraints=known, refine=True)
-            solution = replace(after, iterations=solution.iterations + after.iterations)
-        return solution
+    def _continues(self, stage: Stage) -> bool:
+        """Return whether the stage before has the same channels and coefficients, and fewer rows."""
+        before = self._plan.stages[: self._plan.stages.index(stage)][-1:]
+        return stage.rows is None and any(
+            each.rows is not None
+            and self._channels_of(each) == self._channels_of(stage)
+            and self._candidates(each) == self._candidates(stage)
+            for each in before
+        )
 
     def _stage_r2(self, rows: Rows) -> float:
         computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T

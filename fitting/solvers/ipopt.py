@@ -20,7 +20,7 @@ from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
-from .convergence import last_steps, refined
+from .convergence import continued, last_steps, refined
 
 FloatArray = npt.NDArray[np.float64]
 #: The cost decreases from about 1 to 0.001; IPOPT's barrier parameters are intended for larger values.
@@ -149,6 +149,7 @@ def solve(
     ridge: float = 1e-9,
     stage_type: str = "final",
     refine: bool = False,
+    local: bool = False,
     max_iterations: int = 300,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
@@ -169,6 +170,9 @@ def solve(
     refine : bool
         Whether the start is the solution of the same problem with fewer constraint points. Gauss-Newton steps are then
         tried first: IPOPT needs many iterations if the constraints at two points are almost equal.
+    local : bool
+        Whether the start is the solution of a problem with other rows or residuals, to which Gauss-Newton steps lead
+        faster: only they are taken, and the result has not converged if they find no optimum.
     max_iterations : int
     progress : callable, optional
     stop : callable
@@ -183,6 +187,10 @@ def solve(
     imposed = ConstraintFunctions(problem, constraints)
     cached = _CachedCost(problem, start, ridge, progress)
     x, iterations, statuses = start, 0, list[str]()
+    if local:
+        steps = min(LAST_STEPS, max_iterations)
+        end = continued(cached, start, lower, upper, imposed, steps=steps, stop=stop)
+        return Solution(end.x, problem.cost(end.x), end.steps, end.converged, INTERRUPTED if stop() else end.reason)
     if refine:
         end = refined(cached, start, lower, upper, imposed, steps=LAST_STEPS, stop=stop)
         if end.converged:
