@@ -149,7 +149,7 @@ def _cross_validated(features: FloatArray, targets: FloatArray, part: npt.NDArra
     """Return the root mean square error of each target in parts that the regression did not use, the best penalty."""
     errors = np.full(len(targets), np.nan)
     masks = np.isfinite(targets)
-    for mask in np.unique(masks, axis=0):
+    for mask in {mask.tobytes(): mask for mask in masks}.values():
         same = np.flatnonzero((masks == mask).all(axis=1))
         if int(mask.sum()) >= PARTS * LEAST_ROWS and len(features):
             errors[same] = _errors(features[mask], targets[np.ix_(same, np.flatnonzero(mask))].T, part[mask])

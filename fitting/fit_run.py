@@ -99,6 +99,7 @@ class FitRun:
         self._straight = not any(turning)  # no row has turn slip: its coefficients have no influence
         measured = self._data.notna().any()
         self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
+        self._every: tuple[pd.DataFrame, Rows] | None = None  # the data, and the rows of all of them
         self._done = 0  # completed stages of the recipe
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
@@ -152,7 +153,18 @@ class FitRun:
         """Return all rows of a stage, and its channels."""
         channels = self._channels_of(stage)
         table = stage.select(self._data)
-        return (table[table[channels].notna().any(axis=1)] if channels else table[:0]), channels
+        if not channels:
+            return table[:0], channels
+        present = table[channels].notna().any(axis=1)
+        return (table if present.all() else table[present]), channels
+
+    def _rows_of(self, table: pd.DataFrame, channels: Sequence[str]) -> Rows:
+        """Return the rows of a table; those of all data have the inputs of one object."""
+        if table is not self._data:
+            return Rows.of(table, self._tire, channels)
+        if self._every is None or self._every[0] is not table:
+            self._every = table, Rows.of(table, self._tire, self._fitted)
+        return self._every[1].only([name in channels for name in self._tire.outputs])
 
     def _run(self, stage: Stage) -> None:
         """Solve one stage and store its values in the tire."""
@@ -164,7 +176,7 @@ class FitRun:
             requested = ", ".join(stage.channels) or "the data"
             self._notes.append(f"stage {stage.name!r} skipped: no row of {requested} meets its conditions")
             return
-        rows = Rows.of(table, self._tire, channels)
+        rows = self._rows_of(table, channels)
         self._set_initial_values(stage)
         bounds = {name: self._bounds(name, stage) for name in self._candidates(stage)}
         part = rows.sample(stage.rows) if stage.rows else rows
@@ -177,7 +189,7 @@ class FitRun:
         for _ in range(STATE_ROUNDS if self._tire.states else 0):
             del self._stages[solved:], self._ends[ended:]
             self._simulate_states(free)
-            rows = Rows.of(self._table(stage)[0], self._tire, channels)
+            rows = self._rows_of(self._table(stage)[0], channels)
             part = rows.sample(stage.rows) if stage.rows else rows
             self._solve(stage, part, {name: self._bounds(name, stage) for name in free}, channels)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import solve_banded
+from scipy.linalg.lapack import dtbtrs
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -89,7 +89,6 @@ class NoiseCorrelation:
         decay = np.where(segment[1:] == segment[:-1], self.decay, 0.0)
         bands = np.ones((2, weights.shape[1]))
         bands[0, 1:] = -decay
-        solved = solve_banded((0, 1), bands, weights.T)
-        innovations = np.concatenate([[1.0], 1.0 - decay**2])
-        correlated = solved.T @ (solved * innovations[:, None])
-        return np.asarray((1.0 - self.share) * independent + self.share * correlated)
+        solved = dtbtrs(bands, weights.T, uplo="U", diag="U")[0].T
+        solved *= np.sqrt(np.concatenate([[1.0], 1.0 - decay**2]))
+        return np.asarray((1.0 - self.share) * independent + self.share * (solved @ solved.T))

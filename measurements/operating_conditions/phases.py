@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from ..channels import CONTROLLED_INPUTS
+from ..median import median_of
 from ..recording import Recording
 from ..thresholds import (
     FAR_FROM_LEVELS,
@@ -230,7 +231,7 @@ def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:
 
 
 def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
-    return {each.name: float(np.median(columns[each.name][rows])) for each in inputs}
+    return {each.name: median_of(columns[each.name][rows]) for each in inputs}
 
 
 def _motions(each: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:

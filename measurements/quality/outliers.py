@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from ..channels import CHANNELS
+from ..median import median_of
 from ..operating_conditions.time_series import Segment, segments_of
 from ..recording import Recording
 from ..thresholds import (
@@ -151,14 +152,15 @@ def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
 def _far(
     values: NDArray[np.float64], median: NDArray[np.float64], step: float, sigmas: float, tolerance: float
 ) -> NDArray[np.bool_]:
-    known = np.isfinite(values)
-    if known.sum() < FEWEST_WINDOW_ROWS:
-        return np.zeros(len(values), dtype=np.bool_)
+    known, none = np.isfinite(values), np.zeros(len(values), dtype=np.bool_)
+    if np.count_nonzero(known) < FEWEST_WINDOW_ROWS:
+        return none
     deviation = np.abs(values - median)
-    largest, none = float(deviation[known].max()), np.zeros(len(values), dtype=np.bool_)
+    sizes = deviation[known]
+    largest = float(sizes.max())
     if largest <= tolerance:
         return none
-    limit = sigmas * SIGMA_PER_DEVIATION * float(np.median(deviation[known]))
+    limit = sigmas * SIGMA_PER_DEVIATION * median_of(sizes)
     if largest <= limit:
         return none
     low, high = np.quantile(median[known], (0.05, 0.95))
