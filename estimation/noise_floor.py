@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from scipy.linalg.lapack import dposv
 from scipy.ndimage import uniform_filter1d
 
 from .smoothing import noise_of
@@ -164,6 +165,6 @@ def _errors(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int6
     for (x, y), own, own_product in zip(pieces, matrices, products, strict=True):
         for k, penalty in enumerate(PENALTIES):
             ridge = penalty * len(features) * np.eye(features.shape[1])
-            estimate = np.linalg.solve(matrix - own + ridge, product - own_product)
+            estimate = dposv(matrix - own + ridge, product - own_product)[1]
             squares[k] += np.sum((y - x @ estimate) ** 2, axis=0)
     return np.asarray(np.sqrt(squares.min(axis=0) / len(features)))

@@ -112,10 +112,10 @@ class ConstraintFunctions:
 
     def jacobian(self, x: FloatArray) -> Any:
         """Return their derivatives by x as a sparse casadi.DM."""
-        return ca.DM(self.sparsity, self._at(x)[1])
+        return ca.DM(self.sparsity, self.at(x)[1])
 
-    def _at(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return values and the entries of the Jacobian, cached for repeated calls at one point."""
+    def at(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values, and the nonzeros of the Jacobian in the order of `sparsity`."""
         if self._latest is None or not np.array_equal(self._latest[0], x):
             parameters = self._problem.parameters(x)
             each = [block.with_gradients(parameters) for block in self._blocks]
@@ -126,7 +126,7 @@ class ConstraintFunctions:
     def slopes(self, x: FloatArray) -> FloatArray:
         """Return the dense `jacobian`, shape (n_constraints, n_free)."""
         slopes = np.zeros((len(self), len(x)))
-        slopes[self._row, self._column] = self._at(x)[1]
+        slopes[self._row, self._column] = self.at(x)[1]
         return slopes
 
     def satisfied(self, values: FloatArray) -> bool:

@@ -7,11 +7,11 @@ from math import nan, radians
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg.lapack import dtbtrs
+from scipy.linalg.lapack import dposv, dtbtrs
 from scipy.optimize import brentq
 
 from tirefmu.estimation.correlation import correlation_length
-from tirefmu.measurements.median import median_of
+from tirefmu.measurements.operating_conditions.median import median_of
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -85,7 +85,7 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     residual, weight = y, tricube
     for _ in range(20):
         weighted = powers * weight[:, None]
-        residual = y - powers @ np.linalg.solve(powers.T @ weighted, y @ weighted)
+        residual = y - powers @ dposv(powers.T @ weighted, y @ weighted)[1]
         size = np.abs(residual)
         knee = 1.345 * 1.4826 * median_of(size)
         # A knee of 0 means that half of the points are exact: no outlier weights.
