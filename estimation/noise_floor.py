@@ -56,7 +56,9 @@ class NoiseFloor:
     with_history: float
 
 
-def noise_floor(table: pd.DataFrame, residuals: Mapping[str, FloatArray]) -> dict[str, NoiseFloor]:
+def noise_floor(
+    table: pd.DataFrame, residuals: Mapping[str, FloatArray], *, with_history: bool = True
+) -> dict[str, NoiseFloor]:
     """Return the noise floors of the channels of a recording.
 
     Parameters
@@ -65,6 +67,8 @@ def noise_floor(table: pd.DataFrame, residuals: Mapping[str, FloatArray]) -> dic
         Inputs of the recording in SI units; with ``t`` if known.
     residuals : mapping of str to ndarray, shape (n_rows,)
         By channel: measured minus computed; NaN in rows that are not used.
+    with_history : bool
+        Whether to compute the second floor, too; otherwise it is NaN.
 
     Returns
     -------
@@ -89,18 +93,24 @@ def noise_floor(table: pd.DataFrame, residuals: Mapping[str, FloatArray]) -> dic
     length = max(LEAST_ROWS, round(BLOCK / (step * (rows[1] - rows[0])))) if timed and step > 0.0 else LEAST_ROWS
     part = (np.arange(len(rows)) // length) % PARTS
     inputs, scales = _inputs(table)
-    history = _history(table, t, step) if timed and step > 0.0 else []
+    columns = [(inputs, scales)]
+    if with_history:
+        history = _history(table, t, step) if timed and step > 0.0 else []
+        columns.append(([*inputs, *history], [*scales, *[1.0] * len(history)]))
     targets = np.stack([residual[rows] for residual in residuals.values()])
     errors = [
-        _cross_validated(_features([column[rows] for column in columns], lengths), targets, part)
-        for columns, lengths in ((inputs, scales), ([*inputs, *history], [*scales, *[1.0] * len(history)]))
+        _cross_validated(_features([column[rows] for column in own], lengths), targets, part)
+        for own, lengths in columns
     ]
     floors = {}
     for i, (name, residual) in enumerate(residuals.items()):
         known = residual[np.isfinite(residual)]
         own = float(np.sqrt(np.mean(known**2))) if known.size else float("nan")
         floor = min(own, errors[0][i]) if np.isfinite(errors[0][i]) else float("nan")
-        floors[name] = NoiseFloor(floor, min(floor, errors[1][i]) if np.isfinite(errors[1][i]) else floor)
+        second = float("nan")
+        if with_history:
+            second = min(floor, errors[1][i]) if np.isfinite(errors[1][i]) else floor
+        floors[name] = NoiseFloor(floor, second)
     return floors
 
 

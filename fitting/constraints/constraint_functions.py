@@ -226,8 +226,10 @@ def measured_values(book: Model, constraint: Constraint, points: FloatArray, par
     ndarray, shape (n,)
         In the quantity's unit.
     """
-    value, _, _ = _functions(book, constraint.quantity, constraint.measure)
-    return np.array(value(points, parameters), dtype=float).ravel()
+    value = BufferedFunction(_at_points(book, constraint.quantity, constraint.measure, points.shape[1])[0])
+    value.arguments[0][:] = points.ravel(order="F")
+    value.arguments[1][:] = parameters
+    return value()[0]
 
 
 @lru_cache(maxsize=256)

@@ -100,9 +100,19 @@ def _descend(
     value, slopes = evaluated(start)
     sign = 1.0 if value - constraint.lower <= constraint.upper - value else -1.0  # the nearer bound
 
-    downhill = np.clip(start - sign * slopes / constraint.size, 0.0, 1.0) - start
-    if np.abs(downhill).max() <= LEAST_SLOPE:  # most minima are in a corner of the range
+    def downhill(scaled: FloatArray, slopes: FloatArray) -> FloatArray:
+        """Return the descent within the range; 0 at a minimum."""
+        descent = np.clip(scaled - sign * slopes / constraint.size, 0.0, 1.0) - scaled
+        return np.where(np.abs(descent) > LEAST_SLOPE, descent, 0.0)
+
+    descent = downhill(start, slopes)
+    if not descent.any():
         return point, value
+    # Most minima are in a corner of the range, to which the descent points.
+    corner = np.where(descent == 0.0, start, descent > 0.0)
+    at_corner, slopes = evaluated(corner)
+    if sign * at_corner < sign * value and not downhill(corner, slopes).any():
+        return at(corner), at_corner
 
     def objective(scaled: FloatArray) -> tuple[float, FloatArray]:
         value, slopes = evaluated(scaled)
