@@ -116,7 +116,7 @@ class StageSolver:
         first = solve(sampled(self.problem, SAMPLE), start, local=True)
         if self.stop():
             return replace(first, cost=self.problem.cost(first.x), converged=False)
-        after = solve(self.problem, first.x, local=True)
+        after = solve(self.problem, first.x, refine=True)  # near the optimum undamped steps are the shortest way
         return replace(after, iterations=first.iterations + after.iterations)
 
 

@@ -220,9 +220,8 @@ def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, F
     curvature, middle, effective = np.zeros((n, n)), np.zeros((n, n)), np.zeros_like(problem.weights)
     noise_of_rows = np.zeros_like(problem.weights)
     for group in np.flatnonzero((problem.weights > 0).any(axis=1)):
-        rows = problem.rows.take(np.flatnonzero(problem.rows.group == group))
-        # The Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
-        part = replace(problem, rows=rows, loss=LOSSES["squares"], limits=None, targets=())
+        part = _of_recording(problem, int(group))
+        rows = part.rows
         residual, present = part.residual(x), np.isfinite(rows.measured.T)
         noise: dict[int, tuple[float, NoiseCorrelation]] = {}
         for channel, free, _, squares in part.by_output(x):
@@ -243,6 +242,18 @@ def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, F
         curvature += square
         middle += square * (weight * target.error**2 + 2.0 * noise_of_rows[target.group, target.output])
     return curvature, middle, effective
+
+
+def _of_recording(problem: Problem, group: int) -> Problem:
+    """Return a problem with the rows of one recording, and least squares of the residuals alone.
+
+    It has the Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
+    """
+    own = problem.rows.group == group
+    if own.all() and problem.limits is None:
+        return problem  # rows are much memory
+    rows = problem.rows.take(np.flatnonzero(own))
+    return replace(problem, rows=rows, loss=LOSSES["squares"], limits=None, targets=())
 
 
 def _add_scores(

@@ -49,7 +49,7 @@ def recording(calls, *, converged=True):
     """Return a solver that records rows and manner of its calls, and returns its start."""
 
     def solver(problem, start, lower, upper, constraints, *, local=False, refine=False, **options):
-        calls.append((len(problem.rows), local))
+        calls.append((len(problem.rows), "local" if local else "refine" if refine else ""))
         return Solution(start, 1.0, 1, converged or not local, "message")
 
     return solver
@@ -89,16 +89,16 @@ def test_of_many_rows_a_sample_is_solved_first(noisy, near, monkeypatch):
     monkeypatch.setattr(stage_solution, "SAMPLE", 100)
     calls = []
     assert stage(noisy, recording(calls)).solve(near, continues=True).iterations == 2
-    assert calls == [(100, True), (len(noisy.rows), True)]
+    assert calls == [(100, "local"), (len(noisy.rows), "refine")]
 
 
 def test_only_a_stage_that_continues_takes_steps_first(noisy, near):
     calls = []
     stage(noisy, recording(calls)).solve(near)
-    assert calls == [(len(noisy.rows), False)]
+    assert calls == [(len(noisy.rows), "")]
     calls.clear()
     stage(noisy, recording(calls, converged=False)).solve(near, continues=True)
-    assert [local for _, local in calls] == [True, False]
+    assert [manner for _, manner in calls] == ["local", ""]
 
 
 def test_a_stop_after_the_sample_returns_the_cost_of_all_rows(noisy, near, monkeypatch):
