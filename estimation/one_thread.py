@@ -22,7 +22,8 @@ def one_blas_thread() -> AbstractContextManager[object]:
     ...     print("one thread")
     one thread
     """
-    return _libraries().limit(limits=1, user_api="blas")
+    limited: AbstractContextManager[object] = _libraries().limit(limits=1, user_api="blas")
+    return limited
 
 
 @lru_cache(maxsize=1)

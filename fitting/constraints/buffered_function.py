@@ -41,9 +41,9 @@ class BufferedFunction:
         self.results = tuple(np.zeros(function.nnz_out(i)) for i in range(function.n_out()))
         self._buffer, self._evaluate = function.buffer()  # the buffer lives as long as the arrays
         for i, array in enumerate(self.arguments):
-            self._buffer.set_arg(i, memoryview(array))
+            self._buffer.set_arg(i, array.data)
         for i, array in enumerate(self.results):
-            self._buffer.set_res(i, memoryview(array))
+            self._buffer.set_res(i, array.data)
 
     def __call__(self) -> tuple[FloatArray, ...]:
         """Return the results for the present arguments."""

@@ -103,7 +103,7 @@ class _Numeric(ca.Callback):  # type: ignore[misc]
     def has_eval_buffer(self) -> bool:
         return True
 
-    def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview]) -> int:
+    def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview | None]) -> int:
         computed = self._compute(*(_numbers(argument) for argument in arguments))
         for result, values in zip(results, computed, strict=True):
             if result is not None and len(result):  # None: not requested
