@@ -197,11 +197,13 @@ def fit_text(found: Mapping[str, Any], real: float | None, scale: float) -> str:
         "and its time is no measure:\n\n"
         f"{table(('', 'CPU s', 'of trf', 'cost', 'Jacobians'), solvers)}\n"
         "Iterations of each stage of the whole fit. A stage that ends early has few free coefficients or starts near\n"
-        "its optimum; the stopping window is ten iterations in the last stage (ARCHITECTURE.md, Solver):\n\n"
+        "its optimum; the last one takes Gauss-Newton steps from the one before (ARCHITECTURE.md, Solver):\n\n"
         f"{table(('stage', 'rows', 'free', 'iterations'), stages)}\n"
         f"The derivative passes of these iterations, with all coefficients, need {spent:.2f} of {whole:.2f} s.\n"
-        "The rest is screening and grouping of the rows, costs, the steps of IPOPT, constraints, their verification,\n"
-        "intervals and the noise floor: they limit what is not reached.\n"
+        "The rest limits what is not reached. At 20,000 rows an eighth of the time each is screening and grouping of\n"
+        "the rows, the steps of IPOPT without its functions, and intervals; a tenth each the slip stiffness read from\n"
+        "the data, and the verification of constraints. At a million rows derivative passes and intervals under\n"
+        "correlated noise take most of it. Memory there is the table, its rows as arrays, weights and residuals.\n"
     )
 
 

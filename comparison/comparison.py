@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from tirefmu.measurements import Recording, exclude_rows
 from tirefmu.tires import Tire
+
+#: Quantities over load, by role, and what they are.
+ROLES = {
+    "stiffness_x": "longitudinal slip stiffness", "stiffness_y": "cornering stiffness",
+    "friction_x": "longitudinal friction", "friction_y": "lateral friction",
+}  # fmt: skip
+#: Root mean square errors that differ by a smaller share are equal.
+EQUAL = 0.01
 
 
 @dataclass(frozen=True)
@@ -52,6 +61,25 @@ class ChannelErrors:
 
 
 @dataclass(frozen=True)
+class Characteristic:
+    """A quantity over load of both tires at one load, without slip.
+
+    Attributes
+    ----------
+    title, unit : str
+    load : float
+        N.
+    first, second : float
+    """
+
+    title: str
+    unit: str
+    load: float
+    first: float
+    second: float
+
+
+@dataclass(frozen=True)
 class Comparison:
     """Two tires and what differs.
 
@@ -65,6 +93,8 @@ class Comparison:
         Effects of the first tire that the second lacks, and the reverse.
     differences : tuple of Difference
         Those of effects that a tire lacks are among them.
+    characteristics : tuple of Characteristic
+        At the nominal load of the first tire.
     errors : tuple of ChannelErrors
     """
 
@@ -72,15 +102,37 @@ class Comparison:
     names: tuple[str, str]
     effects: tuple[tuple[str, ...], tuple[str, ...]]
     differences: tuple[Difference, ...]
+    characteristics: tuple[Characteristic, ...]
     errors: tuple[ChannelErrors, ...]
+
+    @property
+    def verdict(self) -> str:
+        """Which tire is closer to the recordings, by channel; without recordings how many coefficients differ."""
+        if not self.errors:
+            count = len(self.differences)
+            return f"{count or 'no'} coefficient{'s'[: count != 1]} differ{'s'[: count == 1]}"
+        closer: dict[str, list[str]] = {}
+        for channel in dict.fromkeys(each.channel for each in self.errors):
+            closer.setdefault(self._closer(channel), []).append(channel)
+        return "closer to the data: " + "; ".join(f"{who} in {', '.join(which)}" for who, which in closer.items())
+
+    def _closer(self, channel: str) -> str:
+        squares = [
+            sum(each.rows * each.rmse[i] ** 2 for each in self.errors if each.channel == channel) for i in (0, 1)
+        ]
+        if abs(squares[0] - squares[1]) <= 2.0 * EQUAL * max(squares):
+            return "both equally"
+        return self.names[int(squares[1] < squares[0])]
 
     def to_json(self) -> dict[str, Any]:
         """Return the comparison as JSON values."""
         return {
             "ok": True,
+            "verdict": self.verdict,
             "tires": [{"name": n, "model": t.model} for n, t in zip(self.names, self.tires, strict=True)],
             "effects_of_one": [list(names) for names in self.effects],
             "coefficients": [vars(each) for each in self.differences],
+            "characteristics": [vars(each) for each in self.characteristics],
             "channels": [
                 {**vars(each), "r2": [value if np.isfinite(value) else None for value in each.r2]}
                 for each in self.errors
@@ -123,7 +175,17 @@ def compare(first: Tire, second: Tire, recordings: Sequence[Recording] = (), *, 
         tuple(sorted(first.has - second.has)),
         tuple(sorted(second.has - first.has)),
     )
-    return Comparison(tires, names, effects, tuple(_differences(*tires)), errors)
+    return Comparison(tires, names, effects, tuple(_differences(*tires)), tuple(_characteristics(*tires)), errors)
+
+
+def _characteristics(first: Tire, second: Tire) -> Iterator[Characteristic]:
+    load = first.values["FNOMIN"]
+    tables = [tire.evaluate(pd.DataFrame({"Fz": [load]}), signs="iso", steady=True) for tire in (first, second)]
+    for role, title in ROLES.items():
+        names = [tire.book.quantity(role) for tire in (first, second)]
+        if all(names):
+            values = [float(table[name].iloc[0]) for table, name in zip(tables, names, strict=True)]
+            yield Characteristic(title, first.book.structure.quantities[names[0]][0], load, values[0], values[1])
 
 
 def _differences(first: Tire, second: Tire) -> list[Difference]:

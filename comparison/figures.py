@@ -18,6 +18,7 @@ from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import Tire
 from tirefmu.tires.drawing.style import (
     LETTER,
+    TITLE_SIZE,
     draw_line,
     draw_points,
     drawn_unit,
@@ -31,18 +32,13 @@ from tirefmu.tires.drawing.style import (
     write_footnote,
 )
 
-from .comparison import Comparison
+from .comparison import ROLES, Comparison
 from .sweeps import Sweep, sweeps
 
 FloatArray = npt.NDArray[np.float64]
 
 #: What is drawn over which slip.
 PAIRS = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
-#: Quantities over load, by role, and the word in the title.
-ROLES = {
-    "stiffness_x": "longitudinal slip stiffness", "stiffness_y": "cornering stiffness",
-    "friction_x": "longitudinal friction", "friction_y": "lateral friction",
-}  # fmt: skip
 #: Colors and dashes of the two tires: they differ in both.
 LINES = (("#a33b00", "--"), ("#0b4f9c", "-"))
 _POINTS = 201
@@ -103,7 +99,7 @@ def _family(comparison: Comparison, found: Sequence[Sweep], channel: str, signs:
                 draw_points(ax, sweep.rows.dropna(subset=[channel]), slip, channel, color)
             draw_line(ax, x * per_si(slip), y, color, level_text("Fz", sweep.load))
         finish(ax, slip, f"{letters} ({unit})")
-        ax.set_title(figure_text(name), fontsize=10)
+        ax.set_title(figure_text(name), fontsize=TITLE_SIZE)
     place_legend(panels[1], f"load {letter(signs, 'Fz')}")
     notes = ["points: measured at zero camber and zero other slip"] if len(found[0].rows) and not slope else []
     write_footnote(figure, signs, *notes)
@@ -116,16 +112,15 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
     figure.suptitle(f"{title.capitalize()} over load", fontweight="bold")
     ax: Axes = figure.subplots()
     ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
-    high = max(end for _, end in ranges)
-    loads = np.linspace(max(min(start for start, _ in ranges), 0.01 * high), high, _POINTS)
-    for tire, name, (color, dashes) in zip(comparison.tires, comparison.names, LINES, strict=True):
+    for tire, name, (low, high), (color, dashes) in zip(comparison.tires, comparison.names, ranges, LINES, strict=True):
         quantity = tire.book.quantity(role)
+        loads = np.linspace(max(low, 0.01 * high), high, _POINTS)  # a formula may have no meaning at other loads
         signed = -loads if signs == "sae" else loads
         values = _evaluated(tire, {}, "Fz", signed, signs)[quantity]
-        ax.plot(loads, values, dashes, color=color, lw=1.8, label=f"{figure_text(name)}: {figure_text(quantity)}")
+        ax.plot(loads, values, dashes, color=color, lw=1.8, label=figure_text(name))
     unit = comparison.tires[0].book.structure.quantities[comparison.tires[0].book.quantity(role)][0]
     ax.set(xlabel="load (N)", ylabel=f"{title} ({'-' if unit == '1' else unit})")
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
-    write_footnote(figure, signs)
+    write_footnote(figure, signs, "each tire over its own range of loads")
     return figure

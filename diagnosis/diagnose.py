@@ -24,8 +24,9 @@ from .probing.effect_probing import Screen
 from .recording.signals import FORMULA_SIGNS, signals_of
 from .search.effect_search import Search
 from .search.memory import searched
+from .search.proposals import FormCorrection, with_correction, with_unknown_structure
 from .search.settling import settle
-from .unexplained.formula_proposal import Added, Unknown, added_if_better, effect_of, unknown_of
+from .unexplained.formula_proposal import Unknown
 from .verdict.composition import SearchOutcome, composed
 from .verdict.result import Diagnosis
 
@@ -116,10 +117,19 @@ class _Outcome:
     report: Callable[[str], None]
 
     def of(self, search: Search, start: Tire) -> Diagnosis:
-        """Return the diagnosis with the proposed formulas, or without them if the tire with them is not delivered."""
+        """Return the diagnosis with the proposed formulas, or without them if the tire with them is not delivered.
+
+        A correction of the functional form is left out first, then the formula of an unexplained effect.
+        """
         without = search.copy()
-        unknown, extended = _unknown_structure(start, search, self.report)
-        result = self._completed(search, extended, unknown)
+        correction, corrected = with_correction(search, start, self.report)
+        unknown, extended = with_unknown_structure(search, corrected, self.report)
+        result = self._completed(search, extended, unknown, correction)
+        if correction and not result.delivered:
+            self.report("the tire with the correction of the functional form is not better: repeated without it")
+            search, correction = without.copy(), None
+            unknown, extended = with_unknown_structure(search, start, self.report)
+            result = self._completed(search, extended, unknown)
         if result.delivered or extended is start:
             return result
         self.report("the tire with the proposed formula is not better: repeated without the formula")
@@ -127,12 +137,14 @@ class _Outcome:
         rejected = tuple(replace(one, added=False, not_added_because=reason) if one.added else one for one in unknown)
         return self._completed(without, start, rejected)
 
-    def _completed(self, search: Search, tire: Tire, unknown: tuple[Unknown, ...]) -> Diagnosis:
+    def _completed(
+        self, search: Search, tire: Tire, unknown: tuple[Unknown, ...], correction: FormCorrection | None = None
+    ) -> Diagnosis:
         settled = settle(search, self.before)
         self.report("computing confounded explanations and detectable sizes")
         turns = any(one.name == "turn_slip" for one in search.found)
         recording = self.turning if turns else self.recording
-        return composed(SearchOutcome(recording, tire, self.tried, settled, search, unknown), self.began)
+        return composed(SearchOutcome(recording, tire, self.tried, settled, search, unknown, correction), self.began)
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:
@@ -175,22 +187,6 @@ def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire
     # The library first and in its order: the model with it alone is printed with the package.
     added = {effect.name: effect for effect in (*whole_library(tire.book), *tire.added, *user_defined)}
     return replace(tire.in_signs(FORMULA_SIGNS), added=tuple(added.values()), effects=tire.has)
-
-
-def _unknown_structure(start: Tire, search: Search, report: Callable[[str], None]) -> tuple[tuple[Unknown, ...], Tire]:
-    """Return the unexplained structure, and the baseline model with the formulas that improve the hold-out set."""
-    unknowns = []
-    for structure in search.structures:
-        effect = effect_of(structure)
-        report("adding the proposed formula to the model equations")
-        added = added_if_better(structure, effect, start, search.problem, search.solution)
-        if isinstance(added, Added):
-            start = added.tire
-            search.problem, search.solution = added.problem, added.solution
-            search.screen = Screen(search.problem, search.solution)
-            search.last = search.probe()
-        unknowns.append(unknown_of(structure, effect, added))
-    return tuple(unknowns), start
 
 
 def _chosen(known: dict[str, Candidate], selected: tuple[str, ...]) -> dict[str, Candidate]:

@@ -18,8 +18,8 @@ from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import threadpool_limits
 
+from .one_thread import one_blas_thread
 from .quadratic_step import best_step
 
 FloatArray = npt.NDArray[np.float64]
@@ -181,7 +181,7 @@ def minimize(
     """
     limits = constraints or Unconstrained()
     damped = damping.first
-    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are too small for threads
+    with one_blas_thread():
         for taken in range(steps + 1):
             here = _Point.at(objective, limits, x, lower, upper)
             if here.reason:
@@ -218,7 +218,7 @@ def restore(
     ndarray, shape (n,), or None
         None if a few steps do not satisfy the constraints.
     """
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         for _ in range(RESTORING_STEPS):
             values, slopes = constraints.values(x), constraints.slopes(x)
             if constraints.satisfied(values):

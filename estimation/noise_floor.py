@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from scipy.linalg.lapack import dposv
 from scipy.ndimage import uniform_filter1d
 
 from .smoothing import noise_of
@@ -55,7 +56,9 @@ class NoiseFloor:
     with_history: float
 
 
-def noise_floor(table: pd.DataFrame, residuals: Mapping[str, FloatArray]) -> dict[str, NoiseFloor]:
+def noise_floor(
+    table: pd.DataFrame, residuals: Mapping[str, FloatArray], *, with_history: bool = True
+) -> dict[str, NoiseFloor]:
     """Return the noise floors of the channels of a recording.
 
     Parameters
@@ -64,6 +67,8 @@ def noise_floor(table: pd.DataFrame, residuals: Mapping[str, FloatArray]) -> dic
         Inputs of the recording in SI units; with ``t`` if known.
     residuals : mapping of str to ndarray, shape (n_rows,)
         By channel: measured minus computed; NaN in rows that are not used.
+    with_history : bool
+        Whether to compute the second floor, too; otherwise it is NaN.
 
     Returns
     -------
@@ -88,18 +93,24 @@ def noise_floor(table: pd.DataFrame, residuals: Mapping[str, FloatArray]) -> dic
     length = max(LEAST_ROWS, round(BLOCK / (step * (rows[1] - rows[0])))) if timed and step > 0.0 else LEAST_ROWS
     part = (np.arange(len(rows)) // length) % PARTS
     inputs, scales = _inputs(table)
-    history = _history(table, t, step) if timed and step > 0.0 else []
+    columns = [(inputs, scales)]
+    if with_history:
+        history = _history(table, t, step) if timed and step > 0.0 else []
+        columns.append(([*inputs, *history], [*scales, *[1.0] * len(history)]))
     targets = np.stack([residual[rows] for residual in residuals.values()])
     errors = [
-        _cross_validated(_features([column[rows] for column in columns], lengths), targets, part)
-        for columns, lengths in ((inputs, scales), ([*inputs, *history], [*scales, *[1.0] * len(history)]))
+        _cross_validated(_features([column[rows] for column in own], lengths), targets, part)
+        for own, lengths in columns
     ]
     floors = {}
     for i, (name, residual) in enumerate(residuals.items()):
         known = residual[np.isfinite(residual)]
         own = float(np.sqrt(np.mean(known**2))) if known.size else float("nan")
         floor = min(own, errors[0][i]) if np.isfinite(errors[0][i]) else float("nan")
-        floors[name] = NoiseFloor(floor, min(floor, errors[1][i]) if np.isfinite(errors[1][i]) else floor)
+        second = float("nan")
+        if with_history:
+            second = min(floor, errors[1][i]) if np.isfinite(errors[1][i]) else floor
+        floors[name] = NoiseFloor(floor, second)
     return floors
 
 
@@ -149,7 +160,7 @@ def _cross_validated(features: FloatArray, targets: FloatArray, part: npt.NDArra
     """Return the root mean square error of each target in parts that the regression did not use, the best penalty."""
     errors = np.full(len(targets), np.nan)
     masks = np.isfinite(targets)
-    for mask in np.unique(masks, axis=0):
+    for mask in {mask.tobytes(): mask for mask in masks}.values():
         same = np.flatnonzero((masks == mask).all(axis=1))
         if int(mask.sum()) >= PARTS * LEAST_ROWS and len(features):
             errors[same] = _errors(features[mask], targets[np.ix_(same, np.flatnonzero(mask))].T, part[mask])
@@ -164,6 +175,6 @@ def _errors(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int6
     for (x, y), own, own_product in zip(pieces, matrices, products, strict=True):
         for k, penalty in enumerate(PENALTIES):
             ridge = penalty * len(features) * np.eye(features.shape[1])
-            estimate = np.linalg.solve(matrix - own + ridge, product - own_product)
+            estimate = dposv(matrix - own + ridge, product - own_product)[1]
             squares[k] += np.sum((y - x @ estimate) ** 2, axis=0)
     return np.asarray(np.sqrt(squares.min(axis=0) / len(features)))

@@ -112,11 +112,22 @@ def page_text(
             "title": html_text(" and ".join(each["name"] for each in data["tires"])),
             "hashes": " ".join(f"'sha256-{_digest(script)}'" for script in scripts),
             "style": "\n".join([_library_file(LIBRARY_STYLE), style_sheet(), _file("style.css")]),
+            "coefficients": "\n".join(_coefficient_table(each, name) for each, name in tires),
             "data": script_json(json.dumps(data, allow_nan=False, separators=(",", ":"))),
             "code": scripts[0],
             "scripts": scripts[1],
         },
     )
+
+
+def _coefficient_table(tire: Tire, name: str) -> str:
+    """Return the table that the page has in place of its sliders where scripts are off."""
+    rows = [
+        f'<tr><th>{html_text(each.name)}</th><td class="n">{tire.values[each.name]:.6g}</td>'
+        f"<td>{html_text('' if each.unit == '1' else each.unit)}</td><td>{html_text(each.description)}</td></tr>"
+        for each in tire.book.coefficients.values()
+    ]
+    return f"<h2>{html_text(name)}</h2>\n<table>\n" + "\n".join(rows) + "\n</table>"
 
 
 def _name(tire: TireLike) -> str:

@@ -10,8 +10,8 @@ from math import inf
 from pathlib import Path
 
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
+from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.measurements import TableLike, check_convention, recordings_from
 from tirefmu.measurements.provenance import table_digest
 from tirefmu.symbolic import DEFAULT_MODEL
@@ -179,7 +179,7 @@ def fit(
         "constraints": ",".join(each.name for own in chosen.values() for each in own),
     }
     saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
-    with Interruption(progress) as interruption, threadpool_limits(limits=1, user_api="blas"):
+    with Interruption(progress) as interruption, one_blas_thread():
         run = FitRun(
             book, tire, data, plan, interruption, notes,
             solver=solver, given=tire_given is not None, read=read, constraints=chosen, loss=loss,
@@ -189,7 +189,7 @@ def fit(
             run.restore(saved.load(), str(saved.path))
         run.run(saved)
     interruption.raise_failure()
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         result = replace(run.result(recordings, time.perf_counter() - began), method=method).in_signs("iso")
     if saved and not result.interrupted:
         saved.remove()

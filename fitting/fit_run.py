@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence, Set
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 from math import nan
@@ -20,7 +20,7 @@ from tirefmu.tires.property_file.names import assumed_lines, in_written_order
 from tirefmu.tires.tire import Tire
 
 from .constraints.physical import Constraint, chosen_constraints, operating_range
-from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
+from .constraints.verification import VerifiedConstraints
 from .data.fit_data import FitData
 from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
@@ -44,14 +44,12 @@ from .results.goodness_of_fit import channel_fits
 from .results.records import FittedCoefficient, StageFit
 from .results.solved_stage import SolvedStage
 from .solvers.interruption import Interruption
-from .solvers.ipopt import Solution
 from .solvers.restarts import best_end
 from .solvers.selection import Solver
-from .stiffness_targets import StiffnessTargets, solve_with_targets
+from .stage_solution import StageSolver
+from .stiffness_targets import StiffnessTargets
 
 FloatArray = npt.NDArray[np.float64]
-#: Upper limit of the rounds in which points that violate a constraint are added.
-ROUNDS = 12
 #: Strength of the regularization of scaled coefficients, by the weights of the stage: with noise weights the cost is
 #: about 1/2, with equal weights about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
@@ -101,6 +99,7 @@ class FitRun:
         self._straight = not any(turning)  # no row has turn slip: its coefficients have no influence
         measured = self._data.notna().any()
         self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
+        self._every: tuple[pd.DataFrame, Rows] | None = None  # the data, and the rows of all of them
         self._done = 0  # completed stages of the recipe
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
@@ -154,7 +153,18 @@ class FitRun:
         """Return all rows of a stage, and its channels."""
         channels = self._channels_of(stage)
         table = stage.select(self._data)
-        return (table[table[channels].notna().any(axis=1)] if channels else table[:0]), channels
+        if not channels:
+            return table[:0], channels
+        present = table[channels].notna().any(axis=1)
+        return (table if present.all() else table[present]), channels
+
+    def _rows_of(self, table: pd.DataFrame, channels: Sequence[str]) -> Rows:
+        """Return the rows of a table; those of all data have the inputs of one object."""
+        if table is not self._data:
+            return Rows.of(table, self._tire, channels)
+        if self._every is None or self._every[0] is not table:
+            self._every = table, Rows.of(table, self._tire, self._fitted)
+        return self._every[1].only([name in channels for name in self._tire.outputs])
 
     def _run(self, stage: Stage) -> None:
         """Solve one stage and store its values in the tire."""
@@ -166,7 +176,7 @@ class FitRun:
             requested = ", ".join(stage.channels) or "the data"
             self._notes.append(f"stage {stage.name!r} skipped: no row of {requested} meets its conditions")
             return
-        rows = Rows.of(table, self._tire, channels)
+        rows = self._rows_of(table, channels)
         self._set_initial_values(stage)
         bounds = {name: self._bounds(name, stage) for name in self._candidates(stage)}
         part = rows.sample(stage.rows) if stage.rows else rows
@@ -179,7 +189,7 @@ class FitRun:
         for _ in range(STATE_ROUNDS if self._tire.states else 0):
             del self._stages[solved:], self._ends[ended:]
             self._simulate_states(free)
-            rows = Rows.of(self._table(stage)[0], self._tire, channels)
+            rows = self._rows_of(self._table(stage)[0], channels)
             part = rows.sample(stage.rows) if stage.rows else rows
             self._solve(stage, part, {name: self._bounds(name, stage) for name in free}, channels)
 
@@ -250,13 +260,12 @@ class FitRun:
         start = np.array([f.guess for f in free.values()]) / scale
         lower = np.array([f.lower for f in free.values()]) / scale
         upper = np.array([f.upper for f in free.values()]) / scale
-        report = partial(self._interruption.report, stage.name)
-        solve_from = partial(
-            self._solve_with_constraints, problem, lower=lower, upper=upper, channels=channels, report=report,
-            ridge=RIDGE[stage.weights], stage_type=self._stage_type(stage),
+        solver = StageSolver(
+            problem, lower, upper, self._constraints, channels, self._stage_type(stage), RIDGE[stage.weights],
+            self._solver, partial(self._interruption.report, stage.name), self._stop,
         )  # fmt: skip
-        first = solve_from(np.clip(start, lower, upper))
-        solution = best_end(problem, first, solve_from, lower, upper, stage.again, always=self._given)
+        first = solver.solve(np.clip(start, lower, upper), continues=self._continues(stage))
+        solution = best_end(problem, first, solver.solve, lower, upper, stage.again, always=self._given)
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
@@ -297,40 +306,15 @@ class FitRun:
             return "final"
         return "penultimate" if following[0].rows is None else "intermediate"
 
-    def _solve_with_constraints(
-        self,
-        problem: Problem,
-        start: FloatArray,
-        lower: FloatArray,
-        upper: FloatArray,
-        channels: Sequence[str],
-        report: Callable[[int, float], None],
-        *,
-        ridge: float,
-        stage_type: str,
-    ) -> Solution:
-        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them.
-
-        An intermediate stage is solved again once: if its values violated a constraint, their residuals would give the
-        next stage weights for a noise that no tire with this constraint reaches.
-        """
-        known = self._constraints.of(channels) + self._constraints.violated
-        dense = self._constraints.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
-        solve_from = partial(
-            self._solver, problem, lower=lower, upper=upper, ridge=ridge, stage_type=stage_type, progress=report,
-            stop=self._stop,
-        )  # fmt: skip
-        solution = solve_with_targets(problem, start, partial(solve_from, constraints=known), self._stop)
-        for _ in range(1 if stage_type == "intermediate" else ROUNDS):
-            if self._stop():
-                break
-            violated = self._constraints.violations(dense, problem.parameters(solution.x))
-            if not violated:
-                break
-            known = known + violated
-            after = solve_from(solution.x, constraints=known, refine=True)
-            solution = replace(after, iterations=solution.iterations + after.iterations)
-        return solution
+    def _continues(self, stage: Stage) -> bool:
+        """Return whether the stage before has the same channels and coefficients, and fewer rows."""
+        before = self._plan.stages[: self._plan.stages.index(stage)][-1:]
+        return stage.rows is None and any(
+            each.rows is not None
+            and self._channels_of(each) == self._channels_of(stage)
+            and self._candidates(each) == self._candidates(stage)
+            for each in before
+        )
 
     def _stage_r2(self, rows: Rows) -> float:
         computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T

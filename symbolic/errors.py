@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,7 @@ class TirefmuError(Exception):
 
 
 class UnknownName(TirefmuError):
-    """An unknown name; the sentence offers the nearest known one.
+    """An unknown name; the message has the nearest known one, and all of a few or how to list many.
 
     Parameters
     ----------
@@ -49,12 +49,13 @@ class UnknownName(TirefmuError):
     Examples
     --------
     >>> print(UnknownName("coefficient", "PDYI", ["PDY1", "PKX1"]))
-    unknown coefficient 'PDYI': did you mean PDY1?
+    unknown coefficient 'PDYI': did you mean PDY1? Known are PDY1, PKX1
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind, self.name, self.known = kind, name, tuple(known)
-        super().__init__(f"unknown {kind} {name!r}{nearest(str(name), self.known)}")
+        near = nearest(str(name), self.known)
+        super().__init__(f"unknown {kind} {name!r}{near}{_others(str(name), kind, self.known, near)}")
 
 
 class WrongType(TirefmuError, TypeError):
@@ -126,6 +127,27 @@ class FmuError(TirefmuError):
     """An FMU that cannot be built or simulated; lists every problem found."""
 
 
+#: Largest number of known names that a message lists; of more it has the nearest ones.
+FEW, NEAREST = 12, 4
+#: What lists many names of a kind.
+LISTED_BY = {
+    "effect": "tirefmu effects",
+    "coefficient": "tirefmu info TIRE --all",
+    "published tire": "tirefmu published",
+}
+
+
+def _others(name: str, kind: str, known: Sequence[str], near: str) -> str:
+    """Return what follows the nearest name in a message: all known ones, or more that are near and what lists all."""
+    if len(known) <= FEW:
+        return f" Known are {', '.join(known)}" if near.endswith("?") and len(known) > 1 else ""
+    original = {each.casefold(): each for each in known}
+    more = difflib.get_close_matches(name.casefold(), original, n=NEAREST, cutoff=0.5)
+    parts = [f"also near: {', '.join(original[each] for each in more[1:])}"] if len(more) > 1 else []
+    parts += [f"{command} lists all {len(known)}" for what, command in LISTED_BY.items() if kind.startswith(what)]
+    return f"{'' if near else ':'} {'; '.join(parts)}" if parts else ""
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return ': did you mean X?' for the nearest known name, or the list of a few, or ''.
 
@@ -149,7 +171,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
     hits = difflib.get_close_matches(name.casefold(), folded, n=1, cutoff=0.5)
     if hits:
         return f": did you mean {folded[hits[0]]}?"
-    if names and len(names) <= 12:
+    if names and len(names) <= FEW:
         return f": known are {', '.join(names)}"
     return ""
 

@@ -231,8 +231,8 @@ class TireDefinition:
 
     def effective_inputs(self, rows: FloatArray) -> FloatArray:
         """Return the rows of inputs, those inputs 0 that would request an effect that the tire does not have."""
-        silent = [name for effect, name in self.book.on_demand if effect not in self.has]
-        return np.where(np.isin(self.inputs, silent)[:, None], 0.0, rows) if silent else rows
+        silent = np.isin(self.inputs, [name for effect, name in self.book.on_demand if effect not in self.has])
+        return np.where(silent[:, None], 0.0, rows) if rows[silent].any() else rows
 
 
 def _number(name: str, value: float) -> float:

@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_whole
+from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si, png, write_whole
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
@@ -45,20 +45,25 @@ def draw_curves(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
     """
     table = diagnosis.rows
     computed = {
-        "baseline tire": (_force(diagnosis.base_tire, diagnosis, channel), "C3"),
+        "baseline tire": (_force(diagnosis.base_tire, diagnosis, channel), "C3", "--"),
         "improved tire" if diagnosis.delivered else "delivered tire": (
-            _force(diagnosis.tire, diagnosis, channel), "C0"
+            _force(diagnosis.tire, diagnosis, channel), "C0", "-"
         ),
     }  # fmt: skip
-    figure = Figure(figsize=(13.0, 3.4), layout="constrained")
+    figure = Figure(figsize=(13.0, 3.8), layout="constrained")
     axes = figure.subplots(1, BLOCKS, squeeze=False)[0]
     measured = _shown(diagnosis, channel)
     for ax, block in zip(axes, _blocks(diagnosis, channel), strict=False):
-        _draw(ax, table.iloc[block], measured[block], {name: (y[block], c) for name, (y, c) in computed.items()})
+        _draw(
+            ax,
+            table.iloc[block],
+            measured[block],
+            {name: (y[block], color, dashes) for name, (y, color, dashes) in computed.items()},
+        )
     for ax in axes:
         ax.set_visible(bool(ax.lines))
     axes[0].set_ylabel(f"{LETTER.get(channel, channel)} ({drawn_unit(channel)})")
-    axes[0].legend(fontsize=8)
+    axes[0].legend(fontsize=LEGEND_SIZE)
     return write_whole(Path(path), png(figure))
 
 
@@ -88,7 +93,7 @@ def _blocks(diagnosis: Diagnosis, channel: str) -> list[npt.NDArray[np.int64]]:
     return [np.flatnonzero((t >= starts[k]) & (t < ends[k])) for k in chosen]
 
 
-def _draw(ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: dict[str, tuple[FloatArray, str]]) -> None:
+def _draw(ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: dict[str, tuple[FloatArray, str, str]]) -> None:
     slips = [name for name in ("alpha", "kappa") if name in rows]
     if not slips or not len(rows):
         return
@@ -96,18 +101,18 @@ def _draw(ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: dict[str
     rows, measured = rows[drawn], measured[drawn]
     x = rows[slip].to_numpy() * per_si(slip)
     thin = slice(None, None, max(1, len(rows) // POINTS))
-    ax.plot(x[thin], measured[thin], ".", ms=3, color="0.6", label="measured")
-    for name, (force, color) in computed.items():
-        ax.plot(x, force[drawn], color=color, lw=1.2, label=name)
+    ax.plot(x[thin], measured[thin], ".", ms=4, color="0.6", label="measured")
+    for name, (force, color, dashes) in computed.items():
+        ax.plot(x, force[drawn], color=color, ls=dashes, lw=1.4, label=name)
     conditions = [
         f"{LETTER.get(name, name)} {float(rows[name].mean()) * per_si(name):z.{decimals}f} {drawn_unit(name)}"
         for name, decimals in CONDITIONS.items()
         if name in rows
     ]
-    ax.set_title("\n".join([", ".join(conditions[:3]), ", ".join(conditions[3:])]).strip(), fontsize=7)
+    ax.set_title("\n".join([", ".join(conditions[:3]), ", ".join(conditions[3:])]).strip(), fontsize=NOTE_SIZE)
     ax.set_xlabel(f"{LETTER.get(slip, slip)} ({drawn_unit(slip)})")
     ax.ticklabel_format(useOffset=False)
-    ax.tick_params(labelsize=7)
+    ax.tick_params(labelsize=NOTE_SIZE)
 
 
 def _swept(rows: pd.DataFrame, slips: Sequence[str]) -> tuple[str, npt.NDArray[np.bool_]]:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tirefmu.symbolic.quantities import ALPHA, KAPPA
-from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_whole
+from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si, png, write_whole
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
@@ -22,8 +22,8 @@ FloatArray = npt.NDArray[np.float64]
 INTERVALS, MIN_ROWS, MIN_ROWS_OF_FORCE = 24, 10, 2
 #: Distance from the most frequent load of the rows whose force is drawn, as a share of the nominal load.
 LOAD_BAND = 0.08
-#: Directions of slip: label, sign of the growth, color.
-DIRECTIONS = (("size of slip grows", 1.0, "C3"), ("falls", -1.0, "C0"))
+#: Directions of slip: label, sign of the growth, color, marker and dashes.
+DIRECTIONS = (("size of slip grows", 1.0, "C3", "o-"), ("falls", -1.0, "C0", "s--"))
 #: Seconds over which the direction of slip is determined.
 SMOOTHED = 0.1
 
@@ -62,14 +62,14 @@ def draw_memory(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
         residual.set_xlabel(f"{LETTER[slip]} ({drawn_unit(slip)})")
     forces[0].set_ylabel(f"{LETTER[channel]} ({drawn_unit(channel)})")
     residuals[0].set_ylabel(f"mean residual of {LETTER[channel]} ({drawn_unit(channel)})")
-    forces[0].legend(fontsize=8)
-    residuals[0].legend(fontsize=8)
+    forces[0].legend(fontsize=LEGEND_SIZE)
+    residuals[0].legend(fontsize=LEGEND_SIZE)
     first: Axes | None = None
     for i, name in enumerate(states):
         ax = figure.add_subplot(grid[2 + i, :], sharex=first)
         first = first or ax
         ax.plot(diagnosis.rows["t"], computed[name], color="C0", lw=0.9)
-        ax.set_ylabel(f"{name}\n({_unit(diagnosis.tire, name)})", fontsize=8)
+        ax.set_ylabel(f"{name}\n({_unit(diagnosis.tire, name)})", fontsize=NOTE_SIZE)
     if first:
         ax.set_xlabel("t (s)")
     return write_whole(Path(path), png(figure))
@@ -94,21 +94,21 @@ def _draw_forces(ax: Axes, diagnosis: Diagnosis, computed: FloatArray, channel: 
     frequent = float(edges[count.argmax()]) + width / 2.0
     near = np.abs(load - frequent) <= width
     measured = rows[channel].to_numpy(dtype=np.float64)
-    for label, direction, color in DIRECTIONS:
+    for label, direction, color, style in DIRECTIONS:
         centers, mean = _means(diagnosis, measured, slip, direction, near, MIN_ROWS_OF_FORCE)
-        ax.plot(centers, mean, "o", ms=4, color=color, label=f"measured, {label}")
+        ax.plot(centers, mean, style[0], ms=4, color=color, label=f"measured, {label}")
         values = np.where(np.isfinite(measured), computed, np.nan)
         centers, mean = _means(diagnosis, values, slip, direction, near, MIN_ROWS_OF_FORCE)
-        ax.plot(centers, mean, "-", lw=1.3, color=color, label=f"tire, {label}")
-    ax.text(0.98, 0.04, f"{LETTER['Fz']} near {frequent:.0f} N", transform=ax.transAxes, ha="right", fontsize=8)
+        ax.plot(centers, mean, style[1:], lw=1.3, color=color, label=f"tire, {label}")
+    ax.text(0.98, 0.04, f"{LETTER['Fz']} near {frequent:.0f} N", transform=ax.transAxes, ha="right", fontsize=NOTE_SIZE)
 
 
 def _draw_residuals(ax: Axes, diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str) -> None:
     """Draw the mean residual over slip for rows whose slip grows and for rows whose slip falls."""
     residual = diagnosis.rows[channel].to_numpy(dtype=np.float64) - computed
-    for label, direction, color in DIRECTIONS:
+    for label, direction, color, style in DIRECTIONS:
         centers, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool), MIN_ROWS)
-        ax.plot(centers, mean, "o-", ms=3, lw=1.2, color=color, label=label)
+        ax.plot(centers, mean, style, ms=3, lw=1.2, color=color, label=label)
     ax.axhline(0.0, color="0.6", lw=0.8)
 
 

@@ -13,7 +13,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_whole
+from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, TITLE_SIZE, drawn_unit, per_si, png, write_whole
 
 from ..thresholds import MIN_ROWS_OF_CELL
 
@@ -46,16 +46,16 @@ def draw_residual_location(
     for row, maps, title in zip(axes, (before, after), ("baseline model", "improved model"), strict=True):
         for ax, shown in zip(row, maps, strict=True):
             _draw_map(ax, shown, norm)
-            ax.set_title(f"{title}: largest mean {shown['worst']['mean']:+.1f}", fontsize=9)
+            ax.set_title(f"{title}: largest mean {shown['worst']['mean']:+.1f}", fontsize=TITLE_SIZE)
     flat = [ax for row in axes for ax in row]
     label = "mean residual in noise standard deviations"
     figure.colorbar(ScalarMappable(norm, colors), ax=flat, label=label, extend="both", pad=0.01)
     ax = figure.add_subplot(grid[2, :])
-    for name, style in (("before", "C3"), ("after", "C0")):
-        ax.step(course["t"], course[name], style, where="post", label=name)
+    for name, color, dashes in (("before", "C3", "--"), ("after", "C0", "-")):
+        ax.step(course["t"], course[name], color=color, ls=dashes, where="post", label=name)
     ax.axhline(1.0, color="0.6", lw=0.8)
     ax.set(xlabel="t (s)", ylabel="RMS over noise", ylim=(0.0, None))
-    ax.legend(fontsize=8)
+    ax.legend(fontsize=LEGEND_SIZE)
     return write_whole(Path(path), png(figure))
 
 
@@ -69,10 +69,10 @@ def _draw_map(ax: Axes, shown: Mapping[str, Any], norm: Normalize) -> None:
     for i, j in np.argwhere(count > 0):
         dark = count[i, j] >= MIN_ROWS_OF_CELL and abs(mean[i, j]) > 0.6 * FULL
         middle = 0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])
-        ax.text(*middle, str(count[i, j]), ha="center", va="center", fontsize=5.5, color="w" if dark else "k")
+        ax.text(*middle, str(count[i, j]), ha="center", va="center", fontsize=7.5, color="w" if dark else "k")
     ax.set(**{f"{side}label": _label(name) for side, name in zip("xy", shown["over"], strict=True)})
     ax.ticklabel_format(useOffset=False)
-    ax.tick_params(labelsize=7)
+    ax.tick_params(labelsize=9)
 
 
 def _scale(name: str) -> float:

@@ -19,7 +19,7 @@ from matplotlib.patches import Rectangle
 from tirefmu.measurements import Recording, TableLike, levels, recording_from
 from tirefmu.symbolic.errors import DataError, nearest
 from tirefmu.tires import TireLike, tire_from
-from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_footnote, write_whole
+from tirefmu.tires.drawing.style import LETTER, TITLE_SIZE, drawn_unit, per_si, png, write_footnote, write_whole
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
@@ -260,7 +260,7 @@ def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path
 def _draw_map(ax: Axes, title: str, shown: ResidualMap, norm: Normalize) -> None:
     worst, unit = shown.worst, drawn_unit(shown.channel)
     score = f"largest mean {worst.mean:.3g} {unit}, RMS of all rows {shown.total_rms:.3g} {unit}"
-    ax.set_title(f"{title}\n{score}", fontsize=9)
+    ax.set_title(f"{title}\n{score}", fontsize=TITLE_SIZE)
     ax.set_facecolor("0.8")
     scales = [per_si(name) for name in shown.over]
     x, y = (edges * scale for edges, scale in zip(shown.edges, scales, strict=True))

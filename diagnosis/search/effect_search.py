@@ -32,7 +32,7 @@ from ..thresholds import (
 )
 from ..unexplained.drift import is_drift
 from ..unexplained.structure import CORE_INPUTS, Structure, core_part, structure_of
-from .refits import REFINEMENT, Refit, Tried, distinct, preferred
+from .refits import REFINEMENT, Refit, Tried, distinct, preferred, rivals
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -57,6 +57,8 @@ class Search:
         Structure that no candidate explains; and structure that only corrects the functional form of the model.
     last : list of Tried
         Candidates of the last round with their responses.
+    rivals : frozenset of str
+        Effects that explained the residual of the baseline model nearly as well as the first one that was identified.
     screen : Screen
         Of the current solution.
     tests : int
@@ -76,6 +78,8 @@ class Search:
     last: list[Tried] = field(default_factory=list)
     screen: Screen = field(init=False)
     tests: int = 0
+    rivals: frozenset[str] = frozenset()
+    _passing: list[Refit] = field(default_factory=list)  # of the last round
 
     def copy(self) -> Search:
         """Return a search that continues from here without a change of this one."""
@@ -93,6 +97,8 @@ class Search:
                 if not self._accept_structure(best):
                     break
             else:
+                if not self.found:
+                    self.rivals = rivals(best, self._passing)
                 self.accept(best)
                 self.progress(f"identified: {best.name} (gain {100 * best.gain:.2f} %)")
         self.screen = Screen(self.problem, self.solution)
@@ -145,9 +151,9 @@ class Search:
         promising = [t for t in chosen if t.response.p_coloured * self.tests < REFIT_P_FACTOR * EFFECT_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
         passing = [refit for refit in refits if refit.passes and not self._is_form_artefact(refit)]
-        passing = [refit for refit in passing if not self._is_part_of_memory(refit)]
+        self._passing = [refit for refit in passing if not self._is_part_of_memory(refit)]
         found = {refit.name for refit in self.found}
-        return preferred(passing, self.candidates, found) if passing else None
+        return preferred(self._passing, self.candidates, found) if self._passing else None
 
     def accept(self, refit: Refit) -> None:
         """Add an effect or a refinement to the model."""

@@ -67,6 +67,7 @@ def searched(
     disturbed, start = _disturbed(before.problem, before.solution)
     second = Search(disturbed, start, candidates, progress)
     second.run()
+    second = _simpler(second, Search(disturbed, start, candidates, progress))
     late, second = _aligned(problem, before, second)
     if any(candidates[one.name].has_states for one in second.found) or _findings(second) < _findings(first):
         return late, second
@@ -78,9 +79,39 @@ def _findings(search: Search) -> int:
     return len(search.found) + len(search.structures)
 
 
+def _depends_on_past(search: Search) -> bool:
+    return any(PAST_ONLY.intersection(structure.depends_on) for structure in search.structures)
+
+
+def _simpler(search: Search, other: Search) -> Search:
+    """Return the search, or another one without its first effect if this explains as much with fewer findings.
+
+    An effect that resembles the missing one may gain the most alone. Structure that depends on the past then remains,
+    which an effect of nearly the same gain would have explained, too.
+
+    Parameters
+    ----------
+    search : Search
+        Completed.
+    other : Search
+        Not begun.
+    """
+    if not (search.rivals and _depends_on_past(search)):
+        return search
+    first, candidates = search.found[0].name, other.candidates
+    other.progress(f"structure that depends on the past remains: the search is repeated without {first}")
+    other.candidates = {name: one for name, one in candidates.items() if name != first}
+    other.run()
+    gain = float((search.screen.baseline.loss - other.screen.baseline.loss).sum())
+    if not (gain > 0.0 and _findings(other) < _findings(search)):
+        return search
+    other.candidates = candidates
+    return other
+
+
 def _has_memory(search: Search, candidates: list[Candidate]) -> bool:
     """Return whether structure that a search found, or an effect with states in its residual, depends on the past."""
-    if any(PAST_ONLY.intersection(structure.depends_on) for structure in search.structures):
+    if _depends_on_past(search):
         return True
     problem, solution = _disturbed(search.problem, search.solution)
     trial = Search(problem, solution, search.candidates, search.progress)

@@ -116,6 +116,23 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate], found: C
     return best
 
 
+def rivals(best: Refit, passing: Collection[Refit]) -> frozenset[str]:
+    """Return the effects whose gain is not significantly smaller than that of the preferred one.
+
+    Parameters
+    ----------
+    best : Refit
+    passing : collection of Refit
+        All that pass the criteria, with the preferred one.
+    """
+    near = set()
+    for other in passing:
+        difference = limited(best.gains - other.gains, LARGEST_SHARE)
+        if float(difference.sum()) <= PREFERRED_ERRORS * error_of_sum(difference):
+            near.add(other.name)
+    return frozenset(name for name in near - {best.name} if not name.startswith(REFINEMENT))
+
+
 def _has_states(refit: Refit, candidates: Mapping[str, Candidate]) -> bool:
     return refit.name in candidates and candidates[refit.name].has_states
 

@@ -52,7 +52,7 @@ class Settled:
 def settle(search: Search, before: Screen) -> Settled:
     """Fit the baseline model and the model with the identified effects once more, as they are delivered.
 
-    Corrections of the functional form that the search used as disturbances are removed, as a tire does not contain
+    Disturbances by which the search corrects the functional form are removed, as a tire does not contain
     them. Effects that are not confirmed are removed from the search.
 
     Parameters

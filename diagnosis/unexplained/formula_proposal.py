@@ -1,8 +1,9 @@
-"""Unexplained structure as a proposed effect: its file, and the test on the hold-out set."""
+"""Structure as a proposed effect: its file, and the test on the hold-out set."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -68,36 +69,52 @@ class Added:
     solution: Solution
 
 
-def effect_of(structure: Structure) -> AddedEffect:
+def effect_of(structures: Sequence[Structure], *, prefix: str = "found") -> AddedEffect:
     """Return structure as an effect; rates and memories become states.
 
     Parameters
     ----------
-    structure : Structure
+    structures : sequence of Structure
+        The effect contains all of them.
+    prefix : str
+        Of the name of the effect, and in capital letters of its coefficients.
     """
-    sizes = structure.response.estimate
-    names = [f"FOUND{i + 1}" for i in range(len(sizes))]
-    declarations = "\n".join(
-        f'{name} = {{description = {toml_string("found: " + term.text)}, unit = "1", lower = {-_bound(size)!r}, '
-        f"upper = {_bound(size)!r}{', flips = true' if structure.location.flips else ''}}}"
-        for name, term, size in zip(names, structure.terms, sizes, strict=True)
-    )
-    total = " + ".join(f"{name}*({term.in_effect_file})" for name, term in zip(names, structure.terms, strict=True))
-    per = f"{structure.location.per}*" if structure.location.per else ""
-    acts = "\n".join(
-        f'[[acts]]\non = "{quantity}"\n{structure.location.how} = '
-        + (f'"1 + {total}"' if structure.location.how == "factor" else f'"{per}({total})"')
-        for quantity in structure.location.quantities
-    )
-    name = "found_" + "_".join(re.sub(r"\W", "", variable) for variable in structure.depends_on).lower()
-    states = dict.fromkeys(state for term in structure.terms for state in term.states)
+    declarations, acts, number = "", "", 0
+    for structure in structures:
+        names = [f"{prefix.upper()}{number + i + 1}" for i in range(len(structure.terms))]
+        number += len(names)
+        declarations += _declarations(structure, names, prefix)
+        acts += _acts(structure, names)
+    variables = dict.fromkeys(variable for structure in structures for variable in structure.depends_on)
+    quantities = dict.fromkeys(structure.location.name for structure in structures)
+    name = f"{prefix}_" + "_".join(re.sub(r"\W", "", variable) for variable in variables).lower()
+    states = dict.fromkeys(state for structure in structures for term in structure.terms for state in term.states)
     text = (
-        f'name = "{name}"\nphysics = "{structure.location.name} changes with {", ".join(structure.depends_on)}"\n'
-        f'source = "proposed by the diagnosis of a recording"\n[coefficients]\n{declarations}\n'
+        f'name = "{name}"\nphysics = "{" and ".join(quantities)} changes with {", ".join(variables)}"\n'
+        f'source = "proposed by the diagnosis of a recording"\n[coefficients]\n{declarations}'
         + "".join(map(_table_of, states))
-        + f"{acts}\n"
+        + acts
     )
-    return read_effect(text, f"{name}.toml")
+    return read_effect(text.replace("found_", f"{prefix}_"), f"{name}.toml")  # a state belongs to one effect
+
+
+def _declarations(structure: Structure, names: Sequence[str], prefix: str) -> str:
+    """Return the declarations of the coefficients of structure, a line each."""
+    flips = ", flips = true" if structure.location.flips else ""
+    return "".join(
+        f'{name} = {{description = {toml_string(f"{prefix}: {term.text}")}, unit = "1", lower = {-_bound(size)!r}, '
+        f"upper = {_bound(size)!r}{flips}}}\n"
+        for name, term, size in zip(names, structure.terms, structure.response.estimate, strict=True)
+    )
+
+
+def _acts(structure: Structure, names: Sequence[str]) -> str:
+    """Return how the terms of structure act on its quantities, a table each."""
+    location = structure.location
+    total = " + ".join(f"{name}*({term.in_effect_file})" for name, term in zip(names, structure.terms, strict=True))
+    per = f"{location.per}*" if location.per else ""
+    value = f"1 + {total}" if location.how == "factor" else f"{per}({total})"
+    return "".join(f'[[acts]]\non = "{quantity}"\n{location.how} = "{value}"\n' for quantity in location.quantities)
 
 
 def _table_of(state: str) -> str:
@@ -148,32 +165,27 @@ def _bound(size: float) -> float:
 
 
 def added_if_better(
-    structure: Structure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
+    structures: Sequence[Structure], effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
 ) -> Added | str:
-    """Add a formula to the model if the error on the hold-out set decreases.
+    """Add formulas to the model if the error on the hold-out set decreases.
 
     Parameters
     ----------
-    structure : Structure
+    structures : sequence of Structure
     effect : AddedEffect
         Result of `effect_of`.
     start : Tire
     problem : LeastSquares
     solution : Solution
-        Solution without the formula.
+        Solution without the formulas.
 
     Returns
     -------
     Added or str
-        Otherwise the reason: the hold-out error does not decrease, or the model cannot contain the formula.
+        Otherwise the reason: the hold-out error does not decrease, or the model cannot contain the formulas.
     """
-    extended = problem.disturbances.extended(
-        tuple(declaration.name for declaration in effect.declarations),
-        structure.columns,
-        np.abs(structure.response.estimate) * COEFFICIENT_BOUND_FACTOR + 1e-6,
-    )
-    tried = replace(problem, disturbances=extended).solve(solution.parameters, solution.free, iterations=3)
-    if (gain := problem.holdout_gain(solution, tried)) <= MIN_IMPROVEMENT:
+    estimate = np.concatenate([structure.response.estimate for structure in structures])
+    if (gain := problem.holdout_gain(solution, with_columns(structures, problem, solution))) <= MIN_IMPROVEMENT:
         return _too_small(gain)
     try:
         tire = replace(start, added=(*start.added, effect))
@@ -183,13 +195,30 @@ def added_if_better(
     parameters = tire.parameters()
     for name in problem.simulator.names:
         parameters[simulator.index[name]] = solution.parameters[problem.simulator.index[name]]
-    for declaration, size in zip(effect.declarations, structure.response.estimate, strict=True):
+    for declaration, size in zip(effect.declarations, estimate, strict=True):
         parameters[simulator.index[declaration.name]] = size
     extended_problem = replace(problem, simulator=simulator)
     free = (*solution.free, *(declaration.name for declaration in effect.declarations))
     fitted = extended_problem.solve(parameters, free, iterations=8)
     reason = _against_delivery(problem, solution, extended_problem, fitted)
     return reason or Added(effect, tire, extended_problem, fitted)
+
+
+def with_columns(structures: Sequence[Structure], problem: LeastSquares, solution: Solution) -> Solution:
+    """Return the solution with the columns of structure as disturbances.
+
+    Parameters
+    ----------
+    structures : sequence of Structure
+    problem : LeastSquares
+    solution : Solution
+        Of this problem, the initial values.
+    """
+    columns = np.concatenate([structure.columns for structure in structures], axis=-1)
+    estimate = np.concatenate([structure.response.estimate for structure in structures])
+    names = tuple(f"tried_{i}" for i in range(len(estimate)))
+    extended = problem.disturbances.extended(names, columns, np.abs(estimate) * COEFFICIENT_BOUND_FACTOR + 1e-6)
+    return replace(problem, disturbances=extended).solve(solution.parameters, solution.free, iterations=3)
 
 
 def _against_delivery(problem: LeastSquares, without: Solution, extended: LeastSquares, fitted: Solution) -> str:

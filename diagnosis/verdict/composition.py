@@ -21,6 +21,7 @@ from ..recording.disturbances import removed_from
 from ..recording.measurement_artefacts import recording_errors
 from ..recording.signals import FORMULA_SIGNS, Signals
 from ..search.effect_search import Search
+from ..search.proposals import FormCorrection
 from ..search.refits import REFINEMENT, Refit
 from ..search.settling import Settled
 from ..thresholds import CHANNEL_SHARE, REPORTED, REPORTED_EVIDENCE
@@ -58,6 +59,8 @@ class SearchOutcome:
     search : Search
         Completed, after `settle`.
     unknown : tuple of Unknown
+    correction : FormCorrection, optional
+        Of the functional form, in `start`.
     """
 
     recording: Recording
@@ -66,6 +69,7 @@ class SearchOutcome:
     settled: Settled
     search: Search
     unknown: tuple[Unknown, ...]
+    correction: FormCorrection | None = None
 
     @property
     def signals(self) -> Signals:
@@ -88,6 +92,9 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     for one in outcome.unknown:
         if one.added and one.effect:
             added[one.effect.name] = tuple(declaration.name for declaration in one.effect.declarations)
+    if outcome.correction:
+        effect = outcome.correction.effect
+        added[effect.name] = tuple(declaration.name for declaration in effect.declarations)
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
     tire = tire_of(outcome.start, search.problem, search.solution, added)
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
@@ -125,7 +132,9 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
             + [one.next_measurement for one in unknown if one.next_measurement]
         )
     )
+    correction = None if against else outcome.correction
     refined = tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements)
+    refined += correction.formulas if correction else ()
     tested = {name: one for name, one in outcome.tried.items() if name in search.candidates}
     detectable, not_identifiable = detectable_sizes(search, tested, outcome.start)
     outliers = residuals.outlier_rows(outcome.signals.channels)
@@ -140,6 +149,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         unknown=unknown,
         not_identifiable=not_identifiable,
         refined=refined,
+        correction=correction,
         gap=errors,
         adequacy=adequacy,
         delivered=not against,

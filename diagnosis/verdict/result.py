@@ -13,12 +13,13 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.added import effect_text
+from tirefmu.symbolic.added import AddedEffect, effect_text
 from tirefmu.symbolic.errors import DataError, UnknownName, path_from
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
 from ..search.confirmation import Confirmation
+from ..search.proposals import FormCorrection
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .extrapolation import Extrapolation
@@ -26,7 +27,7 @@ from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "2.2"
+VERSION = "2.3"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,7 +48,9 @@ class Diagnosis:
     not_identifiable : mapping of str to str
         Effects that this recording cannot identify, and the reason.
     refined : tuple of str
-        Refinements of effects that the baseline model already had.
+        Refinements of effects that the baseline model already had, and formulas that correct its functional form.
+    correction : FormCorrection or None
+        The effect with these formulas, which `tire` has.
     gap : mapping
         train, cv, holdout -> channel -> before, after, floor, floor_with_history: root mean square residuals of the
         fitted tires over the recording, N and N m, with its offsets and drift removed (``recording``, ``removed``), and
@@ -91,6 +94,7 @@ class Diagnosis:
     unknown: tuple[Unknown, ...]
     not_identifiable: Mapping[str, str]
     refined: tuple[str, ...]
+    correction: FormCorrection | None
     gap: Mapping[str, Mapping[str, Mapping[str, float]]]
     adequacy: tuple[Adequacy, ...]
     delivered: bool
@@ -178,6 +182,12 @@ class Diagnosis:
         return next((color for color in ("red", "amber") if color in ratings), "green")
 
     @property
+    def proposed(self) -> tuple[AddedEffect, ...]:
+        """The effects that the diagnosis wrote itself: a correction of the form, and unexplained effects."""
+        written = [self.correction, *self.unknown]
+        return tuple(one.effect for one in written if one is not None and one.effect is not None)
+
+    @property
     def _summarized(self) -> tuple[str, tuple[Finding, ...], Mapping[str, Mapping[str, float]], int, str]:
         return self.verdict, self.found, self.gap["holdout"], len(self.rows), self.signs
 
@@ -248,6 +258,7 @@ class Diagnosis:
             "not_identifiable": sorted(self.not_identifiable),
             "not_identifiable_because": dict(self.not_identifiable),
             "refined": list(self.refined),
+            "correction": f"{self.correction.effect.name}.toml" if self.correction else None,
             "gap": self.gap,
             "adequacy": {
                 one.channel: {
@@ -303,7 +314,7 @@ class Diagnosis:
             path.mkdir(parents=True, exist_ok=True)
             self.tire.save(path / "improved.tir")
             self.base_tire.save(path / "base.tir")
-            for proposed in (one.effect for one in self.unknown if one.effect):
+            for proposed in self.proposed:
                 (path / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
             content = self.to_json(tire="improved.tir", base_tire="base.tir")
             (path / "diagnosis.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

@@ -11,6 +11,8 @@ const STYLES = {
 const POINT_COLOR = 0xa05f7800;
 const POINT_SIZE = 3;
 const CHART_HEIGHT = 260;
+/** Half the width of a printed A4 or letter page, less margins and frame. */
+const PRINTED_WIDTH = 325;
 /** Room beyond the values of an axis, as shares of their range: at rest, and where an axis grows. */
 const ROOM = 0.04;
 const GROWTH = 0.1;
@@ -32,11 +34,18 @@ class Chart {
     this.points = null;
     this.ranges = {};
     this.moving = false;
+    this.width = 0;
     new ResizeObserver(() => this.plot?.setSize(this.size())).observe(this.box);
   }
 
   size() {
-    return { width: Math.max(this.box.clientWidth, 200), height: CHART_HEIGHT };
+    return { width: this.width || Math.max(this.box.clientWidth, 200), height: CHART_HEIGHT };
+  }
+
+  /** Take a width, or with 0 that of the page. */
+  fit(width) {
+    this.width = width;
+    this.plot?.setSize(this.size());
   }
 
   /**

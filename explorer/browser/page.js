@@ -16,6 +16,7 @@ let charts = [];
 let seen = null;
 let pending = 0;
 let delayed = 0;
+let resting = 0;
 
 const input = (name) => now.data.inputs.find((each) => each.name === name);
 const range = (name) => {
@@ -134,7 +135,7 @@ function measuredPoints(output, over) {
   return { x: condition.axes[over], y: condition.axes[output] };
 }
 
-/** Draw visible charts in the next frame, and all points and what takes longer when no change has followed for a moment. */
+/** Draw visible charts in the next frame; everything else when no change has followed for a moment. */
 function render() {
   if (!pending) {
     pending = requestAnimationFrame(() => {
@@ -143,29 +144,42 @@ function render() {
     });
   }
   clearTimeout(delayed);
+  clearTimeout(resting);
   delayed = setTimeout(() => {
     const shared = {};
-    for (const each of charts) {
-      if (each.visible) each.update();
-      if (each.visible) each.settle?.(shared);
-      each.chart.describe();
-    }
+    for (const each of charts) if (each.visible) drawWhole(each, shared);
     timePanel.draw();
     showNumbers();
     showQuality();
     showStatus();
     writeHash();
+    drawRest(charts.filter((each) => !each.visible), shared);
   }, 150);
 }
 
-/** Draw all charts, also those out of sight: a printed page has them. */
-function drawForPrint() {
+function drawWhole(each, shared) {
+  each.update();
+  each.settle?.(shared);
+  each.chart.describe();
+}
+
+/** Draw charts that are out of sight one after another, so that a change is not kept waiting: they are there when scrolled to. */
+function drawRest([first, ...others], shared) {
+  if (!first) return;
+  resting = setTimeout(() => {
+    drawWhole(first, shared);
+    drawRest(others, shared);
+  });
+}
+
+/** Draw all charts in the width of a printed column, or again in that of the page. */
+function drawForPrint(printed) {
   const shared = {};
   for (const each of charts) {
-    each.update();
-    each.settle?.(shared);
-    each.chart.describe();
+    each.chart.fit(printed ? PRINTED_WIDTH : 0);
+    drawWhole(each, shared);
   }
+  timePanel.fit(printed ? PRINTED_WIDTH : 0);
 }
 
 function fillTable(table, head, rows) {
@@ -338,7 +352,8 @@ function start() {
   for (const id of ["search", "changed-only"]) {
     find(id).addEventListener("input", () => panel.filter(find("search").value, find("changed-only").checked));
   }
-  addEventListener("beforeprint", drawForPrint);
+  addEventListener("beforeprint", () => drawForPrint(true));
+  addEventListener("afterprint", () => drawForPrint(false));
   addEventListener("hashchange", () => {
     readHash();
     showAll();

@@ -14,6 +14,7 @@ class Surface {
     this.title = title;
     this.titles = [xTitle, yTitle, zTitle];
     this.view = { ...SURFACE_VIEW };
+    this.width = 0;
     this.figure = document.createElement("figure");
     const caption = document.createElement("figcaption");
     caption.textContent = title;
@@ -34,6 +35,12 @@ class Surface {
       this.turn(SURFACE_STEP.key * turns[0], SURFACE_STEP.key * turns[1]);
     });
     new ResizeObserver(() => this.paint()).observe(this.figure);
+  }
+
+  /** Take a width, or with 0 that of the page. */
+  fit(width) {
+    this.width = width;
+    this.paint();
   }
 
   turn(around, over) {
@@ -74,7 +81,7 @@ class Surface {
 
   paint() {
     if (!this.data) return;
-    const width = Math.max(this.figure.clientWidth - 14, 200);
+    const width = this.width || Math.max(this.figure.clientWidth - 14, 200);
     const height = CHART_HEIGHT;
     Object.assign(this.canvas, { width: width * devicePixelRatio, height: height * devicePixelRatio });
     Object.assign(this.canvas.style, { width: `${width}px`, height: `${height}px` });

@@ -122,6 +122,11 @@ class TimePanel {
     }
   }
 
+  /** Take a width for all charts, or with 0 that of the page. */
+  fit(width) {
+    for (const { chart } of this.charts ?? []) chart.fit(width);
+  }
+
   /** Return the choices as a text for the address of the page; empty if there are none. */
   text() {
     if (!this.exists) return "";

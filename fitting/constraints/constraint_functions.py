@@ -18,6 +18,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.tires.code.modules import casadi_module
 
 from ..problem.weighted_residuals import Problem
+from .buffered_function import BufferedFunction
 from .physical import TOLERANCE, Constraint
 
 FloatArray = npt.NDArray[np.float64]
@@ -60,7 +61,8 @@ class ConstraintFunctions:
         column = _joined((np.tile(block.free, n) for block, n in zip(blocks, sizes, strict=True)), int)
         order = np.lexsort((row, column))  # CasADi stores nonzeros by column
         shape = len(self.low), len(problem.free)
-        self.sparsity = ca.Sparsity.triplet(*shape, row[order].tolist(), column[order].tolist())
+        self._row, self._column = row[order], column[order]
+        self.sparsity = ca.Sparsity.triplet(*shape, self._row.tolist(), self._column.tolist())
         starts = np.cumsum([0, *(block.width * n for block, n in zip(blocks, sizes, strict=True))])
         #: Indices of the derivatives by free coefficients, in CasADi's order, and their scale factors.
         self._picked = _joined((first + block.entries for block, first in zip(blocks, starts, strict=False)), int)[
@@ -69,20 +71,17 @@ class ConstraintFunctions:
         self._factors = _joined(np.tile(block.reach, n) for block, n in zip(blocks, sizes, strict=True))[order]
         self._blocks = blocks
         self._divisors = _joined(np.full(n, block.size) for block, n in zip(blocks, sizes, strict=True))
-        n = len(problem.tire.book.parameters)
-        functions: tuple[Any, Any] = _all_of(blocks, n) if blocks else (None, None)
-        self._function, self._values = functions
 
     def __len__(self) -> int:
         return len(self.low)
 
     def values(self, x: FloatArray) -> FloatArray:
         """Return the constrained quantities at scaled free values x."""
-        if self._function is None or (self._latest is not None and np.array_equal(self._latest[0], x)):
-            return self._at(x)[0]
+        if self._latest is not None and np.array_equal(self._latest[0], x):
+            return self._latest[1]
         if self._valued is None or not np.array_equal(self._valued[0], x):
-            values = self._values(self._problem.parameters(x))
-            self._valued = x.copy(), np.array(values).ravel() / self._divisors
+            parameters = self._problem.parameters(x)
+            self._valued = x.copy(), _joined(block.values(parameters) for block in self._blocks) / self._divisors
         return self._valued[1]
 
     def values_of_each(self, population: FloatArray) -> FloatArray:
@@ -113,21 +112,22 @@ class ConstraintFunctions:
 
     def jacobian(self, x: FloatArray) -> Any:
         """Return their derivatives by x as a sparse casadi.DM."""
-        return ca.DM(self.sparsity, self._at(x)[1])
+        return ca.DM(self.sparsity, self.at(x)[1])
 
-    def _at(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return values and the entries of the Jacobian, cached for repeated calls at one point."""
-        if self._function is None:
-            return np.zeros(0), np.zeros(0)
+    def at(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values, and the nonzeros of the Jacobian in the order of `sparsity`."""
         if self._latest is None or not np.array_equal(self._latest[0], x):
-            values, gradients = self._function(self._problem.parameters(x))
-            entries = np.array(gradients).ravel()[self._picked] * self._factors
-            self._latest = x.copy(), np.array(values).ravel() / self._divisors, entries
+            parameters = self._problem.parameters(x)
+            each = [block.with_gradients(parameters) for block in self._blocks]
+            entries = _joined(gradients for _, gradients in each)[self._picked] * self._factors
+            self._latest = x.copy(), _joined(values for values, _ in each) / self._divisors, entries
         return self._latest[1:]
 
     def slopes(self, x: FloatArray) -> FloatArray:
         """Return the dense `jacobian`, shape (n_constraints, n_free)."""
-        return np.array(self.jacobian(x)).reshape(len(self), len(x))
+        slopes = np.zeros((len(self), len(x)))
+        slopes[self._row, self._column] = self.at(x)[1]
+        return slopes
 
     def satisfied(self, values: FloatArray) -> bool:
         """Return whether values are within the bounds; NaN is not."""
@@ -144,8 +144,10 @@ class _Block:
         Typical size, by which the quantity is divided.
     bounds : tuple of (float, float)
         Of the quantity divided by its size.
-    value, function : casadi.Function
-        The quantity; the quantity and its nonzero derivatives by parameters, `width` of them, at one point.
+    value : casadi.Function
+        The quantity at one point.
+    width : int
+        Number of its nonzero derivatives by parameters.
     free : ndarray of int, shape (n_reached,)
         The free coefficients that influence it.
     reach : ndarray, shape (n_reached,)
@@ -155,7 +157,11 @@ class _Block:
     """
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
-        self.value, self.function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
+        self.value, _, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
+        each = _at_points(problem.tire.book, constraint.quantity, constraint.measure, points.shape[1])
+        self._values, self._with_gradients = (BufferedFunction(function) for function in each)
+        for function in (self._values, self._with_gradients):
+            function.arguments[0][:] = points.ravel(order="F")
         self.points, self.size, self.bounds = points, constraint.size, constraint.scaled_bounds
         index = {int(column): i for i, column in enumerate(problem.columns)}
         self.width = len(reached)
@@ -173,37 +179,31 @@ class _Block:
         If PDX2 is fixed at 0, no free coefficient changes the decrease of friction with load. Such rows of zeros are
         omitted, because an interior-point method cannot move them away from a bound.
         """
-        random, n = np.random.default_rng(0), self.points.shape[1]
+        random = np.random.default_rng(0)
         present = np.array([problem.tire.values[name] for name in problem.free]) / problem.scale
         influential = np.zeros(self.width, dtype=np.bool_)
         for _ in range(PROBES):
             nearby = problem.parameters(present + random.uniform(-0.3, 0.3, len(present)))
-            gradients = self.function.map(n)(self.points, np.repeat(nearby[:, None], n, axis=1))[1]
-            influential |= np.any(np.array(gradients).reshape(self.width, n) != 0.0, axis=1)
+            gradients = self.with_gradients(nearby)[1]
+            influential |= np.any(gradients.reshape(-1, self.width) != 0.0, axis=0)
             if influential[sought].all():
                 break
         return influential
 
+    def values(self, parameters: FloatArray) -> FloatArray:
+        """Return the quantity at the points, until the next call."""
+        self._values.arguments[1][:] = parameters
+        return self._values()[0]
+
+    def with_gradients(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the quantity at the points, and its nonzero derivatives point by point, until the next call."""
+        self._with_gradients.arguments[1][:] = parameters
+        values, gradients = self._with_gradients()
+        return values, gradients
+
     def written_out(self, parameters: Any) -> list[Any]:
         """Return the value at each point as an expression of the parameters."""
         return [self.value(point, parameters) / self.size for point in self.points.T]
-
-
-def _all_of(blocks: Sequence[_Block], n_parameters: int) -> tuple[Any, Any]:
-    """Return two functions of the parameters: the values of all blocks with all derivatives, and the values alone."""
-    parameters = ca.MX.sym("parameters", n_parameters)
-    values, gradients, alone = [], [], []
-    for block in blocks:
-        n = block.points.shape[1]
-        at = block.points, ca.repmat(parameters, 1, n)
-        value, gradient = block.function.map(n)(*at)
-        values.append(ca.vec(value))
-        gradients.append(ca.vec(gradient))
-        alone.append(ca.vec(block.value.map(n)(*at)))
-    return (
-        ca.Function("imposed", [parameters], [ca.vertcat(*values), ca.vertcat(*gradients)]),
-        ca.Function("values", [parameters], [ca.vertcat(*alone)]),
-    )
 
 
 def _joined(arrays: Iterable[npt.NDArray[Any]], kind: type = float) -> npt.NDArray[Any]:
@@ -226,15 +226,26 @@ def measured_values(book: Model, constraint: Constraint, points: FloatArray, par
     ndarray, shape (n,)
         In the quantity's unit.
     """
-    value, _, _ = _functions(book, constraint.quantity, constraint.measure)
-    return np.array(value(points, parameters), dtype=float).ravel()
+    value = BufferedFunction(_at_points(book, constraint.quantity, constraint.measure, points.shape[1])[0])
+    value.arguments[0][:] = points.ravel(order="F")
+    value.arguments[1][:] = parameters
+    return value()[0]
 
 
 @lru_cache(maxsize=256)
 def value_with_slopes(book: Model, quantity: str, measure: str) -> Any:
     """Return a function of inputs and parameters: the bounded value and its derivatives by the inputs."""
     inputs, parameters, value = _expression(book, quantity, measure)
-    return ca.Function(f"{quantity}_{measure}_slopes", [inputs, parameters], [value, ca.gradient(value, inputs)])
+    slopes = ca.densify(ca.gradient(value, inputs))
+    return ca.Function(f"{quantity}_{measure}_slopes", [inputs, parameters], [value, slopes])
+
+
+@lru_cache(maxsize=1024)
+def _at_points(book: Model, quantity: str, measure: str, n: int) -> tuple[Any, Any]:
+    """Return the bounded value, and the value with its nonzero derivatives, at n points with equal parameters."""
+    value, with_gradient, _ = _functions(book, quantity, measure)
+    parameters = 1  # index of the argument that all points share
+    return tuple(each.map(f"{each.name()}_{n}", "serial", n, [parameters], []) for each in (value, with_gradient))
 
 
 @lru_cache(maxsize=256)
@@ -261,7 +272,7 @@ def _expression(book: Model, quantity: str, measure: str) -> tuple[Any, Any, Any
         load = inputs[generated.INPUTS.index("Fz")]
         growth = load * ca.jacobian(value, load)
         value = growth if measure == "growth" else growth - value
-    return inputs, parameters, value
+    return inputs, parameters, ca.densify(value)
 
 
 @lru_cache(maxsize=16)

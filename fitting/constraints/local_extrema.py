@@ -10,6 +10,7 @@ from scipy.optimize import minimize
 
 from tirefmu.symbolic.model import Model
 
+from .buffered_function import BufferedFunction
 from .constraint_functions import value_with_slopes
 from .physical import Constraint
 
@@ -17,6 +18,8 @@ FloatArray = npt.NDArray[np.float64]
 #: Number of grid points from which the minimization starts, and their least distance as a share of the range of an
 #: input. A quantity has few extrema, and one on each side of a jump at zero slip.
 STARTS, APART = 4, 0.15
+#: Slope of a minimum, in sizes of the constraint over the range of an input, not counting slopes out of the range.
+LEAST_SLOPE = 1e-9
 
 
 def local_extrema(
@@ -51,8 +54,10 @@ def local_extrema(
     if not varied:
         return points[:, :0], np.zeros(0)
     low, high = np.array(list(within.values()))[varied].T
+    function = BufferedFunction(value_with_slopes(book, constraint.quantity, constraint.measure))
+    function.arguments[1][:] = parameters
     found = [
-        _descend(book, constraint, points[:, start], varied, low, high - low, parameters)
+        _descend(function, constraint, points[:, start], varied, low, high - low)
         for start in _apart(((points[varied].T - low) / (high - low)), distance)
     ]
     return np.stack([point for point, _ in found], axis=1), np.array([value for _, value in found])
@@ -72,16 +77,14 @@ def _apart(scaled: FloatArray, distance: FloatArray) -> list[int]:
 
 
 def _descend(
-    book: Model,
+    function: BufferedFunction,
     constraint: Constraint,
     point: FloatArray,
     varied: Sequence[int],
     low: FloatArray,
     width: FloatArray,
-    parameters: FloatArray,
 ) -> tuple[FloatArray, float]:
     """Return the local minimum of the margin that is reached from a point, and the value there."""
-    function = value_with_slopes(book, constraint.quantity, constraint.measure)
 
     def at(scaled: FloatArray) -> FloatArray:
         moved = point.copy()
@@ -89,12 +92,27 @@ def _descend(
         return moved
 
     def evaluated(scaled: FloatArray) -> tuple[float, FloatArray]:
-        value, slopes = function(at(scaled), parameters)
-        return float(value), np.array(slopes).ravel()[varied] * width
+        function.arguments[0][:] = at(scaled)
+        value, slopes = function()
+        return float(value[0]), slopes[varied] * width
 
     start = (point[varied] - low) / width
-    value, _ = evaluated(start)
+    value, slopes = evaluated(start)
     sign = 1.0 if value - constraint.lower <= constraint.upper - value else -1.0  # the nearer bound
+
+    def downhill(scaled: FloatArray, slopes: FloatArray) -> FloatArray:
+        """Return the descent within the range; 0 at a minimum."""
+        descent = np.clip(scaled - sign * slopes / constraint.size, 0.0, 1.0) - scaled
+        return np.where(np.abs(descent) > LEAST_SLOPE, descent, 0.0)
+
+    descent = downhill(start, slopes)
+    if not descent.any():
+        return point, value
+    # Most minima are in a corner of the range, to which the descent points.
+    corner = np.where(descent == 0.0, start, descent > 0.0)
+    at_corner, slopes = evaluated(corner)
+    if sign * at_corner < sign * value and not downhill(corner, slopes).any():
+        return at(corner), at_corner
 
     def objective(scaled: FloatArray) -> tuple[float, FloatArray]:
         value, slopes = evaluated(scaled)
@@ -102,7 +120,7 @@ def _descend(
 
     end = minimize(
         objective, start, jac=True, method="L-BFGS-B", bounds=[(0.0, 1.0)] * len(varied),
-        options={"ftol": 1e-13, "gtol": 1e-9, "maxiter": 50},
+        options={"ftol": 1e-13, "gtol": LEAST_SLOPE, "maxiter": 50},
     )  # fmt: skip
     if end.fun < sign * value / constraint.size:
         return at(end.x), sign * constraint.size * float(end.fun)

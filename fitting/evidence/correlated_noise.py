@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import solve_banded
+from scipy.linalg.lapack import dtbtrs
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -82,14 +82,56 @@ class NoiseCorrelation:
         >>> NoiseCorrelation(1.0, 0.5).covariance(np.ones((1, 3)), np.array([0, 0, 1]))
         array([[4.]])
         """
-        independent = weights @ weights.T
-        if self.share == 0.0 or weights.shape[1] < 2:
-            return np.asarray(independent)
-        # The correlation matrix of autoregressive noise is A^-1 D A^-T; A has 1 on its diagonal and -decay below it.
-        decay = np.where(segment[1:] == segment[:-1], self.decay, 0.0)
-        bands = np.ones((2, weights.shape[1]))
-        bands[0, 1:] = -decay
-        solved = solve_banded((0, 1), bands, weights.T)
-        innovations = np.concatenate([[1.0], 1.0 - decay**2])
-        correlated = solved.T @ (solved * innovations[:, None])
-        return np.asarray((1.0 - self.share) * independent + self.share * correlated)
+        sums = CorrelatedSums(self, len(weights))
+        sums.add(np.array(weights, dtype=np.float64), segment, None)
+        return sums.covariance
+
+
+class CorrelatedSums:
+    """The covariance of weighted sums of noise of variance 1, of which the rows are added a part at a time.
+
+    The correlation matrix of autoregressive noise is A^-T D A^-1; A has 1 on its diagonal and -decay above it. So each
+    weight is added to the next one, reduced by the decay, and what has been added up is squared.
+
+    Parameters
+    ----------
+    noise : NoiseCorrelation
+    n : int
+        Number of sums.
+
+    Attributes
+    ----------
+    covariance : ndarray, shape (n, n)
+        Of the rows so far.
+    """
+
+    def __init__(self, noise: NoiseCorrelation, n: int) -> None:
+        self._noise, self._last = noise, np.zeros(n)
+        self._joined = False  # whether the last row and the next one are in one segment
+        self.covariance = np.zeros((n, n))
+
+    def add(self, weights: FloatArray, segment: IntArray, following: int | None) -> None:
+        """Add rows.
+
+        Parameters
+        ----------
+        weights : ndarray, shape (n_sums, n)
+            By rows; it is overwritten.
+        segment : ndarray of int, shape (n,)
+        following : int, optional
+            Segment of the row that will be added next; None after the last one.
+        """
+        share, n = self._noise.share, weights.shape[1]
+        if not n:
+            return
+        self.covariance += (1.0 - share) * (weights @ weights.T)
+        if share == 0.0:
+            return
+        decay = np.where(np.append(segment[1:] == segment[:-1], segment[-1] == following), self._noise.decay, 0.0)
+        if self._joined:
+            weights[:, 0] += self._noise.decay * self._last
+        bands = np.stack([np.ones(n), -decay])
+        added = np.asarray(dtbtrs(bands, weights.T, uplo="L", diag="U", overwrite_b=1)[0]).T
+        self._last, self._joined = added[:, -1].copy(), bool(decay[-1])
+        added *= np.sqrt(1.0 - decay**2)
+        self.covariance += share * (added @ added.T)

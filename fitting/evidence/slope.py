@@ -7,10 +7,11 @@ from math import nan, radians
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg.lapack import dtbtrs
+from scipy.linalg.lapack import dposv, dtbtrs
 from scipy.optimize import brentq
 
 from tirefmu.estimation.correlation import correlation_length
+from tirefmu.measurements.operating_conditions.median import median_of
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -83,12 +84,12 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     tricube: FloatArray = (1.0 - np.abs(x) ** 3) ** 3
     residual, weight = y, tricube
     for _ in range(20):
-        root = np.sqrt(weight)
-        solution = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
-        residual = y - powers @ np.asarray(solution, dtype=np.float64)
-        knee = 1.345 * 1.4826 * float(np.median(np.abs(residual)))
+        weighted = powers * weight[:, None]
+        residual = y - powers @ dposv(powers.T @ weighted, y @ weighted)[1]
+        size = np.abs(residual)
+        knee = 1.345 * 1.4826 * median_of(size)
         # A knee of 0 means that half of the points are exact: no outlier weights.
-        weight = tricube * np.minimum(1.0, knee / np.maximum(np.abs(residual), knee)) if knee > 0.0 else tricube
+        weight = tricube * (knee / np.maximum(size, knee)) if knee > 0.0 else tricube
     weighted = powers * weight[:, None]
     solve = weighted @ np.linalg.pinv(powers.T @ weighted)  # coefficients = force @ solve
     influence = solve[:, 1]

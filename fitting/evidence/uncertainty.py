@@ -20,13 +20,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
 from tirefmu.estimation.correlation import correlation_length
+from tirefmu.estimation.one_thread import one_blas_thread
 
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
-from .correlated_noise import NoiseCorrelation
+from .correlated_noise import CorrelatedSums, NoiseCorrelation
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -37,8 +37,9 @@ QUANTILE = 1.959964
 LARGEST_SD, LEAST_CURVATURE = 1.0, 1e-13
 #: Least squared component of a coefficient that belongs to a direction.
 LEAST_PART = 0.1
-#: Rows of the Jacobian at a time. Correlation between chunks is neglected.
-CHUNK = 16_384
+#: Rows of the Jacobian at a time: they stay in the processor's cache. With a multiple of 64 the derivatives of a row
+#: would share a few lines of it.
+CHUNK = 2040
 
 
 @dataclass(frozen=True)
@@ -177,8 +178,7 @@ def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> U
     -------
     Uncertainty
     """
-    # Matrices of a hundred coefficients are too small for BLAS threads.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         return _uncertainty(problem, x, fixed)
 
 
@@ -220,9 +220,8 @@ def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, F
     curvature, middle, effective = np.zeros((n, n)), np.zeros((n, n)), np.zeros_like(problem.weights)
     noise_of_rows = np.zeros_like(problem.weights)
     for group in np.flatnonzero((problem.weights > 0).any(axis=1)):
-        rows = problem.rows.take(np.flatnonzero(problem.rows.group == group))
-        # The Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
-        part = replace(problem, rows=rows, loss=LOSSES["squares"], limits=None, targets=())
+        part = _of_recording(problem, int(group))
+        rows = part.rows
         residual, present = part.residual(x), np.isfinite(rows.measured.T)
         noise: dict[int, tuple[float, NoiseCorrelation]] = {}
         for channel, free, _, squares in part.by_output(x):
@@ -245,22 +244,45 @@ def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, F
     return curvature, middle, effective
 
 
+def _of_recording(problem: Problem, group: int) -> Problem:
+    """Return a problem with the rows of one recording, and least squares of the residuals alone.
+
+    It has the Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
+    """
+    own = problem.rows.group == group
+    if own.all() and problem.limits is None:
+        return problem  # rows are much memory
+    rows = problem.rows.take(np.flatnonzero(own))
+    return replace(problem, rows=rows, loss=LOSSES["squares"], limits=None, targets=())
+
+
 def _add_scores(
     middle: FloatArray, part: Problem, x: FloatArray, noise: Mapping[int, tuple[float, NoiseCorrelation]]
 ) -> None:
     """Add s^2 J^T W R W J of the channels of one recording to the middle of the sandwich."""
+    weights = {channel: part.root[channel] ** 2 for channel in noise}
+    ahead = {channel: _segments_ahead(part.rows.segment, weight) for channel, weight in weights.items()}
+    sums: dict[int, tuple[npt.NDArray[np.int64], CorrelatedSums]] = {}
     for chunk, outputs in part.jacobian_chunks(x, CHUNK):
         for channel, (free, jacobian) in outputs.items():
-            weight = part.root[channel, chunk] ** 2
-            segment = part.rows.segment[chunk]
-            if weight.all():
-                jacobian *= weight
-                scores = jacobian
-            else:
+            weight, segment = weights[channel][chunk], part.rows.segment[chunk]
+            jacobian *= weight
+            if not weight.all():
                 here = np.flatnonzero(weight)
-                scores, segment = jacobian[:, here] * weight[here], segment[here]
-            variance, correlation = noise[channel]
-            middle[np.ix_(free, free)] += variance * correlation.covariance(scores, segment)
+                jacobian, segment = np.ascontiguousarray(jacobian[:, here]), segment[here]
+            if channel not in sums:
+                sums[channel] = free, CorrelatedSums(noise[channel][1], len(free))
+            sums[channel][1].add(jacobian, segment, ahead[channel].get(chunk.stop))
+    for channel, (free, each) in sums.items():
+        middle[np.ix_(free, free)] += noise[channel][0] * each.covariance
+
+
+def _segments_ahead(segment: npt.NDArray[np.int64], weight: FloatArray) -> dict[int, int]:
+    """Return the segment of the next row with a weight from each end of a chunk on; none after the last one."""
+    present = np.flatnonzero(weight)
+    ends = np.arange(CHUNK, len(segment), CHUNK)
+    following = np.searchsorted(present, ends)
+    return {int(end): int(segment[present[i]]) for end, i in zip(ends, following, strict=True) if i < len(present)}
 
 
 def _members(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:

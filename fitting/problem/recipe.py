@@ -105,7 +105,7 @@ class Stage:
             chosen &= np.any([np.abs(values - value) <= tolerance for value, tolerance in levels], axis=0)
         if self.selection is not None:
             chosen &= self.selection.matches(lambda channel: _values_of(table, channel), "")
-        rows = table[chosen]
+        rows = table if chosen.all() else table[chosen]
         for channel in self.hold:
             held = np.array([value for value, _ in self.where[channel]])
             values = _values_of(rows, channel)

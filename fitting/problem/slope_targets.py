@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.tires.code import Code
+from tirefmu.tires.code import CHUNK, Code
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -76,6 +76,6 @@ def slope_jacobian(
     jacobian = np.zeros((len(targets), len(columns)))
     for row, each in enumerate(targets):
         chosen = np.flatnonzero((force == each.output) & (freed >= 0))
-        for chunk, entries in code.jacobian_chunks(each.inputs, parameters, len(each.influence)):
-            jacobian[row, freed[chosen]] += entries[chosen] @ each.influence[chunk]
+        for chunk, entries in code.jacobian_chunks(each.inputs, parameters, CHUNK):
+            jacobian[row, freed[chosen]] += (entries @ each.influence[chunk])[chosen]
     return jacobian

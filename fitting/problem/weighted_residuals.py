@@ -6,7 +6,7 @@ All signs are adapted SAE, the convention of the bounds in declarations and reci
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 
 import numpy as np
@@ -70,7 +70,7 @@ class Rows:
         segment, weight = table.get("segment", group), table.get("weight", pd.Series(1.0, table.index))
         return cls(
             np.stack([column.to_numpy(dtype=float) for column in inputs]),
-            np.stack([column.to_numpy(dtype=float) for column in measured], axis=1),
+            np.stack([column.to_numpy(dtype=float) for column in measured]).T,
             np.asarray(group, dtype=np.int64),
             np.asarray(segment, dtype=np.int64),
             np.asarray(weight, dtype=float),
@@ -78,6 +78,15 @@ class Rows:
 
     def __len__(self) -> int:
         return len(self.measured)
+
+    def only(self, fitted: Sequence[bool]) -> Rows:
+        """Return the rows with some of their forces, and NaN instead of the others; all else is shared."""
+        dropped = ~np.array(fitted, dtype=np.bool_) & ~np.isnan(self.measured).all(axis=0)
+        if not dropped.any():
+            return self
+        measured = self.measured.copy(order="K")
+        measured[:, dropped] = np.nan
+        return replace(self, measured=measured)
 
     def sample(self, n: int, seed: int = 0) -> Rows:
         """Return n random rows, in their order; all rows if there are no more.
@@ -165,10 +174,11 @@ class Problem:
         ]
         self._inputs = np.ascontiguousarray(self.tire.effective_inputs(self.rows.inputs))
         self._parameters = self.tire.parameters()
-        self._measured = np.ascontiguousarray(np.nan_to_num(self.rows.measured.T))
+        self._measured = np.ascontiguousarray(self.rows.measured.T)
         self._applied: FloatArray | None = None  # the weights of the next two attributes
         self._root = np.zeros_like(self._measured)
-        self._present: list[tuple[int, npt.NDArray[np.int64]]] = []
+        self._present: list[int] = []  # outputs with a weight
+        self._without: list[tuple[int, slice | npt.NDArray[np.int64]]] = []  # outputs, and their rows without weight
         self._latest: tuple[FloatArray, float, FloatArray, FloatArray] | None = None
 
     def __reduce__(self) -> tuple[type[Problem], tuple[object, ...]]:
@@ -208,7 +218,7 @@ class Problem:
         for start in range(0, len(self.rows), CHUNK):
             chunk = slice(start, start + CHUNK)
             forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[remaining])
-            for output, _ in self._present:
+            for output in self._present:
                 root = self._root[output, chunk]
                 with np.errstate(over="ignore", invalid="ignore"):
                     residual = np.where(root > 0, (forces[:, output] - self._measured[output, chunk]) * root, 0.0)
@@ -250,10 +260,9 @@ class Problem:
         _, root, residual = self._at(x)
         rows = WeightedRows(self._inputs, [entries for entries, _ in self._entries], root, residual)
         parts = []
-        weighted = {output for output, _ in self._present}
         equations = normal_equations(self._code, rows, self.parameters(x))
         for output, ((entries, free), (gradient, matrix)) in enumerate(zip(self._entries, equations, strict=True)):
-            if output in weighted and entries.size:
+            if output in self._present and entries.size:
                 reach = self.reach[free]
                 parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
         return parts
@@ -266,9 +275,12 @@ class Problem:
         The derivatives are by output: its free coefficients, and an array of shape (n_free_of_output, size).
         """
         self._apply_weights()
-        used = [(output, *self._entries[output]) for output, _ in self._present if self._entries[output][0].size]
+        used = [(output, *self._entries[output]) for output in self._present if self._entries[output][0].size]
         for chunk, entries in self._code.jacobian_chunks(self._inputs, self.parameters(x), size):
-            yield chunk, {output: (free, entries[own] * self.reach[free, None]) for output, own, free in used}
+            chosen = {output: (free, entries[own]) for output, own, free in used}
+            for free, jacobian in chosen.values():
+                jacobian *= self.reach[free, None]
+            yield chunk, chosen
 
     @property
     def root(self) -> FloatArray:
@@ -279,8 +291,11 @@ class Problem:
     def residual(self, x: FloatArray) -> FloatArray:
         """Return computed minus measured, shape (n_forces, n); 0 if a channel was not measured or has no weight."""
         self._apply_weights()
-        forces = self._code.forces(self._inputs, self.parameters(x))
-        return np.where(self._root > 0, forces - self._measured, 0.0)
+        residual = self._code.forces(self._inputs, self.parameters(x))
+        residual -= self._measured
+        for output, rows in self._without:
+            residual[output, rows] = 0.0
+        return residual
 
     def _at(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, roots of weights and weighted residuals, cached for repeated calls at one point."""
@@ -288,8 +303,9 @@ class Problem:
         if self._latest is None or not np.array_equal(self._latest[0], x):
             residual, root = self.residual(x), self._root
             if self.limits is None:
-                weighted = root * residual
-                cost = 0.5 * float(np.sum(weighted**2))
+                weighted = residual
+                weighted *= root
+                cost = 0.5 * float(np.vdot(weighted, weighted))
             else:
                 limits = self.limits[self.rows.group].T
                 over = np.abs(residual) / limits
@@ -305,8 +321,11 @@ class Problem:
             return
         root = np.sqrt(self.weights[self.rows.group].T * self.rows.weight)
         self._root = np.ascontiguousarray(np.where(np.isfinite(self.rows.measured.T), root, 0.0))
-        rows = [np.flatnonzero(channel) for channel in self._root]
-        self._present = [(output, present) for output, present in enumerate(rows) if present.size]
+        self._present = [output for output, channel in enumerate(self._root) if channel.any()]
+        self._without = [
+            (output, np.flatnonzero(channel == 0.0) if output in self._present else slice(None))
+            for output, channel in enumerate(self._root)
+        ]
         self._applied, self._latest = self.weights, None
 
 

@@ -19,6 +19,7 @@ from tirefmu.tires.drawing.style import (
     LETTER,
     LEVEL,
     SHOWN,
+    TITLE_SIZE,
     draw_line,
     draw_points,
     drawn_unit,
@@ -145,7 +146,7 @@ def _draw_family(ax: Axes, comparison: Comparison, family: Family, fitted: FitRe
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     unit = drawn_unit(channel)
     conditions = f"{LETTER[channel]} per {LEVEL[family.by]}, at {held_text(signs, family.held)}"
-    ax.set_title(f"{conditions}\nRMSE {rmse:.3g} {unit}, R² {r2:.4f}", fontsize=9)
+    ax.set_title(f"{conditions}\nRMSE {rmse:.3g} {unit}, R² {r2:.4f}", fontsize=TITLE_SIZE)
     finish(ax, slip, f"{LETTER[channel]} ({unit})")
     place_legend(ax, f"{LEVEL[family.by]} {letter(signs, family.by)}")
 
@@ -169,7 +170,7 @@ def _weighting(comparison: Comparison) -> Figure | None:
         curves = _over_alpha(comparison, family)
         _draw_weighting(over_alpha, "alpha", "kappa", [(level, curve, curve[name]) for level, curve in curves])
         for ax, per in ((over_kappa, "slip angle"), (over_alpha, "longitudinal slip")):
-            ax.set_title(f"{symbol} per {per}, at {held_text(comparison.signs, family.held)}", fontsize=9)
+            ax.set_title(f"{symbol} per {per}, at {held_text(comparison.signs, family.held)}", fontsize=TITLE_SIZE)
             ax.set_ylabel(f"{symbol} (-)")
     note = "weighting functions of the tire (positive for a valid tire) over the measured slip range; not measurable"
     write_footnote(figure, comparison.signs, note)
@@ -218,15 +219,17 @@ def _draw_residual(over_time: Axes, spread: Axes, source: str, channel: str, row
     clocked = "t" in rows and bool(rows["t"].notna().all())
     clock = rows["t"].to_numpy() if clocked else np.arange(len(rows))
     few = some_of(residual.to_frame().assign(clock=clock), 3 * SHOWN)
-    over_time.plot(few["clock"], few["residual"], ".", ms=1.5, mew=0.0, color="C0", alpha=0.5)
-    over_time.set_xlabel("time (s)" if clocked else "row", fontsize=8)
+    over_time.plot(
+        few["clock"], few["residual"], ".", ms=2.0 if len(few) > SHOWN else 3.5, mew=0.0, color="C0", alpha=0.5
+    )
+    over_time.set_xlabel("time (s)" if clocked else "row")
     limit = 1.15 * float(np.quantile(residual.abs(), 0.999)) or 1.0
     over_time.set_ylim(-limit, limit)
     spread.hist(residual, bins=80, range=(-limit, limit), orientation="horizontal", color="C0", alpha=0.7)
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     unit = drawn_unit(channel)
     score = f"mean {residual.mean():.3g} {unit}, RMSE {rmse:.3g} {unit}, R² {r2:.4f}"
-    over_time.set_title(f"{figure_text(source)}, {LETTER[channel]}: {score}", fontsize=9)
+    over_time.set_title(f"{figure_text(source)}, {LETTER[channel]}: {score}", fontsize=TITLE_SIZE)
     over_time.set_ylabel(f"{LETTER[channel]} ({unit})")
     for ax in (over_time, spread):
         ax.axhline(0.0, color="k", lw=0.8)

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from tirefmu.tires.drawing.style import (
     LETTER,
+    TITLE_SIZE,
     draw_line,
     finish,
     held_text,
@@ -95,7 +96,7 @@ def _draw_stiffness(
     if len(read):
         ax.plot(read[:, 0], slopes, "o", color="C3", ms=6, mec="white", label="slope of the data")
     symbol = {"kappa": r"$|K_{x\kappa}|$", "alpha": r"$|K_{y\alpha}|$"}[family.slip]
-    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=9)
+    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=TITLE_SIZE)
     ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)")
     ax.set(ylabel=f"{symbol} ({stiffness_unit(family.slip)})", xlim=(0.0, loads[-1]))
     ax.set_ylim(bottom=0.0)
@@ -116,7 +117,7 @@ def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: T
             ax.plot(x * scale, sign * true / scale, "k--", lw=0.8, zorder=4)
     force, slip = LETTER[family.channel].strip("$"), LETTER[family.slip].strip("$")
     held = held_text(comparison.signs, family.held)
-    ax.set_title(f"slope over {LETTER[family.slip]} per load, {held}", fontsize=9)
+    ax.set_title(f"slope over {LETTER[family.slip]} per load, {held}", fontsize=TITLE_SIZE)
     finish(ax, family.slip, rf"$\partial {force} / \partial {slip}$ ({stiffness_unit(family.slip)})")
     place_legend(ax, f"load {letter(comparison.signs, 'Fz')}")
 
@@ -154,9 +155,11 @@ def _draw_friction(ax: Axes, comparison: Comparison, family: Family, fitted: Fit
     if fitted is not None:
         half = 1.96 * band(fitted, channel, peaks, comparison.signs)["error"].to_numpy() / loads
         ax.fill_between(loads, friction - half, friction + half, color="C0", alpha=0.25, lw=0.0)
-    ax.plot(*np.transpose(measured), "o", color="C3", ms=6, mec="white", label="data")
+    read = [(load, value) for load, value in measured if np.isfinite(value)]
+    if read:
+        ax.plot(*np.transpose(read), "o", color="C3", ms=6, mec="white", label="data")
     symbol = f"largest |{LETTER[channel]}| / |{LETTER['Fz']}|"
-    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=9)
+    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=TITLE_SIZE)
     ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)", ylabel=f"{symbol} (-)", xlim=(0.0, loads[-1]))
     ax.grid(alpha=0.3)
     place_legend(ax)

@@ -41,7 +41,9 @@ def channel_fits(
         table = data.table[data.table["recording"] == number]
         rows = Rows.of(table, tire, fitted)
         computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
-        floors = noise_floor(table, dict(zip(tire.outputs, rows.measured.T - computed, strict=True)))
+        floors = noise_floor(
+            table, dict(zip(tire.outputs, rows.measured.T - computed, strict=True)), with_history=False
+        )
         included = table["included"].to_numpy()
         for index, channel in enumerate(tire.outputs):
             measured = rows.measured[:, index]

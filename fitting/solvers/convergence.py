@@ -11,7 +11,7 @@ error.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +29,10 @@ STEP_TOLERANCE = 0.1
 #: In scaled coefficients. Each step starts at the least damping for which the matrix is regular.
 DAMPING = Damping(first=1e-7, least=1e-7, most=1.0, up=10.0, down=0.0, by_curvature=False, trusted=0.1)
 
+#: The same for a start from which the undamped step leads too far: the damping of a step depends on the last one.
+APPROACH = Damping(first=1e-3, least=1e-7, most=1e3, up=10.0, down=0.1, by_curvature=True, trusted=0.1)
+#: Change of the cost, as a share of it, up to which the correlation of the residuals is not estimated again.
+SAME_NOISE = 0.01
 #: Damping of the step onto violated constraints: the nearest point without damping is far away in directions that the
 #: data hardly determine, where the cost is not quadratic. With 1e-4 its cost was a hundred times that of the optimum.
 RESTORING_DAMPING = 1e-2
@@ -84,9 +88,12 @@ class _Criterion:
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         self._whole, self._size = "cost", 1.0
+        self._noise: tuple[float, float, float] = (np.nan, 0.0, 0.0)  # for which cost, and the result of `noise_of`
 
     def __call__(self, x: FloatArray, cost: float) -> float:
-        noise, rows = noise_of(self._problem, x)
+        if not abs(cost - self._noise[0]) <= SAME_NOISE * cost:
+            self._noise = cost, *noise_of(self._problem, x)
+        _, noise, rows = self._noise
         self._whole, self._size = "cost" if cost >= noise else "least noise", max(cost, noise)
         return STEP_TOLERANCE**2 * self._size * min(len(x) / max(rows, 1.0), 1.0)
 
@@ -123,8 +130,15 @@ def last_steps(
     -------
     LastSteps
     """
-    enough = _Criterion(cost.problem)
-    end = minimize(cost, x, lower, upper, enough, DAMPING, steps=steps, constraints=imposed, stop=stop)
+    return _steps_until(_Criterion(cost.problem), DAMPING, cost, x, lower, upper, imposed, steps, stop)
+
+
+def _steps_until(
+    enough: _Criterion, damping: Damping, cost: Ridge, x: FloatArray, lower: FloatArray, upper: FloatArray,
+    imposed: ConstraintFunctions, steps: int, stop: Callable[[], bool],
+) -> LastSteps:  # fmt: skip
+    """Take Gauss-Newton steps until a criterion is met, and return why they ended."""
+    end = minimize(cost, x, lower, upper, enough, damping, steps=steps, constraints=imposed, stop=stop)
     reason = end.reason
     if np.isfinite(end.predicted):
         reason = f"predicted reduction {enough.share(end.predicted)}" + f", {reason}" * bool(reason)
@@ -148,3 +162,25 @@ def refined(
     """
     feasible = restore(cost, x, lower, upper, RESTORING_DAMPING, imposed)
     return last_steps(cost, x if feasible is None else feasible, lower, upper, imposed, steps=steps, stop=stop)
+
+
+def continued(
+    cost: Ridge,
+    x: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    imposed: ConstraintFunctions,
+    *,
+    steps: int,
+    stop: Callable[[], bool] = lambda: False,
+) -> LastSteps:
+    """Take Gauss-Newton steps from the solution for fewer rows.
+
+    The arguments are those of `last_steps`, which decides whether the point is the optimum: less damping predicts more.
+    """
+    enough = _Criterion(cost.problem)
+    first = _steps_until(enough, APPROACH, cost, x, lower, upper, imposed, steps, stop)
+    if stop():
+        return replace(first, converged=False)
+    last = _steps_until(enough, DAMPING, cost, first.x, lower, upper, imposed, steps - first.steps, stop)
+    return replace(last, steps=first.steps + last.steps)

@@ -31,6 +31,8 @@ PER_COEFFICIENT, FEWEST, MOST = 4, 40, 120
 #: Bounds of the control genes F, CP, MP and range.
 LEAST_CONTROL = np.array([0.4, 0.2, 0.02, 0.005])
 MOST_CONTROL = np.array([1.0, 1.0, 0.1, 0.1])
+#: Reason without convergence: there are no derivatives.
+NO_STEPS = "no steps without a search"
 #: Reasons that count as converged.
 NO_GAIN, GOAL = "no further gain", "error goal reached"
 
@@ -91,6 +93,7 @@ class Evolution:
         ridge: float = 0.0,
         stage_type: str = "final",
         refine: bool = False,
+        local: bool = False,
         progress: Progress | None = None,
         stop: Callable[[], bool] = lambda: False,
     ) -> Solution:
@@ -110,6 +113,8 @@ class Evolution:
             An intermediate stage stops earlier, because a later stage continues.
         refine : bool
             Without effect: the search continues with its last population for every further call with one problem.
+        local : bool
+            Whether only steps without a search are wanted: there are none, and the start is returned.
         progress : callable, optional
             Called with generation and best cost.
         stop : callable
@@ -125,6 +130,8 @@ class Evolution:
         FitError
             If a coefficient has no finite bounds, neither here nor in its declaration.
         """
+        if local:
+            return Solution(start, problem.cost(start), 0, converged=False, reason=NO_STEPS)
         imposed = ConstraintFunctions(problem, constraints)
         again = self._search is not None and self._search.problem is problem
         if self._search is None or not again:

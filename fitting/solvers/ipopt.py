@@ -7,20 +7,21 @@ return status is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import threadpool_limits
+
+from tirefmu.estimation.one_thread import one_blas_thread
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
-from .convergence import last_steps, refined
+from .convergence import continued, last_steps, refined
 
 FloatArray = npt.NDArray[np.float64]
 #: The cost decreases from about 1 to 0.001; IPOPT's barrier parameters are intended for larger values.
@@ -75,9 +76,14 @@ class Solution:
 
 
 class _Numeric(ca.Callback):  # type: ignore[misc]
-    """A CasADi function that calls a Python function."""
+    """A CasADi function that calls a Python function with nonzeros of arguments, which returns those of results.
 
-    def __init__(self, name: str, compute: Callable[..., list[Any]], into: list[Any], out: list[Any]) -> None:
+    It uses the memory of CasADi: its matrices take longer to make than most of these functions take to compute.
+    """
+
+    def __init__(
+        self, name: str, compute: Callable[..., Sequence[npt.ArrayLike]], into: list[Any], out: list[Any]
+    ) -> None:
         ca.Callback.__init__(self)
         self._compute, self._into, self._out = compute, into, out
         self.construct(name, {})
@@ -94,8 +100,20 @@ class _Numeric(ca.Callback):  # type: ignore[misc]
     def get_sparsity_out(self, i: int) -> Any:
         return self._out[i]
 
-    def eval(self, arguments: list[Any]) -> list[Any]:
-        return self._compute(*(np.array(argument, dtype=float) for argument in arguments))
+    def has_eval_buffer(self) -> bool:
+        return True
+
+    def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview | None]) -> int:
+        computed = self._compute(*(_numbers(argument) for argument in arguments))
+        for result, values in zip(results, computed, strict=True):
+            if result is not None and len(result):  # None: not requested
+                np.frombuffer(result)[:] = values
+        return 0
+
+
+def _numbers(argument: memoryview | None) -> FloatArray:
+    """Return a copy of the nonzeros of an argument; none if CasADi does not provide it."""
+    return np.zeros(0) if argument is None else np.frombuffer(argument).copy()
 
 
 class _IterationMonitor(ca.Callback):  # type: ignore[misc]
@@ -124,11 +142,14 @@ class _IterationMonitor(ca.Callback):  # type: ignore[misc]
         name = ca.nlpsol_out(i)
         return ca.Sparsity.dense(sizes[name], 1) if name in sizes else ca.Sparsity.dense(0, 0)
 
-    def eval(self, arguments: list[Any]) -> list[Any]:
+    def has_eval_buffer(self) -> bool:
+        return True
+
+    def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview]) -> int:
         outputs = dict(zip((ca.nlpsol_out(i) for i in range(self.get_n_in())), arguments, strict=True))
-        g, cost = np.array(outputs["g"]).ravel(), float(outputs["f"])
+        g, cost = _numbers(outputs["g"]), float(_numbers(outputs["f"])[0])
         if self._imposed.satisfied(g) and (self.x is None or cost < self._costs[-1]):
-            self.x = np.array(outputs["x"]).ravel()
+            self.x = _numbers(outputs["x"])
             self._costs.append(cost)
         elif self.x is not None:
             self._costs.append(self._costs[-1])
@@ -136,7 +157,8 @@ class _IterationMonitor(ca.Callback):  # type: ignore[misc]
             gain = self._costs[-1 - self._window] - self._costs[-1]
             self.no_gain = gain < self._least * abs(self._costs[-1])
         self.stopped = not self.no_gain and self._stop()
-        return [int(self.no_gain or self.stopped)]
+        np.frombuffer(results[0])[:] = float(self.no_gain or self.stopped)
+        return 0
 
 
 def solve(
@@ -149,6 +171,7 @@ def solve(
     ridge: float = 1e-9,
     stage_type: str = "final",
     refine: bool = False,
+    local: bool = False,
     max_iterations: int = 300,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
@@ -169,6 +192,9 @@ def solve(
     refine : bool
         Whether the start is the solution of the same problem with fewer constraint points. Gauss-Newton steps are then
         tried first: IPOPT needs many iterations if the constraints at two points are almost equal.
+    local : bool
+        Whether the start is the solution of a problem with other rows or residuals, to which Gauss-Newton steps lead
+        faster: only they are taken, and the result has not converged if they find no optimum.
     max_iterations : int
     progress : callable, optional
     stop : callable
@@ -183,6 +209,10 @@ def solve(
     imposed = ConstraintFunctions(problem, constraints)
     cached = _CachedCost(problem, start, ridge, progress)
     x, iterations, statuses = start, 0, list[str]()
+    if local:
+        steps = min(LAST_STEPS, max_iterations)
+        end = continued(cached, start, lower, upper, imposed, steps=steps, stop=stop)
+        return Solution(end.x, problem.cost(end.x), end.steps, end.converged, INTERRUPTED if stop() else end.reason)
     if refine:
         end = refined(cached, start, lower, upper, imposed, steps=LAST_STEPS, stop=stop)
         if end.converged:
@@ -221,24 +251,19 @@ def _ipopt(
     dense, none = ca.Sparsity.dense, ca.Sparsity.dense(0, 0)
     triangle = ca.Sparsity.upper(n)
     z = ca.MX.sym("x", n)
-    cost = _Numeric("f", lambda x: [cached.cost(x.ravel())], [dense(n, 1)], [dense(1, 1)])
+    lower_rows = np.tril_indices(n)  # row by row: the columns of the upper triangle of a symmetric matrix
+    cost = _Numeric("f", lambda x: [cached.cost(x)], [dense(n, 1)], [dense(1, 1)])
     gradient = _Numeric(
-        "grad_f", lambda x, p: list(cached.derivatives(x.ravel())[:2]), [dense(n, 1), none],
-        [dense(1, 1), dense(n, 1)],
-    )  # fmt: skip
+        "grad_f", lambda x, p: cached.derivatives(x)[:2], [dense(n, 1), none], [dense(1, 1), dense(n, 1)]
+    )
     hessian = _Numeric(
         "hess_lag",
-        lambda x, p, of_cost, of_g: [ca.project(ca.DM(of_cost.item() * cached.damped(x.ravel())), triangle)],
+        lambda x, p, of_cost, of_g: [of_cost.item() * cached.damped(x)[lower_rows]],
         [dense(n, 1), none, dense(1, 1), dense(m, 1)],
         [triangle],
     )
-    constraint_values = _Numeric("g", lambda x: [imposed.values(x.ravel())], [dense(n, 1)], [dense(m, 1)])
-    jacobian = _Numeric(
-        "jac_g",
-        lambda x, p: [imposed.values(x.ravel()), imposed.jacobian(x.ravel())],
-        [dense(n, 1), none],
-        [dense(m, 1), imposed.sparsity],
-    )
+    constraint_values = _Numeric("g", lambda x: [imposed.values(x)], [dense(n, 1)], [dense(m, 1)])
+    jacobian = _Numeric("jac_g", lambda x, p: imposed.at(x), [dense(n, 1), none], [dense(m, 1), imposed.sparsity])
     options = {
         "grad_f": gradient,
         "hess_lag": hessian,
@@ -271,8 +296,7 @@ def _ipopt(
     }
     g = constraint_values(z) if m else ca.MX(0, 1)
     solver = ca.nlpsol("solver", "ipopt", {"x": z, "f": cost(z), "g": g}, options)
-    # The matrices (a few thousand rows by a hundred columns) are too small for BLAS threads.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         result = solver(x0=start, lbx=lower, ubx=upper, lbg=imposed.low, ubg=imposed.high)
     stats = solver.stats()
     status = "No_Further_Gain" if monitor.no_gain else str(stats["return_status"])

@@ -35,6 +35,7 @@ class Solver(Protocol):
         ridge: float = ...,
         stage_type: str = ...,
         refine: bool = ...,
+        local: bool = ...,
         progress: Progress | None = ...,
         stop: Callable[[], bool] = ...,
     ) -> Solution:

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import figure_text
+from tirefmu.tires.drawing.style import LEGEND_SIZE, TITLE_SIZE
 
 from .result import Channel, CheckResult
 
@@ -116,9 +117,15 @@ def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
         ax.plot(time[rows], shown, marker=marker, color=MODEL, lw=0.9, label="FMU" if i == 0 else None)
     unit = figure_text(channel.unit)
     title = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
-    ax.set_title(title, fontsize=9, loc="left")
+    ax.set_title(title, fontsize=TITLE_SIZE, loc="left")
     ax.set_ylabel(f"{channel.name} ({unit})")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+    ax.legend(
+        loc="upper left",
+        bbox_to_anchor=(1.0, 1.0),
+        frameon=False,
+        fontsize=LEGEND_SIZE,
+        markerscale=4.0 if len(time) > 1000 else 1.0,
+    )
 
 
 def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
@@ -136,4 +143,10 @@ def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
     ax.plot(time[worst.row], worst.simulated - worst.measured, "o", mfc="none", color="black", label="worst point")
     ax.axhline(0.0, color="0.3", lw=0.8)
     ax.set_ylabel(f"FMU - data ({figure_text(channel.unit)})")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+    ax.legend(
+        loc="upper left",
+        bbox_to_anchor=(1.0, 1.0),
+        frameon=False,
+        fontsize=LEGEND_SIZE,
+        markerscale=4.0 if len(time) > 1000 else 1.0,
+    )

@@ -11,7 +11,7 @@ from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import FmuError, path_from
 from tirefmu.tires.drawing.page import inlined, page_text, write_page
 from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
-from tirefmu.tires.drawing.style import png
+from tirefmu.tires.drawing.style import drawn_unit, per_si, png
 
 from .figures import draw_check
 from .result import EVALUATION_TOLERANCE, CheckResult
@@ -59,7 +59,8 @@ def check_page(result: CheckResult, command: str = "") -> str:
     }
     residuals = residuals_over_inputs(result.recording, errors, "iso")
     return page_text(
-        "tirefmu.fmu.comparison", {"number": lambda value: f"{value:.4g}"}, result=result, images=images,
+        "tirefmu.fmu.comparison", {"number": lambda value: f"{value:.4g}", "unit": drawn_unit, "per_si": per_si},
+        result=result, images=images,
         reasons=_reasons(result), limit=EVALUATION_TOLERANCE, inputs=list(result.channels[0].worst.condition),
         residuals="" if residuals is None else base64.b64encode(png(residuals)).decode("ascii"),
         origin=provenance([Recording(result.recording, "iso", result.source)], command),

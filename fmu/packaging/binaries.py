@@ -33,8 +33,14 @@ FLAGS = (
     "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", "-fno-asynchronous-unwind-tables",
     "-fno-unwind-tables",
 )  # fmt: skip
-#: For the model's code that is called rarely.
+#: For code that is called rarely: a part of the model's, and the files of the wrapper that no step calls.
 SMALL = ("-Os", "-fno-inline")
+RARE = frozenset(
+    {
+        "chain_rule.c", "derivatives.c", "events.c", "fmi3_not_offered.c", "hub_derivatives.c", "instance.c",
+        "saved_state.c",
+    }
+)  # fmt: skip
 #: On Windows the system's libraries and windows.c replace the C runtime that zig would link into each binary.
 RUNTIME = "windows.c"
 SYSTEM = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "private", "stdio", "string"))
@@ -250,15 +256,20 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
             ]
             headers = sorted([*(folder / file for file in sources if file.endswith(".h")), *include.glob("fmi*.h")])
             wrapper = [folder / file for file in wrapper_files]
-            if bare:  # the runtime's headers are needed for compiling only
+            if bare:
                 (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
-                wrapper = [
-                    compiled_object("fmu", file, headers=headers, include=[folder, include], flags=FLAGS, cross=cross)
-                    for file in (*wrapper, folder / RUNTIME)
-                ]
+                wrapper.append(folder / RUNTIME)
+            separate = [file for file in wrapper if bare or file.name in RARE]  # bare: headers only to compile
+            compiled += [
+                compiled_object(
+                    "fmu", file, headers=headers, include=[folder, include],
+                    flags=[*FLAGS, *(SMALL if file.name in RARE else ())], cross=cross,
+                )
+                for file in separate
+            ]  # fmt: skip
             library = shared_library(
                 "fmu",
-                [*wrapper, *compiled],
+                [*(file for file in wrapper if file not in separate), *compiled],
                 headers=headers,
                 include=[folder, include],
                 flags=[*FLAGS, *LINK[system], *(["-nostdlib"] if bare else [])],

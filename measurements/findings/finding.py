@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -34,6 +35,25 @@ class Finding:
     def __str__(self) -> str:
         """Return text and command in one line."""
         return f"{self.text} ({self.command})" if self.command else self.text
+
+
+def verdict_on(findings: Sequence[Finding]) -> str:
+    """Return what findings mean for a fit, in one line.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> verdict_on([]), verdict_on([Finding("two tires", "a.csv: two tires", serious=True)])
+    ('ready for a fit', 'a fit of these data would be misleading')
+    """
+    return "a fit of these data would be misleading" if any(each.serious for each in findings) else "ready for a fit"
 
 
 def headline_first(findings: list[Finding]) -> list[Finding]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tirefmu.tires.drawing.style import (
     LETTER,
+    NOTE_SIZE,
     draw_points,
     drawn_unit,
     finish,
@@ -71,9 +72,16 @@ def _over_time(inspection: Inspection) -> Figure:
         for reason, color in EXCLUDED.items():
             rows = inspection.exclusion.reasons == reason
             if rows.any():
-                ax.plot(x[rows], y[rows], ".", ms=3, color=color, label=f"{reason}, {rows.sum()} rows")
-        ax.set_ylabel(f"{LETTER[name]}\n({drawn_unit(name)})", fontsize=8)
-        ax.tick_params(labelsize=7)
+                ax.plot(
+                    x[rows],
+                    y[rows],
+                    ".",
+                    ms=3,
+                    color=color,
+                    label=f"{reason}, {rows.sum()} row{'s'[: rows.sum() != 1]}",
+                )
+        ax.set_ylabel(f"{LETTER[name]}\n({drawn_unit(name)})", fontsize=NOTE_SIZE)
+        ax.tick_params(labelsize=NOTE_SIZE)
         ax.grid(alpha=0.3)
     axes[-1].set_xlabel("time (s)" if clock else "sample")
     if inspection.exclusion.counts:

@@ -9,7 +9,7 @@ from pathlib import Path
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.drawing.page import inlined, page_text, write_page
 
-from ..findings.finding import Finding
+from ..findings.finding import Finding, verdict_on
 from ..provenance import provenance
 from .figures import draw_inspection
 from .inspection import Inspection
@@ -45,7 +45,8 @@ def write_inspection(
     images = [_figures(each) for each in inspections] if drawn is None else [inlined(paths) for paths in drawn]
     page = page_text(
         "tirefmu.measurements.inspection", {"title_of": title, "tables_of": all_tables},
-        inspections=inspections, findings=findings, drawn=list(zip(inspections, images, strict=True)), texts=TEXTS,
+        inspections=inspections, findings=findings, verdict=verdict_on(findings),
+        serious=any(each.serious for each in findings), drawn=list(zip(inspections, images, strict=True)), texts=TEXTS,
         origin=provenance([each.recording for each in inspections], command),
     )  # fmt: skip
     try:

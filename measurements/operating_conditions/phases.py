@@ -22,6 +22,7 @@ from ..thresholds import (
     SWEEP_WINDOW,
 )
 from .levels import level_tolerance, levels
+from .median import median_of
 from .time_series import Segment, segments_of
 
 #: Inputs to which a tire responds with a force curve. A bench sweeps them from a level and back to it.
@@ -230,7 +231,7 @@ def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:
 
 
 def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
-    return {each.name: float(np.median(columns[each.name][rows])) for each in inputs}
+    return {each.name: median_of(columns[each.name][rows]) for each in inputs}
 
 
 def _motions(each: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
@@ -258,13 +259,18 @@ def _smoothed(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray
         key = round(PHASE_SMOOTHING / segment.interval) | 1, -1 if whole else segment.rows.start
         passes.setdefault(key, []).append(segment.rows)
     for (size, _), slices in passes.items():
-        pieces = [np.pad(values[rows], size // 2, mode="edge") for rows in slices]
+        pieces = [_padded(values[rows], size // 2) for rows in slices]
         medians = median_filter(np.concatenate(pieces), size=size)
         end = 0
         for rows, piece in zip(slices, pieces, strict=True):
             end += len(piece)
             smooth[rows] = medians[end - len(piece) + size // 2 : end - size // 2]
     return smooth
+
+
+def _padded(values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+    """Return the values with the first and the last one repeated, as `numpy.pad` does in ten times as long."""
+    return np.concatenate([np.full(n, values[0]), values, np.full(n, values[-1])])
 
 
 def _held_motion(each: _Input, nearest: NDArray[np.intp], distance: NDArray[np.float64], step: float) -> _Motion:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from ..channels import CHANNELS
+from ..operating_conditions.median import median_of
 from ..operating_conditions.time_series import Segment, segments_of
 from ..recording import Recording
 from ..thresholds import (
@@ -151,19 +152,20 @@ def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
 def _far(
     values: NDArray[np.float64], median: NDArray[np.float64], step: float, sigmas: float, tolerance: float
 ) -> NDArray[np.bool_]:
-    known = np.isfinite(values)
-    if known.sum() < FEWEST_WINDOW_ROWS:
-        return np.zeros(len(values), dtype=np.bool_)
+    known, none = np.isfinite(values), np.zeros(len(values), dtype=np.bool_)
+    if np.count_nonzero(known) < FEWEST_WINDOW_ROWS:
+        return none
     deviation = np.abs(values - median)
-    largest, none = float(deviation[known].max()), np.zeros(len(values), dtype=np.bool_)
+    sizes = deviation[known]
+    largest = float(sizes.max())
     if largest <= tolerance:
         return none
-    limit = sigmas * SIGMA_PER_DEVIATION * float(np.median(deviation[known]))
+    limit = sigmas * SIGMA_PER_DEVIATION * median_of(sizes)
     if largest <= limit:
         return none
-    low, high = np.quantile(median[known], (0.05, 0.95))
-    rounding = np.finfo(np.float64).eps * float(np.abs(median[known]).max())
-    least = max(tolerance, LEAST_DEVIATION * float(high - low), rounding)
+    own = median[known]
+    rounding = np.finfo(np.float64).eps * float(np.abs(own).max())
+    least = max(tolerance, LEAST_DEVIATION * _width(own), rounding)
     far = known & (deviation > max(limit, least))
     if far.any():  # the local scatter takes long to compute and is rarely needed
         size = _window(step, SCATTER_WINDOW, len(deviation))
@@ -171,6 +173,13 @@ def _far(
             _interpolated(deviation), size=size, mode="mirror"
         )
     return _jumping(far, values, deviation) if FEWEST_WINDOW_ROWS * step > OUTLIER_WINDOW else np.asarray(far)
+
+
+def _width(values: NDArray[np.float64]) -> float:
+    """Return the distance of the quantiles 0.05 and 0.95, as `numpy.quantile` has them."""
+    ordered = np.sort(values)
+    low, high = np.interp([0.05, 0.95], np.linspace(0.0, 1.0, len(ordered)), ordered)
+    return float(high - low)
 
 
 def _jumping(far: NDArray[np.bool_], values: NDArray[np.float64], deviation: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -1,9 +1,55 @@
 """Decisions on the gains of blocks: no block of time dominates."""
 
-import numpy as np
+from types import SimpleNamespace
+from typing import Any, cast
 
-from tirefmu.diagnosis.search.refits import consistent
+import numpy as np
+import pytest
+
+from tirefmu.diagnosis.search.memory import _simpler
+from tirefmu.diagnosis.search.refits import REFINEMENT, Refit, consistent, rivals
 from tirefmu.estimation.block_regression import error_of_sum
+
+
+def refit(name, gains):
+    """Return a candidate of which only the gains are known."""
+    unknown = cast(Any, None)
+    return Refit(name, unknown, unknown, unknown, 0.0, 0.5, 0.01, gains, unknown)
+
+
+class CompletedSearch:
+    """The outcome of a search: what it found, the structure that remains, and the squared misfit of each block."""
+
+    def __init__(self, found, structures, loss, rivals=frozenset()):
+        self.found = [refit(name, np.ones(4)) for name in found]
+        self.structures = [SimpleNamespace(depends_on=variables) for variables in structures]
+        self.screen = SimpleNamespace(baseline=SimpleNamespace(loss=np.full(4, loss)))
+        self.candidates = {"temp_friction": 1, "slip_history": 2}
+        self.rivals, self.completed, self.progress = rivals, False, lambda sentence: None
+
+    def run(self):
+        """Remember which candidates were tested."""
+        self.completed, self.tested = True, set(self.candidates)
+
+
+@pytest.mark.parametrize(
+    ("structure", "near", "loss", "repeated", "replaced"),
+    [
+        (("memory",), {"slip_history"}, 1.0, True, True),
+        (("memory",), {"slip_history"}, 9.0, True, False),  # explains less
+        (("memory",), set(), 1.0, False, False),  # nothing else explained as much
+        (("Fz",), {"slip_history"}, 1.0, False, False),  # nothing of the past remains
+    ],
+)
+def test_two_findings_are_replaced_by_one_that_explains_as_much(structure, near, loss, repeated, replaced):
+    search = CompletedSearch(["temp_friction"], [structure], 5.0, near)
+    other = CompletedSearch(["slip_history"], [], loss)
+    assert _simpler(search, other) is (other if replaced else search)
+    assert other.completed == repeated
+    if repeated:
+        assert other.tested == {"slip_history"}
+    if replaced:
+        assert set(other.candidates) == {"temp_friction", "slip_history"}  # what is confounded with it is reported
 
 
 def test_a_dominating_block_does_not_veto_an_effect_that_others_confirm():
@@ -21,3 +67,12 @@ def test_a_dominating_block_alone_is_no_evidence():
 def test_equal_gains_are_consistent_and_noise_is_not():
     assert consistent(np.full(12, 3.0))
     assert not consistent(np.tile([1.0, -1.0], 20))
+
+
+def test_a_rival_explains_nearly_as_much_in_the_blocks_of_time():
+    noise = np.random.default_rng(1).normal(0.0, 1.0, 40)
+    best, near, far = (
+        refit(name, gains) for name, gains in (("a", 6.0 + noise), ("b", 5.9 - noise), ("c", 3.0 + noise))
+    )
+    refined = refit(f"{REFINEMENT}core", 5.9 - noise)
+    assert rivals(best, [best, near, far, refined]) == {"b"}

@@ -1,12 +1,15 @@
 """Unexplained structure: its features, and the proposed formula."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.search.effect_search import Search
+from tirefmu.diagnosis.search.proposals import with_correction
 from tirefmu.diagnosis.thresholds import MIN_STRETCHES, STRETCHES, STRUCTURE_P
 from tirefmu.diagnosis.unexplained.drift import is_drift
 from tirefmu.diagnosis.unexplained.features import (
@@ -177,7 +180,7 @@ def test_the_states_of_a_proposal_resemble_the_features(at_true_values, velocity
     past = [one for many in features(at_true_values.signals, simulator.tire) for one in many if not one.expressible]
     assert {state for one in past for state in one.states} == STATES.keys()
     response = replace(structure.response, estimate=np.full(len(past), size))
-    effect = effect_of(replace(structure, location=place, terms=tuple(past), response=response))
+    effect = effect_of([replace(structure, location=place, terms=tuple(past), response=response)])
     tire = replace(simulator.tire, added=(*simulator.tire.added, effect))
     signals = at_true_values.signals.with_inputs_of(tire)
     assert signals.names == tire.inputs
@@ -194,6 +197,52 @@ def test_the_states_of_a_proposal_resemble_the_features(at_true_values, velocity
         assert np.corrcoef(change, expected)[0, 1] > (0.5 if turns else 0.95), feature.text
         slope = float(change @ expected / (expected @ expected))
         assert slope == pytest.approx(0.75 if turns else 1.0, abs=0.25 if turns else 0.1), feature.text
+
+
+def test_formulas_of_one_file_have_coefficients_and_states_of_their_own(at_true_values, velocity_dependent_friction):
+    past = [one for many in features(at_true_values.signals, at_true_values.problem.simulator.tire) for one in many]
+    (late,) = [one for one in past if one.text == "alpha of the last 0.3 s"]
+    structure = structure_of(velocity_dependent_friction)
+    response = replace(structure.response, estimate=np.array([0.1]))
+    effect = effect_of([replace(structure, terms=(late,), response=response), structure], prefix="form")
+    assert [one.name for one in effect.declarations] == [f"FORM{i + 1}" for i in range(1 + len(structure.terms))]
+    assert [state.name for state in effect.states] == ["form_recent_alpha"]  # another proposal may have found_...
+    assert len(effect.acts) == 2 * len(structure.location.quantities)
+
+
+def search_with(screen, form):
+    """Return a completed search that found an effect and an error of the functional form."""
+    search = Search(screen.problem, screen.solution, {}, lambda sentence: None)
+    search.screen, search.forms, search.found = screen, [form], [SimpleNamespace(name="load_friction")]
+    return search
+
+
+def test_an_error_of_the_form_that_the_holdout_confirms_is_corrected_in_the_tire(velocity_dependent_friction):
+    structure = structure_of(velocity_dependent_friction)
+    search = search_with(velocity_dependent_friction, structure)
+    start, problem, solution = search.problem.simulator.tire, search.problem, search.solution
+    correction, corrected = with_correction(search, start, lambda sentence: None)
+    assert correction is not None
+    assert corrected.added[-1] == correction.effect
+    assert [text.partition(":")[0] for text in correction.formulas] == [structure.formula.partition(":")[0]]
+    assert set(search.solution.free) - set(solution.free) == {one.name for one in correction.effect.declarations}
+    assert problem.holdout_gain(solution, search.solution) > 0.5
+
+
+@pytest.mark.parametrize("change", ["other side", "other variable", "nothing missing"])
+def test_a_form_is_no_correction_without_need(velocity_dependent_friction, change):
+    structure = structure_of(velocity_dependent_friction)
+    search = search_with(velocity_dependent_friction, structure)
+    if change == "nothing missing":
+        search.found = []
+    elif change == "other variable":
+        term = replace(structure.terms[0], depends_on=frozenset({"T"}))
+        search.forms = [replace(structure, terms=(term, *structure.terms[1:]))]
+    else:
+        used = (search.problem.inverse_noise > 0.0)[:, :, None]
+        search.forms = [replace(structure, columns=np.where(used, structure.columns, -structure.columns))]
+    start = search.problem.simulator.tire
+    assert with_correction(search, start, lambda sentence: None) == (None, start)
 
 
 def test_no_effect_of_the_library_has_the_states_of_a_proposal():

@@ -90,3 +90,13 @@ def test_an_input_that_varies_by_its_noise_only_is_ignored():
     noise = rng.normal(0.0, 10.0, len(table))
     noisy = table.assign(V=16.0 + rng.normal(0.0, 0.5, len(table)), p=80e3 + rng.normal(0.0, 400.0, len(table)))
     assert floor_of(noisy, missing(table) + noise).floor == floor_of(table, missing(table) + noise).floor
+
+
+def test_the_second_floor_can_be_omitted():
+    rng = np.random.default_rng(0)
+    table = pd.DataFrame({"t": np.arange(2000) / 50.0, "alpha": 0.2 * np.sin(np.linspace(0.0, 40.0, 2000))})
+    residuals = {"Fy": 50.0 * np.cos(20.0 * table["alpha"].to_numpy()) + rng.normal(0.0, 10.0, 2000)}
+    both, first = noise_floor(table, residuals)["Fy"], noise_floor(table, residuals, with_history=False)["Fy"]
+    assert first.floor == both.floor
+    assert np.isnan(first.with_history)
+    assert both.with_history <= both.floor

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.explorer.explore import explore
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, read_tir
 from tirefmu.tires.evaluation import quantities
@@ -122,13 +123,45 @@ def test_surfaces_are_drawn_from_the_tire(opened, tires):
     assert canvas.evaluate("(each) => each.toDataURL()") != before
 
 
-def test_a_printed_page_has_charts_that_were_out_of_sight(opened, tires):
+def test_charts_out_of_sight_are_drawn_before_they_are_scrolled_to(opened, tires):
     page = opened(tires["mf96"])
-    surfaces = "charts.filter((each) => each.settle)"
-    assert page.evaluate(f"{surfaces}.map(({{ chart }}) => Boolean(chart.data))") == [False, False]
-    page.pdf()
-    assert page.evaluate(f"{surfaces}.map(({{ chart }}) => Boolean(chart.data))") == [True, True]
-    assert page.evaluate("charts.every(({ chart }) => chart.data || chart.plot)")
+    assert page.evaluate("charts.some((each) => each.visible === false)")
+    until(page, "charts.every(({ chart }) => chart.data || chart.plot)")
+    assert page.evaluate("scrollY") == 0
+    ink = "charts.filter((each) => each.settle).map(({ chart }) => chart.canvas.toDataURL().length)"
+    assert min(page.evaluate(ink)) > 5000  # an empty canvas has some 1000 characters
+
+
+def test_printed_charts_fit_two_in_a_row(opened, tires):
+    """All charts have the printed width while the page is printed, also on a phone, and their own after it."""
+    for width in (1400, 390):
+        page = opened(tires["mf96"], width=width)
+        widths = "charts.map(({ chart }) => (chart.canvas ?? chart.plot.root).getBoundingClientRect().width)"
+        until(page, "charts.every(({ chart }) => chart.data || chart.plot)")
+        page.emulate_media(media="print")
+        page.set_viewport_size({"width": 718, "height": 900})  # A4 with margins
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        assert set(page.evaluate(widths)) == {325}
+        assert page.evaluate("document.documentElement.scrollWidth") <= 718
+        tops = page.evaluate("charts.map(({ chart }) => chart.figure.getBoundingClientRect().top)")
+        assert tops[0] == tops[1] < tops[2] == tops[3]
+        page.emulate_media(media="screen")
+        page.set_viewport_size({"width": width, "height": 900})
+        page.evaluate("dispatchEvent(new Event('afterprint'))")
+        until(page, f"({widths}).every((each) => each !== 325)")
+
+
+def test_without_scripts_the_page_lists_the_coefficients(browser, tires, tmp_path):
+    explore(tires["mf96"], tmp_path / "page.html", compare=tires["fiala"])
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto((tmp_path / "page.html").as_uri())
+    text = page.locator("noscript main").inner_text()
+    for tire in (tires["mf96"], tires["fiala"]):
+        for name, value in tire.values.items():
+            assert f"{name}\t{value:.6g}" in text
+    assert not page.locator("#save").is_visible()
+    context.close()
 
 
 def test_curves_are_drawn_from_the_tire(opened, tires):

@@ -28,6 +28,21 @@ def test_an_unknown_name_has_its_attributes():
     assert str(error) == "unknown effect 'cambr': did you mean camber?"
 
 
+def test_an_unknown_name_lists_a_few_names_or_what_lists_many():
+    few = ["red", "green", "blue"]
+    assert (
+        str(UnknownName("color", "grean", few))
+        == "unknown color 'grean': did you mean green? Known are red, green, blue"
+    )
+    assert str(UnknownName("color", "zzz", few)) == "unknown color 'zzz': known are red, green, blue"
+    many = [f"PDY{i}" for i in range(20)]
+    message = str(UnknownName("coefficient of mf96", "PDYI", many))
+    assert message.startswith("unknown coefficient of mf96 'PDYI': did you mean PDY")
+    assert message.count("PDY") == 5  # the name as given and the four nearest
+    assert message.endswith("; tirefmu info TIRE --all lists all 20")
+    assert str(UnknownName("effect", "zzz", many)) == "unknown effect 'zzz': tirefmu effects lists all 20"
+
+
 def test_every_error_is_a_misuse_of_tirefmu():
     kinds = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, Exception)]
     assert len(kinds) >= 7

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -26,8 +27,8 @@ RESULTS = {
             "channels": [{"recording": "a", "channel": "Fy", "rmse": 1.0, "unit": "N", "r2": None}]},
     "explore": {"bytes": 10},
     "export": {"fmi": 3, "inputs": "slip", "bytes": 2048},
-    "check": {"channels": {"Fy": {"rmse": 1.0, "unit": "N", "r2": 0.5}}},
-    "diagnose": {"verdict": "nothing is missing",
+    "check": {"ok": True, "channels": {"Fy": {"rmse": 1.0, "unit": "N", "r2": 0.5}}},
+    "diagnose": {"verdict": "nothing is missing", "found": [], "adequacy": {"Fy": {"adequate": 1.0}},
                  "gap": {"holdout": {"Fy": {"before": 2.0, "after": 1.0, "floor": None}}}},
 }  # fmt: skip
 
@@ -127,12 +128,12 @@ def test_a_failed_check_is_remembered_and_invalid_input_stops_the_run(project, m
 def test_the_page_links_to_every_result(project):
     run_project(project, Commands(project, {"fit": 1}), Terminal(quiet=True))
     page = (project.folder / "index.html").read_text(encoding="utf-8")
-    assert "A check failed" in page
+    assert re.search(r'<p class="verdict bad">Tire usable; FMU check passed; no missing effect', page)
     for step in steps_of(project):
         for output in step.outputs:
             file = output if output.suffix else output / "report.html"
             assert f'href="./{file.relative_to(project.folder).as_posix()}"' in page
-    for text in ("too few loads", "verdict: usable (mf96)", "nothing is missing"):
+    for text in ("too few loads", "model mf96", "data would mislead a fit", "nothing is missing"):
         assert text in page
 
 
@@ -142,9 +143,9 @@ def test_texts_of_results_do_not_change_the_page(project, monkeypatch, text):
         run_project(project, Commands(project), Terminal(quiet=True), force=True)
         return (project.folder / "index.html").read_text(encoding="utf-8")
 
-    monkeypatch.setitem(RESULTS, "inspect", {"findings": [{"serious": True, "text": "plain"}]})
+    monkeypatch.setitem(RESULTS, "inspect", {**RESULTS["inspect"], "findings": [{"serious": True, "text": "plain"}]})
     plain = page()
-    monkeypatch.setitem(RESULTS, "inspect", {"findings": [{"serious": True, "text": text}]})
+    monkeypatch.setitem(RESULTS, "inspect", {**RESULTS["inspect"], "findings": [{"serious": True, "text": text}]})
     assert Skeleton(page()).parts == Skeleton(plain).parts
 
 

@@ -41,6 +41,7 @@ def compare(
         result = run(first, second, recordings, names=(tire.stem, tire2.stem))
         written = write_comparison(result, recordings, output, signs=draw_signs or signs or "iso")
     write_json(json_file, {**result.to_json(), "files": [str(path) for path in written]})
+    terminal.print(f"verdict: {result.verdict}")
     for name, names in zip(result.names, result.effects, strict=True):
         if names:
             terminal.print(f"effects of {name} only: {', '.join(names)}")
@@ -56,7 +57,7 @@ def compare(
         [each.name, _short(each.first), _short(each.second), each.unit, each.description] for each in result.differences
     ]
     terminal.table("", (["coefficient", *result.names, "unit", "description"], values), most=10_000 if every else 12)
-    terminal.print(f"{len(values)} coefficients differ; report: {written[0]}")
+    terminal.print(f"report: {written[0]}")
     return 0
 
 

@@ -120,8 +120,7 @@ def diagnose(
     terminal.print(result.verdict)
     for line in _error_lines(summary):
         terminal.print(line)
-    proposed = [one.effect.name + ".toml" for one in result.unknown if one.effect]
-    written_names = [*written.values(), *proposed]
+    written_names = [*written.values(), *(f"{one.name}.toml" for one in result.proposed)]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
     return 0 if ok else 1
 

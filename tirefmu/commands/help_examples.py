@@ -46,7 +46,7 @@ EXAMPLES = {
     "effects": ("effects --model mf61", "effects temp_friction"),
     "models": ("models", "models --json models.json"),
     "published": ("published",),
-    "example": ("example -o run.csv", "example -o small.csv --sample-rate 5 --tire my.tir"),
+    "example": ("example -o run.csv", "example -o small.csv --sample-rate 10 --tire my.tir"),
     "init": ("init cornering.mat drivebrake.mat --model mf61 --nominal Fz0=1100,R0=0.2", "init"),
     "run": ("run", "run tirefmu.toml --force"),
     "demo": ("demo -o demo-output",),

@@ -36,6 +36,7 @@ def inspect(
     if selection and len(tables) > 1:
         raise TirefmuError("--table writes the rows of one table")
     from tirefmu.measurements import recordings_from, write_table
+    from tirefmu.measurements.findings.finding import verdict_on
     from tirefmu.measurements.inspection import tables as texts
     from tirefmu.measurements.inspection.inspection import inspect as run
 
@@ -58,11 +59,12 @@ def inspect(
         json_file,
         {
             "ok": ok,
+            "verdict": verdict_on(findings),
             "findings": [vars(finding) for finding in findings],
             "recordings": [each.to_json() for each in inspections],
         },
     )
-    terminal.print(f"verdict: {'ready for a fit' if ok else 'a fit of these data would be misleading'}")
+    terminal.print(f"verdict: {verdict_on(findings)}")
     terminal.findings(findings)
     for each in inspections:
         terminal.heading(each.recording.source, texts.title(each))

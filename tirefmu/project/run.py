@@ -15,7 +15,7 @@ from ..terminal import Terminal
 from .project_file import Project
 from .records import Records, files_of
 from .steps import Step, steps_of
-from .summaries import summary_of
+from .summaries import Headline, headline_of, summary_of
 
 #: Runs a command with arguments and returns its exit code.
 Command = Callable[[str, Sequence[str]], int]
@@ -32,13 +32,16 @@ class Outcome:
         0: success; 1: completed, but a check failed.
     repeated : bool
         False if the results were up to date.
+    headline : Headline
+        What the step found, in one line.
     summary : tuple of str
-        What the step found, a line each.
+        The details, a line each.
     """
 
     step: Step
     status: int
     repeated: bool
+    headline: Headline
     summary: tuple[str, ...]
 
 
@@ -79,7 +82,7 @@ def run_project(project: Project, command: Command, terminal: Terminal, *, force
     for number, step in enumerate(steps, 1):
         outcome = _run(step, records, command, terminal, force)
         outcomes.append(outcome)
-        state = ("ok" if outcome.status == 0 else "check failed") + ("" if outcome.repeated else ", up to date")
+        state = outcome.headline.text + ("" if outcome.repeated else " (up to date)")
         terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
         terminal.print(*(f"  {line}" for line in outcome.summary))
     _write_index(project, outcomes)
@@ -99,7 +102,9 @@ def _run(step: Step, records: Records, command: Command, terminal: Terminal, for
         if _result(step).get("interrupted"):
             raise KeyboardInterrupt  # a fit ends with the best values so far, which is no complete step
         records.add(step, status)
-    return Outcome(step, status, repeated, tuple(summary_of(step.command, _result(step))))
+    result = _result(step)
+    headline = headline_of(step.command, result, status)
+    return Outcome(step, status, repeated, headline, tuple(summary_of(step.command, result)))
 
 
 def _result(step: Step) -> dict[str, Any]:
@@ -117,8 +122,8 @@ def _write_index(project: Project, outcomes: Sequence[Outcome]) -> None:
     def links(outcome: Outcome) -> list[tuple[str, str]]:
         first = [outcome.step.page] if outcome.step.page else []
         written = [file for output in outcome.step.outputs for file in files_of(output)]
-        names = [each.relative_to(folder).as_posix() for each in dict.fromkeys([*first, *written])]
-        return [(name, "./" + quote(name)) for name in names]
+        files = [each.relative_to(folder).as_posix() for each in dict.fromkeys([*first, *written])]
+        return [("open the page" if i < len(first) else file, "./" + quote(file)) for i, file in enumerate(files)]
 
     text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes)
     try:

@@ -2,8 +2,77 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
+
+from tirefmu.tires.drawing.style import drawn_unit
+
+
+@dataclass(frozen=True)
+class Headline:
+    """The result of a command in one line.
+
+    Attributes
+    ----------
+    text : str
+    rating : {"good", "limited", "bad"}
+    """
+
+    text: str
+    rating: str
+
+
+def headline_of(command: str, result: Mapping[str, Any], status: int) -> Headline:
+    """Return what matters most in the JSON result of a command.
+
+    Parameters
+    ----------
+    command : str
+    result : mapping of str to Any
+    status : int
+        The command's exit code.
+
+    Returns
+    -------
+    Headline
+
+    Examples
+    --------
+    >>> headline_of("fit", {"verdict": {"word": "usable with limits", "reasons": ["combined slip"]}}, 0)
+    Headline(text='tire usable with limits', rating='limited')
+    """
+    text, limited = _HEADLINES[command](result)
+    return Headline(text, "bad" if status else "limited" if limited else "good")
+
+
+def _inspect_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
+    serious = any(each["serious"] for each in result["findings"])
+    return "data would mislead a fit" if serious else "data ready for a fit", bool(result["findings"])
+
+
+def _fit_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
+    return f"tire {result['verdict']['word']}", bool(result["verdict"]["reasons"])
+
+
+def _check_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
+    return "FMU check passed" if result["ok"] else "FMU check failed", False
+
+
+def _diagnose_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
+    found = ", ".join(each["effect"] for each in result["found"])
+    adequate = all(each["adequate"] for each in result["adequacy"].values())
+    return (f"missing effect: {found}", True) if found else ("no missing effect identified", not adequate)
+
+
+_HEADLINES: dict[str, Callable[[Mapping[str, Any]], tuple[str, bool]]] = {
+    "inspect": _inspect_headline,
+    "fit": _fit_headline,
+    "explore": lambda result: ("page with sliders", False),
+    "export": lambda result: (f"FMU for FMI {result['fmi']}", False),
+    "check": _check_headline,
+    "diagnose": _diagnose_headline,
+}
 
 
 def summary_of(command: str, result: Mapping[str, Any]) -> Iterator[str]:
@@ -17,20 +86,19 @@ def summary_of(command: str, result: Mapping[str, Any]) -> Iterator[str]:
     Examples
     --------
     >>> list(summary_of("export", {"fmi": 3, "inputs": "slip", "bytes": 2048}))
-    ['FMI 3, slip inputs, 2 KB']
+    ['slip inputs, 2 KB']
     """
     yield from _SUMMARIES[command](result)
 
 
 def _inspect(result: Mapping[str, Any]) -> Iterator[str]:
     findings = result["findings"]
-    serious = [each for each in findings if each["serious"]]
-    yield f"{len(findings)} findings, {len(serious)} of them serious"
-    yield from (f"warning: {each['text']}" for each in serious)
+    yield f"{len(findings) or 'no'} finding{'s'[: len(findings) != 1]}"
+    yield from (f"{'warning' if each['serious'] else 'note'}: {each['text']}" for each in findings)
 
 
 def _fit(result: Mapping[str, Any]) -> Iterator[str]:
-    yield f"verdict: {result['verdict']['word']} ({result['model']})"
+    yield f"model {result['model']}"
     yield from result["verdict"]["reasons"]
     for each in result["channels"]:
         quality = f"RMSE {_short(each['rmse'])} {each['unit']}, R2 {_short(each['r2'])}"
@@ -38,11 +106,11 @@ def _fit(result: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _explore(result: Mapping[str, Any]) -> Iterator[str]:
-    yield f"page with sliders, {result['bytes'] / 1024:.0f} KB"
+    yield f"{result['bytes'] / 1024:.0f} KB"
 
 
 def _export(result: Mapping[str, Any]) -> Iterator[str]:
-    yield f"FMI {result['fmi']}, {result['inputs']} inputs, {result['bytes'] / 1024:.0f} KB"
+    yield f"{result['inputs']} inputs, {result['bytes'] / 1024:.0f} KB"
 
 
 def _check(result: Mapping[str, Any]) -> Iterator[str]:
@@ -55,8 +123,8 @@ def _diagnose(result: Mapping[str, Any]) -> Iterator[str]:
     for channel, gap in result["gap"]["holdout"].items():
         if gap["before"] is not None:
             yield (
-                f"{channel} on the hold-out set: error {_short(gap['before'])} before, {_short(gap['after'])} after, "
-                f"noise floor {_short(gap['floor'])}"
+                f"{channel} on the hold-out set: error {_short(gap['before'])} {drawn_unit(channel)} before, "
+                f"{_short(gap['after'])} after, noise floor {_short(gap['floor'])}"
             )
 
 

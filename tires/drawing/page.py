@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from tirefmu.symbolic.escaping import visible
 
-from .style import write_whole
+from .style import DPI, write_whole
 
 #: What every page shares: its frame with the style, and tables and figures that scroll on a narrow screen.
 FRAME, PARTS, STYLE = "page.html", "parts.html", "page.css"
@@ -46,9 +46,20 @@ def page_text(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_visible,
         loader=DictLoader({name: _shared(name) for name in (FRAME, PARTS, STYLE)}),
     )  # fmt: skip
-    environment.filters |= filters
+    environment.filters |= {"inches": _inches, "sentence": _sentence, **filters}
     source = (files(package) / template).read_text(encoding="utf-8")
     return environment.from_string(source).render(**content)
+
+
+def _inches(image: str) -> float:
+    """Return the width of an image of `inlined` in inches of a figure: its texts have the same size in all of them."""
+    head = base64.b64decode(image[:32])
+    return int.from_bytes(head[16:20], "big") / DPI
+
+
+def _sentence(text: str) -> str:
+    """Return a text with a capital first letter; unlike capitalize, it leaves the other ones."""
+    return text[:1].upper() + text[1:]
 
 
 def style_sheet() -> str:

@@ -25,6 +25,8 @@ from tirefmu.symbolic.declarations import Quantity
 RGB = tuple[float, float, float]
 
 DPI = 120
+#: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
+LEGEND_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
 SHOWN = 3000  # points of a group; more would only cover each other
 LETTER = {"kappa": r"$\kappa$", "alpha": r"$\alpha$", "gamma": r"$\gamma$", "Fz": "$F_z$"}
 LETTER |= {"t": "$t$", "p": "$p$", "V": "$V$", "T": "$T$", "phit": r"$\varphi_t$"}
@@ -103,7 +105,7 @@ def draw_points(ax: Axes, rows: pd.DataFrame, slip: str, channel: str, color: RG
     """Draw measured points, lighter than the line of their level."""
     rows = some_of(rows)
     red, green, blue = (0.55 * part + 0.45 for part in color)
-    size = 2.5 if len(rows) > 1000 else 4.0
+    size = 2.5 if len(rows) > 1000 else 4.0 if len(rows) > 200 else 6.0
     x = rows[slip] * per_si(slip)
     ax.plot(x, rows[channel], ".", color=(red, green, blue), ms=size, mew=0.0, zorder=1)
 
@@ -125,13 +127,20 @@ def finish(ax: Axes, slip: str, ylabel: str) -> None:
 def place_legend(ax: Axes, title: str | None = None) -> None:
     """Put the legend outside the axes, where it covers nothing."""
     corner = (1.0, 1.0)
-    ax.legend(title=title, loc="upper left", bbox_to_anchor=corner, fontsize=8, title_fontsize=8, frameon=False)
+    ax.legend(
+        title=title,
+        loc="upper left",
+        bbox_to_anchor=corner,
+        fontsize=LEGEND_SIZE,
+        title_fontsize=LEGEND_SIZE,
+        frameon=False,
+    )
 
 
 def write_footnote(figure: Figure, signs: str, *notes: str) -> None:
     """Write the sign convention and notes below the axes."""
-    lines = textwrap.wrap("; ".join([_CONVENTION[signs], *notes]), int(19 * figure.get_figwidth()))
-    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=7.5, color="0.3")
+    lines = textwrap.wrap("; ".join([_CONVENTION[signs], *notes]), int(14 * figure.get_figwidth()))
+    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=NOTE_SIZE, color="0.3")
 
 
 def png(figure: Figure) -> bytes:

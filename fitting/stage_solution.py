@@ -1,0 +1,125 @@
+"""The solution of one stage: its targets, the verification of its constraints, and what an earlier stage has found.
+
+A stage that continues the one before has the same coefficients and more rows. It starts near its solution, to which few
+Gauss-Newton steps lead; IPOPT follows only if they find no optimum. Most of them are taken with a sample of the rows,
+so that all rows are needed for the last ones only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import numpy.typing as npt
+
+from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
+from .problem.weighted_residuals import Problem
+from .solvers.ipopt import Progress, Solution
+from .solvers.selection import Solver
+from .stiffness_targets import solve_with_targets
+
+FloatArray = npt.NDArray[np.float64]
+#: Upper limit of the rounds in which points that violate a constraint are added.
+ROUNDS = 12
+#: Rows of the sample, and least number of rows from which one is taken. At the optimum of a sample the cost of all rows
+#: is greater by a share of about n / (2 rows of the sample), which one or two steps remove.
+SAMPLE, LEAST_ROWS = 30_000, 60_000
+
+
+@dataclass(frozen=True)
+class StageSolver:
+    """Solves the problem of a stage from any start.
+
+    Attributes
+    ----------
+    problem : Problem
+    lower, upper : ndarray, shape (n_free,)
+        Scaled bounds of the free coefficients.
+    constraints : VerifiedConstraints
+        Of the fit; violated points are added to them.
+    channels : sequence of str
+        The channels of the stage.
+    stage_type : {"intermediate", "penultimate", "final"}
+    ridge : float
+        Strength of the regularization.
+    solver : Solver
+    report : callable
+        Called with iteration and cost.
+    stop : callable
+        True ends the solution.
+    """
+
+    problem: Problem
+    lower: FloatArray
+    upper: FloatArray
+    constraints: VerifiedConstraints
+    channels: Sequence[str]
+    stage_type: str
+    ridge: float
+    solver: Solver
+    report: Progress
+    stop: Callable[[], bool]
+
+    def solve(self, start: FloatArray, *, continues: bool = False) -> Solution:
+        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them.
+
+        An intermediate stage is solved again once: if its values violated a constraint, their residuals would give the
+        next stage weights for a noise that no tire with this constraint reaches.
+
+        Parameters
+        ----------
+        start : ndarray, shape (n_free,)
+            Scaled free values.
+        continues : bool
+            Whether the start is the solution for the same coefficients with fewer rows.
+
+        Returns
+        -------
+        Solution
+        """
+        known = self.constraints.of(self.channels) + self.constraints.violated
+        approached = self.stage_type == "intermediate"
+        dense = self.constraints.of(self.channels, density=APPROACHED if approached else VERIFIED)
+        solver = partial(
+            self.solver, lower=self.lower, upper=self.upper, ridge=self.ridge, stage_type=self.stage_type,
+            progress=self.report, stop=self.stop,
+        )  # fmt: skip
+        solution = self._first(start, partial(solver, constraints=known), continues=continues)
+        for _ in range(1 if approached else ROUNDS):
+            if self.stop():
+                break
+            violated = self.constraints.violations(dense, self.problem.parameters(solution.x))
+            if not violated:
+                break
+            known = known + violated
+            after = solver(self.problem, solution.x, constraints=known, refine=True)
+            solution = replace(after, iterations=solution.iterations + after.iterations)
+        return solution
+
+    def _first(self, start: FloatArray, solve: Callable[..., Solution], *, continues: bool) -> Solution:
+        """Return the solution with the constraints that are known."""
+        iterations = 0
+        if continues:
+            near = self._continued(start, solve)
+            if near.converged or self.stop():
+                return near
+            start, iterations = near.x, near.iterations
+        solution = solve_with_targets(self.problem, start, partial(solve, self.problem), self.stop)
+        return replace(solution, iterations=iterations + solution.iterations)
+
+    def _continued(self, start: FloatArray, solve: Callable[..., Solution]) -> Solution:
+        """Return the end of Gauss-Newton steps, at first with a sample of many rows."""
+        if len(self.problem.rows) < LEAST_ROWS:
+            return solve(self.problem, start, local=True)
+        first = solve(sampled(self.problem, SAMPLE), start, local=True)
+        if self.stop():
+            return replace(first, cost=self.problem.cost(first.x), converged=False)
+        after = solve(self.problem, first.x, refine=True)  # near the optimum undamped steps are the shortest way
+        return replace(after, iterations=first.iterations + after.iterations)
+
+
+def sampled(problem: Problem, n: int) -> Problem:
+    """Return a problem with n random rows, of about the same cost."""
+    return replace(problem, rows=problem.rows.sample(n), weights=problem.weights * (len(problem.rows) / n))
