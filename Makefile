@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts readers examples perturb check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -45,6 +45,9 @@ mutants: $(VENV)/installed-dev  ## 33 single-line faults in a copy of the tree: 
 
 perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with other instruction sets and rounding
 	TIREFMU_PERTURB=1 $(BIN)/pytest tests/fitting/test_perturbations.py $(PYTEST_ARGS)
+
+workers: $(VENV)/installed-dev  ## two Dask workers, one of them killed midway: diagnoses with FMUs, a study, cross-validation, a bootstrap
+	TIREFMU_WORKERS=1 $(BIN)/pytest tests/batch/test_two_workers.py tests/batch/test_intervals.py $(PYTEST_ARGS)
 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)

@@ -59,7 +59,7 @@ STARTUP = {
         "first diagnosis beyond the second one",
         "many",
         1.0,
-        "SymPy is loaded for the lines of the model with all effects, pandas and SciPy",
+        "pandas, SciPy and the modules of the diagnosis are loaded",
     ),
     "first diagnosis beyond the second, cold": Line(
         "the same, cold cache", "many", 10.0, "gcc compiles the Jacobians of the model with the whole effect library"

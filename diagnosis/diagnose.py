@@ -11,9 +11,10 @@ from threadpoolctl import threadpool_limits
 from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.measurements import Recording, TableLike, check_convention, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.added import AddedEffect, library
+from tirefmu.symbolic.added import AddedEffect
 from tirefmu.symbolic.errors import UnknownName, no_single_text
 from tirefmu.symbolic.models import model as book_of
+from tirefmu.symbolic.models import whole_library
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
@@ -183,9 +184,8 @@ def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire
     -------
     Tire
     """
-    declared = [effect for effect in library().values() if effect.detection]
-    known = [effect for effect in declared if tire.book.has_place_for(effect)]
-    added = {effect.name: effect for effect in (*tire.added, *known, *user_defined)}
+    # The library first and in its order: the model with it alone is printed with the package.
+    added = {effect.name: effect for effect in (*whole_library(tire.book), *tire.added, *user_defined)}
     return replace(tire.in_signs(FORMULA_SIGNS), added=tuple(added.values()), effects=tire.has)
 
 

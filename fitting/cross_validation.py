@@ -6,8 +6,8 @@ whole operating conditions: a load at an inclination and a pressure, with its up
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,20 @@ from .results.records import HeldOut
 FloatArray = npt.NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class FoldTask:
+    """The fit of the data without one fold: what any process needs to compute it."""
+
+    recordings: tuple[Recording, ...]
+    model: str
+    options: Mapping[str, Any]
+
+
+def tire_of_fold(task: FoldTask) -> Tire:
+    """Return the tire that is fitted without a fold."""
+    return fit(task.recordings, task.model, **task.options).tire
+
+
 def cross_validate(
     tables: TableLike | Iterable[TableLike],
     model: str | None = None,
@@ -34,6 +48,7 @@ def cross_validate(
     folds: int = 4,
     seed: int = 0,
     whole: FitResult | None = None,
+    compute: Callable[[Callable[[FoldTask], Tire], Sequence[FoldTask]], Iterable[Tire]] = map,
     **options: Any,
 ) -> tuple[HeldOut, ...]:
     """Fit all data, then the data without each fold of operating conditions, and compare the errors.
@@ -48,6 +63,9 @@ def cross_validate(
     seed : int
     whole : FitResult, optional
         The fit of all data, if it exists already.
+    compute : callable
+        Returns the tire of each task, in their order. Default: one after another, in this process
+        (`tirefmu.batch.cross_validation` distributes them).
     **options
         Options of `tirefmu.fitting.fit`.
 
@@ -66,14 +84,10 @@ def cross_validate(
     model = whole.tire.model
     # The coefficients refer to the nominal values, so all fits use those of the fit of all data.
     nominal = {name: whole.tire.values[key] for name, key in NOMINAL.items() if key in whole.tire.values}
+    options = {**options, "nominal": nominal}
+    tasks = [FoldTask(_training(recordings, parts, fold), model, options) for fold in range(folds)]
     predicted = [np.full((len(recording), len(whole.tire.outputs)), np.nan) for recording in recordings]
-    for fold in range(folds):
-        training = [
-            replace(recording, table=recording.table[part != fold])
-            for recording, part in zip(recordings, parts, strict=True)
-            if (part != fold).any()
-        ]
-        tire = fit(training, model, **{**options, "nominal": nominal}).tire
+    for fold, tire in enumerate(compute(tire_of_fold, tasks)):
         for computed, recording, part in zip(predicted, recordings, parts, strict=True):
             held_out = part == fold
             if held_out.any():
@@ -107,6 +121,17 @@ def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int 
     if not any(len(set(part)) == folds for part in parts):
         raise FitError(f"{folds} folds require at least {folds} operating conditions in one recording")
     return parts
+
+
+def _training(
+    recordings: Sequence[Recording], parts: Sequence[npt.NDArray[np.int64]], fold: int
+) -> tuple[Recording, ...]:
+    """Return the recordings without the rows of a fold."""
+    return tuple(
+        replace(recording, table=recording.table[part != fold])
+        for recording, part in zip(recordings, parts, strict=True)
+        if (part != fold).any()
+    )
 
 
 def _folds(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Sequence
+from functools import lru_cache
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 
-from .added import AddedEffect, effect_text, library
+from .added import AddedEffect, effect_text, library, texts_digest
 from .errors import UnknownName
 from .model import Model
 from .model.discovery import found_models
@@ -13,9 +16,11 @@ from .model.discovery import found_models
 #: Every model by name: those of this package's folders; see CONTRIBUTING.md, "Adding a model".
 MODELS: dict[str, Model] = found_models()
 
+#: Where the generated code is; read as data, because the packages of the code build on this one.
+GENERATED: Traversable = files("tirefmu.generated")
+
 for _model in MODELS.values():
-    # Stored with the generated code; read as data, because the packages of the code build on this one.
-    _stored = files("tirefmu.generated") / "structure" / f"{_model.name}.json"
+    _stored = GENERATED / "structure" / f"{_model.name}.json"
     if _stored.is_file():
         _model.use(_stored)
 
@@ -54,8 +59,39 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
         return MODELS[name]
     key = (MODELS[name], tuple(effect_text(effect) for effect in added))
     if key not in _EXTENDED:
-        _EXTENDED[key] = MODELS[name].extended(added)
+        _EXTENDED[key] = MODELS[name].extended(added, _stored_with_library(name, added))
     return _EXTENDED[key]
+
+
+def whole_library(book: Model) -> tuple[AddedEffect, ...]:
+    """Return the effects of the library that a diagnosis can find in a model, those with states among them.
+
+    The model with them is printed with the package (`generated/library`).
+
+    Parameters
+    ----------
+    book : Model
+
+    Examples
+    --------
+    >>> [effect.name for effect in whole_library(model("mf96")) if not effect.states]
+    ['temp_friction', 'temp_stiffness', 'wear_drift']
+    """
+    return tuple(effect for effect in library().values() if effect.detection and book.has_place_for(effect))
+
+
+def _stored_with_library(name: str, added: Sequence[AddedEffect]) -> Traversable | None:
+    """Return the stored structure of a model if it was printed with exactly these effects."""
+    if MODELS[name].stored is None or _printed_library().get(name) != texts_digest(added):
+        return None
+    return GENERATED / "library" / "structure" / f"{name}.json"
+
+
+@lru_cache(maxsize=1)
+def _printed_library() -> dict[str, str]:
+    """Return the digest of the added effects with which each model was printed."""
+    printed: dict[str, str] = json.loads((GENERATED / "MANIFEST.json").read_text(encoding="ascii"))["library"]
+    return printed
 
 
 def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffect] = ()) -> tuple[AddedEffect, ...]:

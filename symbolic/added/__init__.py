@@ -6,13 +6,15 @@ have the same form (`tirefmu.symbolic.added.file`).
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Iterable
 from functools import lru_cache
 
 from .effect import AddedEffect
 from .file import effect_text, read_effect
 from .folder import declared_effects
 
-__all__ = ["AddedEffect", "effect_text", "library", "read_effect"]
+__all__ = ["AddedEffect", "effect_text", "library", "read_effect", "texts_digest"]
 
 
 @lru_cache(maxsize=1)
@@ -25,3 +27,8 @@ def library() -> dict[str, AddedEffect]:
     ('friction_x', 'friction_y')
     """
     return {name: effect for name, effect in declared_effects().items() if isinstance(effect, AddedEffect)}
+
+
+def texts_digest(effects: Iterable[AddedEffect]) -> str:
+    """Return the SHA-256 digest of the texts of effects, which identifies what they add to a model."""
+    return hashlib.sha256("\0".join(effect_text(effect) for effect in effects).encode()).hexdigest()

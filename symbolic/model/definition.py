@@ -1,7 +1,7 @@
 """A model: an ordered table of named lines, and all that other packages need of it.
 
 The declarations and the structure of the lines (`structure.py`) suffice to read, evaluate, fit and export a tire. The
-lines are loaded when code is printed, an effect is added or an equation is shown, and SymPy with them.
+lines are loaded when code is printed, an effect of a user is added or an equation is shown, and SymPy with them.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ class Model(ModelDeclaration):
     Attributes
     ----------
     stored : file
-        The structure that is stored with the generated code, set by `use`; a changed model has none.
+        The structure that is stored with the generated code, set by `use`; a changed model has none. The code is in
+        the folders next to it.
 
     Examples
     --------
@@ -187,12 +188,14 @@ class Model(ModelDeclaration):
         named = self.structure.quantities.keys() | self.roles.keys()
         return has_place(effect, named, {quantity.name for quantity in self.inputs} | self._declared.keys())
 
-    def extended(self, effects: Sequence[AddedEffect]) -> Model:
+    def extended(self, effects: Sequence[AddedEffect], stored: Traversable | None = None) -> Model:
         """Return this model with effects beyond the book in its lines.
 
         Parameters
         ----------
         effects : sequence of AddedEffect
+        stored : file, optional
+            The structure of the result. Its lines, and with them the effects, were checked when it was printed.
 
         Returns
         -------
@@ -213,20 +216,27 @@ class Model(ModelDeclaration):
         >>> warm.inputs[-1].name, sorted(warm.owned("temp_friction"))
         ('T', ['TMU1', 'TMU2', 'TMUA', 'TREF'])
         """
+        if stored is None:
+            check_effects(effects)
+            quantities = {quantity.name for quantity in (*self.inputs, *self.outputs)}
+            lines = {line.symbol.name for line in self.equations}
+            check_names(self.name, effects, quantities | lines, self._declared)
+        inputs = (*self.inputs, *further_inputs(effects, self.inputs))
+        extended = replace(self, inputs=inputs, sections=(*self.sections, *sections_of(effects)), added=tuple(effects))
+        if stored is None:
+            extended._check_added(known={quantity.name for quantity in inputs} | extended._declared.keys())
+        else:
+            extended.use(stored)
+        return extended
+
+    def _check_added(self, known: set[str]) -> None:
+        """Raise `EffectError` if an added effect reads what the lines, their inputs and coefficients do not have."""
         from .assembly import check_reads
         from .state_lines import check_oscillators, check_state_reads
 
-        check_effects(effects)
-        quantities = {quantity.name for quantity in (*self.inputs, *self.outputs)}
-        lines = {line.symbol.name for line in self.equations}
-        check_names(self.name, effects, quantities | lines, self._declared)
-        inputs = (*self.inputs, *further_inputs(effects, self.inputs))
-        extended = replace(self, inputs=inputs, sections=(*self.sections, *sections_of(effects)), added=tuple(effects))
-        known = {quantity.name for quantity in inputs} | extended._declared.keys()
-        check_reads(self.name, extended.equations, effects, self._quantities, known)
-        check_state_reads(self.name, effects, known | {line.symbol.name for line in extended.equations})
-        check_oscillators(extended.states.values(), extended.is_direct)
-        return extended
+        check_reads(self.name, self.equations, self.added, self._quantities, known)
+        check_state_reads(self.name, self.added, known | {line.symbol.name for line in self.equations})
+        check_oscillators(self.states.values(), self.is_direct)
 
     @cached_property
     def states(self) -> dict[str, State]:

@@ -9,9 +9,10 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+from ..added import texts_digest
 from ..model import Model
 from ..model.verification import verify
-from ..models import MODELS
+from ..models import MODELS, whole_library
 from .batch import batch_sources
 from .c import c_header, c_sources
 from .kinematics import kinematic_files
@@ -21,9 +22,14 @@ from .python import CASADI, HEADER, NUMPY, python_modules
 from .rolling_radius import c_rolling_radius
 from .routines import routines
 
+#: The folder of the models with the whole library of effects.
+LIBRARY = "library"
+
 
 def render() -> dict[str, str]:
     """Return every generated file: path relative to the folder, text. Deterministic to the byte.
+
+    Each model is printed as it is, and in the folder library with the whole library of effects, for the diagnosis.
 
     Returns
     -------
@@ -37,6 +43,7 @@ def render() -> dict[str, str]:
     models = [_from_lines(model) for model in MODELS.values()]
     for model in models:
         files |= render_model(model)
+        files |= {f"{LIBRARY}/{name}": text for name, text in render_model(_with_library(model)).items()}
     files["MANIFEST.json"] = _manifest(files, models)
     return files
 
@@ -45,6 +52,11 @@ def render() -> dict[str, str]:
 def _from_lines(model: Model) -> Model:
     """Return a model without its stored structure, which may be outdated."""
     return replace(model)
+
+
+@lru_cache(maxsize=16)
+def _with_library(model: Model) -> Model:
+    return model.extended(whole_library(model))
 
 
 @lru_cache(maxsize=16)
@@ -153,13 +165,15 @@ def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
     """Files that look generated but are not made (any more)."""
     made = {folder / name for name in files}
     kinds = ("numpy/*.py", "casadi/*.py", "c/*.c", "c/*.h", "structure/*.json")
-    found = {path for kind in kinds for path in folder.glob(kind) if path.name != "__init__.py"}
+    places = (folder, folder / LIBRARY)
+    found = {path for place in places for kind in kinds for path in place.glob(kind) if path.name != "__init__.py"}
     return sorted(found - made)
 
 
 def _manifest(files: dict[str, str], models: list[Model]) -> str:
     content = {
         "lines": {model.name: _lines_hash(model) for model in models},
+        "library": {model.name: texts_digest(whole_library(model)) for model in models},
         "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"

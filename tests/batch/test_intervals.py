@@ -14,6 +14,7 @@ from tirefmu.symbolic.errors import FitError
 from tirefmu.tires import published
 
 from .test_execution import cluster
+from .test_two_workers import kill_a_busy_worker
 
 __all__ = ["cluster"]
 EFFECTS = ["load_friction", "load_stiffness", "load_curvature", "plysteer", "conicity"]
@@ -36,7 +37,14 @@ def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluste
     seen = []
     local = bootstrap(result, recording, 40, seed=2, workers=1, progress=lambda *each: seen.append(each))
     assert seen == [(10, 40), (20, 40), (30, 40), (40, 40)]
-    other = bootstrap(result, recording, 40, seed=2, scheduler=cluster.scheduler_address)
+    killed = []
+
+    def kill_at_first(*_: int) -> None:
+        if not killed:
+            killed.append(kill_a_busy_worker(cluster))
+
+    other = bootstrap(result, recording, 40, seed=2, scheduler=cluster.scheduler_address, progress=kill_at_first)
+    assert killed
     assert local.bootstrap == other.bootstrap
     one, two = (profile(result, ["PDY1", "PKY1"], workers=workers).profiles for workers in (1, 2))
     assert one == two

@@ -10,7 +10,7 @@ import pytest
 from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.model.structure import Structure
-from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.models import MODELS, model, whole_library
 
 ALL = sorted(MODELS)
 
@@ -56,6 +56,18 @@ def test_a_changed_model_does_not_use_it(made):
     assert "QDZ1" not in changed.coefficients
     toy = made()
     assert set(toy.coefficients) == {"UNLOADED_RADIUS", "FNOMIN", "UMAX", "USOFT", "CLONG", "CSIDE", "ARM"}
+
+
+def test_it_is_stored_with_the_whole_library_and_with_no_other_effects():
+    whole = whole_library(MODELS["fiala"])
+    printed = model("fiala", whole)
+    assert printed.stored is not None
+    assert printed.structure == replace(printed).structure  # derived from the lines
+    milder = replace(whole[0], physics="another text")
+    for added in (whole[1:], whole[::-1], (milder, *whole[1:])):
+        other = model("fiala", added)
+        assert other.stored is None
+        assert set(other.effects) == {*MODELS["fiala"].effects, *(effect.name for effect in added)}
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", MODELS["mf96"].structure.to_text("a test")])

@@ -103,6 +103,18 @@ for inputs in ("slip", "wheel"):
 """
 
 
+#: A recording without a missing effect: nothing is added to the model but the library.
+DIAGNOSIS = """
+import sys, numpy as np, pandas as pd, tirefmu
+tire = tirefmu.Tire("fiala", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.25, "CALPHA": 15000.0, "UMAX": 1.2, "UMIN": 1.0})
+t = 0.05 * np.arange(800)
+bench = pd.DataFrame({"t": t, "alpha": 0.15 * np.sin(t), "Fz": np.repeat([900.0, 1200.0, 1500.0, 1800.0], 200)})
+bench["Fy"] = tire.forces(alpha=bench["alpha"], Fz=bench["Fz"])["Fy"] + np.random.default_rng(0).normal(0, 5, 800)
+answer = tirefmu.diagnose(bench, tire=tire, candidates=["wear_drift", "temp_friction"])
+assert not answer.found
+"""
+
+
 def loaded_by(code, names):
     """Return which of the modules a program loads."""
     code += f"\nimport sys; print('loaded', *[name for name in {names!r} if name in sys.modules])"
@@ -118,6 +130,10 @@ def test_importing_and_errors_load_no_large_library(tmp_path, monkeypatch):
 def test_a_tire_is_evaluated_fitted_and_exported_without_its_equations(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert loaded_by(NO_EQUATIONS, ("sympy",)) == []
+
+
+def test_a_diagnosis_needs_no_equations():
+    assert loaded_by(DIAGNOSIS, ("sympy", "matplotlib", "fmpy")) == []
 
 
 def test_a_tire_is_evaluated_without_them():

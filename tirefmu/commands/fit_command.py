@@ -82,8 +82,9 @@ if TYPE_CHECKING:
 @click.option("--profile", "profiled", callback=names, default="none",
               help="Intervals from the profile likelihood of these coefficients: PKY1,PDY1.")  # fmt: skip
 @click.option("--workers", type=click.IntRange(min=1),
-              help="Processes for --bootstrap and --profile  [default: the processors]")  # fmt: skip
-@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler for --bootstrap and --profile.")
+              help="Processes for --bootstrap and --profile  [default: the processors], and for --cross-validate  "
+                   "[default: the one of the fit]")  # fmt: skip
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler for --bootstrap, --profile and --cross-validate.")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @click.option("--all", "every", is_flag=True, help="List every coefficient, constraint and stage.")
@@ -117,6 +118,7 @@ def fit(
     for recording in recordings:  # before the slower imports
         check_convention(recording)
     terminal.selection(*recordings)
+    from tirefmu.batch.cross_validation import cross_validate as distributed
     from tirefmu.batch.intervals import bootstrap, check_intervals, profile
     from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
@@ -131,14 +133,18 @@ def fit(
         "screening": not all_rows, "rows": rows, "stiffness_weight": stiffness_weight, "loss": loss,
         "constraints": constraint, "without_constraints": without_constraint,
     }  # fmt: skip
+    spread: dict[str, Any] = {"scheduler": scheduler, "workers": workers}
     with terminal.fitting() as progress:
         result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
-        if folds and not result.interrupted:
+        if folds and not result.interrupted and not any(spread.values()):
             held_out = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
+            result = replace(result, held_out=held_out)
+    if folds and not result.interrupted and any(spread.values()):
+        with terminal.counting("cross-validation") as counted:
+            held_out = distributed(recordings, model, folds=folds, whole=result, progress=counted, **spread, **options)
             result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    spread: dict[str, Any] = {"scheduler": scheduler, "workers": workers}
     if replicates and not result.interrupted:
         with terminal.counting("bootstrap") as counted:
             result = bootstrap(result, recordings, replicates, seed=seed, progress=counted, **spread)

@@ -1,7 +1,8 @@
 """The code of a model: committed in generated/, or printed once and stored by content.
 
-Printed are models with effects beyond the book, which have the same routines under the same names as their base, and
-models of which generated/ has nothing, such as one that a program has registered by itself.
+Committed are the models of the book, and in generated/library the same with the whole library of effects. Printed are
+models with other effects, which have the same routines under the same names as their base, and models of which
+generated/ has nothing, such as one that a program has registered by itself.
 """
 
 from __future__ import annotations
@@ -19,10 +20,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from tirefmu.symbolic.added import effect_text
+from tirefmu.symbolic.added import texts_digest
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import MODELS
 
 from .build_cache import cached
 
@@ -49,12 +49,15 @@ def c_folder(book: Model) -> Path:
 
 def code_folder(book: Model) -> Path:
     """Return the folder that holds the code of a model, by language."""
-    return Path(str(files("tirefmu.generated"))) if _is_committed(book) else printed_folder(book)
+    package = _committed_in(book)
+    return Path(str(files(package))) if package else printed_folder(book)
 
 
-def _is_committed(book: Model) -> bool:
-    """Return whether generated/ holds the code of a model."""
-    return not book.added and book is MODELS.get(book.name) and book.name in _manifest()
+def _committed_in(book: Model) -> str:
+    """Return the package of generated/ that holds the code of a model, or ''."""
+    if book.stored is None:
+        return ""
+    return "tirefmu.generated.library" if book.added else "tirefmu.generated"
 
 
 @lru_cache(maxsize=1)
@@ -65,8 +68,8 @@ def _manifest() -> frozenset[str]:
 
 @lru_cache(maxsize=64)
 def _module(book: Model, language: str) -> ModuleType:
-    if _is_committed(book):
-        module = import_module(f"tirefmu.generated.{language}.{book.name}")
+    if package := _committed_in(book):
+        module = import_module(f"{package}.{language}.{book.name}")
         if book.parameters != module.PARAMETERS or tuple(q.name for q in book.inputs) != module.INPUTS:
             raise TirefmuError(f'the generated code of {book.name} is stale: run "tirefmu generate"')
         return module
@@ -120,7 +123,7 @@ def printed_folder(book: Model) -> Path:
         If it cannot be written.
     """
     manifest = (files("tirefmu.generated") / "MANIFEST.json").read_bytes()
-    content = "\0".join(effect_text(effect) for effect in book.added)
+    content = texts_digest(book.added)
     if book.name not in _manifest():
         content += "\0".join(map(repr, (*book.equations, *book.coefficients.values(), book.roles)))
     digest = hashlib.sha256(manifest + MAGIC_NUMBER + content.encode()).hexdigest()[:24]

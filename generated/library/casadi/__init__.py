@@ -1,0 +1,1 @@
+"""The models as CasADi functions, one module per model."""

@@ -1,0 +1,1 @@
+"""The models as NumPy functions, one module per model."""
