@@ -122,7 +122,7 @@ class _Outcome:
         A correction of the functional form is left out first, then the formula of an unexplained effect.
         """
         without = search.copy()
-        correction, corrected = with_correction(search, start, self.report)
+        correction, corrected = with_correction(search, self.before, start, self.report)
         unknown, extended = with_unknown_structure(search, corrected, self.report)
         result = self._completed(search, extended, unknown, correction)
         if correction and not result.delivered:

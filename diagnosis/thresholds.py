@@ -9,9 +9,10 @@ There are four kinds of reasons:
 - *Not recorded*: the value is that of the first version; no study of it is recorded.
 
 No recorded study validates a single threshold on independent data. The benchmark validates, as a set, the thresholds
-that it did not select. The measured recordings of ``make real`` (docs/diagnosis.md) selected no value, but three rules
-followed from looking at one of them: `MAX_LOAD_ERROR`, the least variation of a speed, and `FURTHER_MEMORY` beside an
-effect of a recorded temperature. For these, the confirmation suite is the validation (docs/discovery.md).
+that it did not select. The measured recordings of ``make real`` (docs/diagnosis.md) selected no value, but some rules
+followed from looking at one of them: `MAX_LOAD_ERROR`, the least variation of a speed, `FURTHER_MEMORY` beside an
+effect of a recorded temperature, another first effect (`search/memory.py`), and corrections of the functional form
+(`search/proposals.py`). For these, the confirmation suite is the validation (docs/discovery.md).
 
 Thresholds of one effect are in its file (docs/effects.md), those of `tirefmu.estimation` in its modules.
 """

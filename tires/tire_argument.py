@@ -48,7 +48,7 @@ def tire_from(tire: TireLike, parameter: str = "tire", *, radius: float | None =
     >>> tire_from("trento")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.UnknownName: unknown tire file or published tire 'trento': did you mean trento_hoosier?
+    tirefmu.symbolic.errors.UnknownName: unknown tire file or published tire 'trento': did you mean trento_hoosier? ...
     """
     if isinstance(tire, Tire):
         _refuse_radius(radius, tire.name or "the tire")

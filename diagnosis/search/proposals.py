@@ -18,6 +18,7 @@ from ..thresholds import FINAL_ITERATIONS, MIN_IMPROVEMENT
 from ..unexplained.formula_proposal import Added, Unknown, added_if_better, effect_of, unknown_of, with_columns
 from ..unexplained.structure import CORE_INPUTS, Structure
 from .effect_search import Search
+from .settling import settle
 
 
 @dataclass(frozen=True)
@@ -36,16 +37,21 @@ class FormCorrection:
     effect: AddedEffect
 
 
-def with_correction(search: Search, start: Tire, report: Callable[[str], None]) -> tuple[FormCorrection | None, Tire]:
+def with_correction(
+    search: Search, before: Screen, start: Tire, report: Callable[[str], None]
+) -> tuple[FormCorrection | None, Tire]:
     """Add the errors of the functional form that the hold-out set confirms to the model of a search.
 
     Only those in the inputs of the steady-state core: others are errors of the form of an identified effect, which they
-    would replace in part. And only beside an identified effect: where nothing is missing, the model remains as it is.
+    would replace in part. And only beside an effect that is confirmed without them: where nothing is missing, the model
+    remains as it is.
 
     Parameters
     ----------
     search : Search
         Completed; its problem and solution change if a correction is added.
+    before : Screen
+        Of the baseline model.
     start : Tire
         The baseline model.
     report : callable
@@ -58,7 +64,7 @@ def with_correction(search: Search, start: Tire, report: Callable[[str], None]) 
         The baseline model, with the correction.
     """
     forms = [form for form in search.forms if set(form.depends_on) <= CORE_INPUTS]
-    if not (forms and search.found):
+    if not forms or not _confirms_effects(search, before):
         return None, start
     problem = replace(search.problem, disturbances=search.problem.disturbances.of_recording())
     solution = problem.solve(search.solution.parameters, search.solution.free, iterations=FINAL_ITERATIONS)
@@ -75,6 +81,15 @@ def with_correction(search: Search, start: Tire, report: Callable[[str], None]) 
     for structure in chosen:
         formulas.append(structure.formula_with([values[index[next(names)]] for _ in structure.terms]))
     return FormCorrection(tuple(formulas), added.effect), added.tire
+
+
+def _confirms_effects(search: Search, before: Screen) -> bool:
+    """Return whether the final fit without a correction confirms an effect."""
+    trial = search.copy()
+    if trial.found:
+        trial.progress = lambda sentence: None
+        settle(trial, before)
+    return bool(trial.found)
 
 
 def _confirmed_by_holdout(forms: Sequence[Structure], problem: LeastSquares, solution: Solution) -> list[Structure]:

@@ -189,7 +189,6 @@ def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> Itera
     table = residuals.table
     measured = table[channel].to_numpy(dtype=float)
     other = "kappa" if slip == "alpha" else "alpha"
-    loads = table["Fz"].to_numpy(dtype=float)
     near = (residuals.recording == number) & np.isfinite(measured)
     x = table[slip].to_numpy(dtype=float)
     near &= np.abs(x) < SLOPE_WINDOW[slip]
@@ -199,4 +198,5 @@ def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> Itera
         rows = np.flatnonzero(near & (residuals.condition == condition))
         slope = read_slope(x[rows], measured[rows], SLOPE_WINDOW[slip])
         if abs(slope.value) > LEAST_SIGNIFICANT * slope.error:
-            yield float(loads[rows].mean()), replace(slope, rows=rows[slope.rows])
+            load = float(table["Fz"].to_numpy()[rows].mean())
+            yield load, replace(slope, rows=rows[slope.rows])

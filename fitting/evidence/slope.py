@@ -85,7 +85,11 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     residual, weight = y, tricube
     for _ in range(20):
         weighted = powers * weight[:, None]
-        residual = y - powers @ dposv(powers.T @ weighted, y @ weighted)[1]
+        _, solution, singular = dposv(powers.T @ weighted, y @ weighted)
+        if singular:  # as many points as powers, or equal slips
+            root = np.sqrt(weight)
+            solution = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
+        residual = y - powers @ solution
         size = np.abs(residual)
         knee = 1.345 * 1.4826 * median_of(size)
         # A knee of 0 means that half of the points are exact: no outlier weights.

@@ -256,10 +256,11 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
             ]
             headers = sorted([*(folder / file for file in sources if file.endswith(".h")), *include.glob("fmi*.h")])
             wrapper = [folder / file for file in wrapper_files]
-            if bare:
+            if bare:  # the runtime's headers are needed for compiling only
                 (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
                 wrapper.append(folder / RUNTIME)
-            separate = [file for file in wrapper if bare or file.name in RARE]  # bare: headers only to compile
+            # A file of its own for each platform must be small, one for this machine is to be compiled at once.
+            separate = [file for file in wrapper if bare or (cross and file.name in RARE)]
             compiled += [
                 compiled_object(
                     "fmu", file, headers=headers, include=[folder, include],

@@ -78,7 +78,7 @@ def _over_time(inspection: Inspection) -> Figure:
                     ".",
                     ms=3,
                     color=color,
-                    label=f"{reason}, {rows.sum()} row{'s'[: rows.sum() != 1]}",
+                    label=f"{reason}, {rows.sum()} row{'s' * bool(rows.sum() != 1)}",
                 )
         ax.set_ylabel(f"{LETTER[name]}\n({drawn_unit(name)})", fontsize=NOTE_SIZE)
         ax.tick_params(labelsize=NOTE_SIZE)

@@ -9,9 +9,11 @@ import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.reporting import report
 from tirefmu.diagnosis.reporting.report import report_page
+from tirefmu.diagnosis.search.proposals import FormCorrection
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
 from tirefmu.diagnosis.verdict.findings import Interval
 from tirefmu.measurements import Recording
+from tirefmu.symbolic.added import library
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import visible
 
@@ -125,6 +127,7 @@ def with_text(diagnosis, text):
     changed = replace(
         diagnosis, verdict=text, found=(finding,), confounded_with={text: {text: 0.9}}, next_measurement=(text,),
         unknown=(unknown,), not_identifiable={text: text}, recording=left,
+        correction=FormCorrection((text,), library()["load_lag"]),
     )  # fmt: skip
     rows = {"training": {"Fy": 1.0}, "holdout": {"Fy": 1.0}, "recordings": {text: {"Fy": 1.0}}}
     simulated = {when: {**rows, "difference_from_direct_evaluation": 0.0} for when in ("before", "after")}

@@ -1,13 +1,13 @@
 """Unexplained structure: its features, and the proposed formula."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.search import proposals
 from tirefmu.diagnosis.search.effect_search import Search
 from tirefmu.diagnosis.search.proposals import with_correction
 from tirefmu.diagnosis.thresholds import MIN_STRETCHES, STRETCHES, STRUCTURE_P
@@ -211,17 +211,20 @@ def test_formulas_of_one_file_have_coefficients_and_states_of_their_own(at_true_
 
 
 def search_with(screen, form):
-    """Return a completed search that found an effect and an error of the functional form."""
+    """Return a completed search that found an error of the functional form."""
     search = Search(screen.problem, screen.solution, {}, lambda sentence: None)
-    search.screen, search.forms, search.found = screen, [form], [SimpleNamespace(name="load_friction")]
+    search.screen, search.forms = screen, [form]
     return search
 
 
-def test_an_error_of_the_form_that_the_holdout_confirms_is_corrected_in_the_tire(velocity_dependent_friction):
+def test_an_error_of_the_form_that_the_holdout_confirms_is_corrected_in_the_tire(
+    velocity_dependent_friction, monkeypatch
+):
+    monkeypatch.setattr(proposals, "_confirms_effects", lambda search, before: True)
     structure = structure_of(velocity_dependent_friction)
     search = search_with(velocity_dependent_friction, structure)
     start, problem, solution = search.problem.simulator.tire, search.problem, search.solution
-    correction, corrected = with_correction(search, start, lambda sentence: None)
+    correction, corrected = with_correction(search, search.screen, start, lambda sentence: None)
     assert correction is not None
     assert corrected.added[-1] == correction.effect
     assert [text.partition(":")[0] for text in correction.formulas] == [structure.formula.partition(":")[0]]
@@ -230,19 +233,18 @@ def test_an_error_of_the_form_that_the_holdout_confirms_is_corrected_in_the_tire
 
 
 @pytest.mark.parametrize("change", ["other side", "other variable", "nothing missing"])
-def test_a_form_is_no_correction_without_need(velocity_dependent_friction, change):
+def test_a_form_is_no_correction_without_need(velocity_dependent_friction, change, monkeypatch):
     structure = structure_of(velocity_dependent_friction)
     search = search_with(velocity_dependent_friction, structure)
-    if change == "nothing missing":
-        search.found = []
-    elif change == "other variable":
+    monkeypatch.setattr(proposals, "_confirms_effects", lambda search, before: change != "nothing missing")
+    if change == "other variable":
         term = replace(structure.terms[0], depends_on=frozenset({"T"}))
         search.forms = [replace(structure, terms=(term, *structure.terms[1:]))]
-    else:
+    elif change == "other side":
         used = (search.problem.inverse_noise > 0.0)[:, :, None]
         search.forms = [replace(structure, columns=np.where(used, structure.columns, -structure.columns))]
     start = search.problem.simulator.tire
-    assert with_correction(search, start, lambda sentence: None) == (None, start)
+    assert with_correction(search, search.screen, start, lambda sentence: None) == (None, start)
 
 
 def test_no_effect_of_the_library_has_the_states_of_a_proposal():

@@ -181,7 +181,8 @@ def test_the_stages_report_rows_and_coefficients(side_fit):
     first, *_, last = result.stages
     assert last.rows == len(recording)
     assert first.free <= last.free == sum(coefficient.determined for coefficient in result.coefficients)
-    assert all(stage.iterations > 0 for stage in result.stages)
+    assert all(stage.iterations > 0 for stage in result.stages[:-1])
+    assert last.converged  # it continues the stage before it, here with the same rows, and may start at the optimum
     assert last.r2_uncentred == pytest.approx(result.channels[0].r2_uncentred, abs=1e-9)
 
 
