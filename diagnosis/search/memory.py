@@ -84,7 +84,9 @@ def _depends_on_past(search: Search) -> bool:
 
 
 def _simpler(search: Search, other: Search) -> Search:
-    """Return the search, or another one without its first effect if this explains as much with fewer findings.
+    """Return the search, or another one without its first effect, if this explains more by fewer findings.
+
+    It must identify an effect, and leave no structure that depends on the past.
 
     An effect that resembles the missing one may gain the most alone. Structure that depends on the past then remains,
     which an effect of nearly the same gain would have explained, too.
@@ -103,7 +105,8 @@ def _simpler(search: Search, other: Search) -> Search:
     other.candidates = {name: one for name, one in candidates.items() if name != first}
     other.run()
     gain = float((search.screen.baseline.loss - other.screen.baseline.loss).sum())
-    if not (gain > 0.0 and _findings(other) < _findings(search)):
+    explains = bool(other.found) and not _depends_on_past(other)
+    if not (explains and gain > 0.0 and _findings(other) < _findings(search)):
         return search
     other.candidates = candidates
     return other

@@ -37,13 +37,14 @@ class CompletedSearch:
     [
         (("memory",), {"slip_history"}, 1.0, True, True),
         (("memory",), {"slip_history"}, 9.0, True, False),  # explains less
+        (("memory",), {"relax_slip"}, 1.0, True, False),  # leaves structure of the past without an effect
         (("memory",), set(), 1.0, False, False),  # nothing else explained as much
         (("Fz",), {"slip_history"}, 1.0, False, False),  # nothing of the past remains
     ],
 )
 def test_two_findings_are_replaced_by_one_that_explains_as_much(structure, near, loss, repeated, replaced):
     search = CompletedSearch(["temp_friction"], [structure], 5.0, near)
-    other = CompletedSearch(["slip_history"], [], loss)
+    other = CompletedSearch(*((["slip_history"], []) if "relax_slip" not in near else ([], [("memory",)])), loss)
     assert _simpler(search, other) is (other if replaced else search)
     assert other.completed == repeated
     if repeated:
