@@ -6,8 +6,7 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
-from threadpoolctl import threadpool_limits
-
+from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.measurements import Recording, TableLike, check_convention, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
@@ -94,7 +93,7 @@ def diagnose(
     if derived:
         candidates_tried["turn_slip"] = replace(candidates_tried["turn_slip"], has_states=True)
     signals = signals_of(turning.table, start, recording.signs, derived=derived)
-    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are too small for threads
+    with one_blas_thread():
         report("fitting the baseline model")
         problem, solution = fit_baseline(start, signals, known=tire is not None)
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)

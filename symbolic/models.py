@@ -18,6 +18,8 @@ MODELS: dict[str, Model] = found_models()
 
 #: Where the generated code is; read as data, because the packages of the code build on this one.
 GENERATED: Traversable = files("tirefmu.generated")
+#: The folder in it of the models with the whole library of effects.
+WITH_EFFECTS = "with_effects"
 
 for _model in MODELS.values():
     _stored = GENERATED / "structure" / f"{_model.name}.json"
@@ -66,7 +68,7 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
 def whole_library(book: Model) -> tuple[AddedEffect, ...]:
     """Return the effects of the library that a diagnosis can find in a model, those with states among them.
 
-    The model with them is printed with the package (`generated/library`).
+    The model with them is printed with the package (`generated/with_effects`).
 
     Parameters
     ----------
@@ -84,13 +86,13 @@ def _stored_with_library(name: str, added: Sequence[AddedEffect]) -> Traversable
     """Return the stored structure of a model if it was printed with exactly these effects."""
     if MODELS[name].stored is None or _printed_library().get(name) != texts_digest(added):
         return None
-    return GENERATED / "library" / "structure" / f"{name}.json"
+    return GENERATED / WITH_EFFECTS / "structure" / f"{name}.json"
 
 
 @lru_cache(maxsize=1)
 def _printed_library() -> dict[str, str]:
     """Return the digest of the added effects with which each model was printed."""
-    printed: dict[str, str] = json.loads((GENERATED / "MANIFEST.json").read_text(encoding="ascii"))["library"]
+    printed: dict[str, str] = json.loads((GENERATED / "MANIFEST.json").read_text(encoding="ascii"))[WITH_EFFECTS]
     return printed
 
 

@@ -250,9 +250,7 @@ def _of_recording(problem: Problem, group: int) -> Problem:
     It has the Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
     """
     own = problem.rows.group == group
-    if own.all() and problem.limits is None:
-        return problem  # rows are much memory
-    rows = problem.rows.take(np.flatnonzero(own))
+    rows = problem.rows if own.all() else problem.rows.take(np.flatnonzero(own))  # a copy is much memory
     return replace(problem, rows=rows, loss=LOSSES["squares"], limits=None, targets=())
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from ..added import texts_digest
 from ..model import Model
 from ..model.verification import verify
-from ..models import MODELS, whole_library
+from ..models import MODELS, WITH_EFFECTS, whole_library
 from .batch import batch_sources
 from .c import c_header, c_sources
 from .kinematics import kinematic_files
@@ -22,14 +22,12 @@ from .python import CASADI, HEADER, NUMPY, python_modules
 from .rolling_radius import c_rolling_radius
 from .routines import routines
 
-#: The folder of the models with the whole library of effects.
-LIBRARY = "library"
-
 
 def render() -> dict[str, str]:
     """Return every generated file: path relative to the folder, text. Deterministic to the byte.
 
-    Each model is printed as it is, and in the folder library with the whole library of effects, for the diagnosis.
+    Each model is printed as it is, and in the folder `WITH_EFFECTS` with the whole library of effects, for the
+    diagnosis.
 
     Returns
     -------
@@ -43,7 +41,7 @@ def render() -> dict[str, str]:
     models = [_from_lines(model) for model in MODELS.values()]
     for model in models:
         files |= render_model(model)
-        files |= {f"{LIBRARY}/{name}": text for name, text in render_model(_with_library(model)).items()}
+        files |= {f"{WITH_EFFECTS}/{name}": text for name, text in render_model(_with_library(model)).items()}
     files["MANIFEST.json"] = _manifest(files, models)
     return files
 
@@ -165,7 +163,7 @@ def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
     """Files that look generated but are not made (any more)."""
     made = {folder / name for name in files}
     kinds = ("numpy/*.py", "casadi/*.py", "c/*.c", "c/*.h", "structure/*.json")
-    places = (folder, folder / LIBRARY)
+    places = (folder, folder / WITH_EFFECTS)
     found = {path for place in places for kind in kinds for path in place.glob(kind) if path.name != "__init__.py"}
     return sorted(found - made)
 
@@ -173,7 +171,7 @@ def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
 def _manifest(files: dict[str, str], models: list[Model]) -> str:
     content = {
         "lines": {model.name: _lines_hash(model) for model in models},
-        "library": {model.name: texts_digest(whole_library(model)) for model in models},
+        WITH_EFFECTS: {model.name: texts_digest(whole_library(model)) for model in models},
         "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"

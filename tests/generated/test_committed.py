@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 import tirefmu.generated
-from tirefmu.symbolic.printers.generate import LIBRARY, difference, render, write
+from tirefmu.symbolic.models import WITH_EFFECTS
+from tirefmu.symbolic.printers.generate import difference, render, write
 
 COMMITTED = Path(tirefmu.generated.__file__).parent
 PROGRAM = """
@@ -68,7 +69,7 @@ def test_other_line_endings_are_detected(copy):
     assert "generated/numpy/mf96.py" in difference(copy)
 
 
-@pytest.mark.parametrize("name", ["numpy/mf96.py", "c/mf96.h", "casadi/mf96_jacobians.py", "library/structure/mf96.json", "MANIFEST.json"])
+@pytest.mark.parametrize("name", ["numpy/mf96.py", "c/mf96.h", "casadi/mf96_jacobians.py", "with_effects/structure/mf96.json", "MANIFEST.json"])
 def test_a_missing_file_is_detected_and_written(copy, name):
     (copy / name).unlink()
     assert f"generated/{name}" in difference(copy)
@@ -77,7 +78,7 @@ def test_a_missing_file_is_detected_and_written(copy, name):
 
 @pytest.mark.parametrize(
     "name",
-    ["numpy/mf95.py", "casadi/mf95_jacobians.py", "c/mf95.c", "c/mf95.h", "structure/mf95.json", "library/c/mf95.c"],
+    ["numpy/mf95.py", "casadi/mf95_jacobians.py", "c/mf95.c", "c/mf95.h", "structure/mf95.json", "with_effects/c/mf95.c"],
 )
 def test_a_file_without_a_model_is_detected_and_removed(copy, name):
     (copy / name).write_text("outdated\n", encoding="ascii")
@@ -93,7 +94,7 @@ def test_the_text_does_not_depend_on_the_hash_seed():
         environment = {**os.environ, "PYTHONHASHSEED": seed}
         return subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, check=True).stdout
 
-    files = [(name, text) for name, text in render().items() if "mf96" in name and not name.startswith(LIBRARY)]
+    files = [(name, text) for name, text in render().items() if "mf96" in name and not name.startswith(WITH_EFFECTS)]
     assert printed("1") == printed("2") == "".join(f"{name}:{text}" for name, text in files).encode()
 
 

@@ -1,7 +1,7 @@
 """The code of a model: committed in generated/, or printed once and stored by content.
 
-Committed are the models of the book, and in generated/library the same with the whole library of effects. Printed are
-models with other effects, which have the same routines under the same names as their base, and models of which
+Committed are the models of the book, and in generated/with_effects the same with the whole library of effects. Printed
+are models with other effects, which have the same routines under the same names as their base, and models of which
 generated/ has nothing, such as one that a program has registered by itself.
 """
 
@@ -23,6 +23,7 @@ from typing import Any
 from tirefmu.symbolic.added import texts_digest
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import WITH_EFFECTS
 
 from .build_cache import cached
 
@@ -57,7 +58,7 @@ def _committed_in(book: Model) -> str:
     """Return the package of generated/ that holds the code of a model, or ''."""
     if book.stored is None:
         return ""
-    return "tirefmu.generated.library" if book.added else "tirefmu.generated"
+    return f"tirefmu.generated.{WITH_EFFECTS}" if book.added else "tirefmu.generated"
 
 
 @lru_cache(maxsize=1)
