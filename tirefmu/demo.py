@@ -151,7 +151,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
         write_inspection(inspections, findings, folder / "inspection.html", [drawn])
     table = recording.table
     text = (
-        f"{len(table)} rows, loads {table.Fz.min():.0f} .. {table.Fz.max():.0f} N, "
+        f"{len(table)} rows, loads {table.Fz.min():.0f} to {table.Fz.max():.0f} N, "
         f"{np.degrees(table.gamma.max()):.0f} deg camber, with noise and drift"
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")

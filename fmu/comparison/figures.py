@@ -23,6 +23,8 @@ FloatArray = npt.NDArray[np.float64]
 
 DATA, MODEL, ERROR = "0.65", "tab:blue", "tab:red"
 DPI = 130
+#: Size of markers in a legend, points.
+LEGEND_MARKER = 5.0
 
 
 def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: str = "") -> list[Path]:
@@ -119,13 +121,7 @@ def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
     title = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
     ax.set_title(title, fontsize=TITLE_SIZE, loc="left")
     ax.set_ylabel(f"{channel.name} ({unit})")
-    ax.legend(
-        loc="upper left",
-        bbox_to_anchor=(1.0, 1.0),
-        frameon=False,
-        fontsize=LEGEND_SIZE,
-        markerscale=4.0 if len(time) > 1000 else 1.0,
-    )
+    _add_legend(ax)
 
 
 def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
@@ -143,10 +139,11 @@ def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
     ax.plot(time[worst.row], worst.simulated - worst.measured, "o", mfc="none", color="black", label="worst point")
     ax.axhline(0.0, color="0.3", lw=0.8)
     ax.set_ylabel(f"FMU - data ({figure_text(channel.unit)})")
-    ax.legend(
-        loc="upper left",
-        bbox_to_anchor=(1.0, 1.0),
-        frameon=False,
-        fontsize=LEGEND_SIZE,
-        markerscale=4.0 if len(time) > 1000 else 1.0,
-    )
+    _add_legend(ax)
+
+
+def _add_legend(ax: Axes) -> None:
+    """Show the markers of all series in one size: those of many rows are too small to see."""
+    legend = ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=LEGEND_SIZE)
+    for handle in legend.get_lines():
+        handle.set_markersize(LEGEND_MARKER)

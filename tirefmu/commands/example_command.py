@@ -18,10 +18,11 @@ from ..arguments import FILE, check_output_paths, common, write_json
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Of the noise.")
 @common
 def example(output: Path, tire: Path, sample_rate: float, seed: int, quiet: bool, json_file: Path | None) -> int:
-    """Write an example recording: a known tire on the virtual bench, with noise and drift.
+    """Write an example recording of the virtual bench.
 
-    The program is that of the Trento report: sweeps of the slip angle at 5 loads and 5 camber angles, then sweeps of
-    the longitudinal slip at 4 loads, 3 camber angles and 3 slip angles. No value is measured.
+    A known tire is measured with noise and drift. The program is that of the Trento report: sweeps of the slip angle at
+    5 loads and 5 camber angles, then sweeps of the longitudinal slip at 4 loads, 3 camber angles and 3 slip angles. No
+    value is measured.
     """
     check_output_paths(output, json_file)
     from tirefmu.measurements import VirtualBench, trento_program, write_table

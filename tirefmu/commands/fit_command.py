@@ -98,9 +98,10 @@ def fit(
     replicates: int | None, profiled: tuple[str, ...], workers: int | None, scheduler: str | None,
     figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
+    """Fit a tire to TABLES under physical constraints.
 
-    The output starts with a verdict: usable, usable with limits, or not usable (exit code 1), with the reasons.
+    TABLES are bench files, CSV or Parquet. The output starts with a verdict: usable, usable with limits, or not usable
+    (exit code 1), with the reasons.
 
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
     the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
