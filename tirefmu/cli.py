@@ -227,13 +227,16 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder to write.")
 @click.option("--loads", type=Numbers(), help="Loads in N (default: those of TABLES, or three over the tire's range).")
+@click.option("--kappa", type=Numbers(), metavar="LOW,HIGH",
+              help="Range of kappa, such as -1.1,1.1 (default: that of the tire, at most -1,1).")  # fmt: skip
 @click.option("--signs", type=SIGNS, help="Convention of TABLES (default: sae for .mat and .dat, iso for tables).")
 @click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
 @WHERE
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @common
 def draw(
-    tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None, signs: str | None,
+    tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None,
+    kappa: tuple[float, ...] | None, signs: str | None,
     draw_signs: str | None, where: str | None, suffix: str, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE at several loads.
@@ -266,7 +269,7 @@ def draw(
     loads = default_loads(loaded) if loads is None else loads
     shown = draw_signs or signs or "iso"
     with terminal.working("drawing"):
-        drawn = run(loaded, output, loads=loads, signs=shown, suffix=suffix, points=points)
+        drawn = run(loaded, output, loads=loads, signs=shown, suffix=suffix, points=points, kappa=kappa)
     write_json(json_file, {"ok": True, "loads": list(loads), "signs": shown, "figures": [str(p) for p in drawn]})
     terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {shown}:")
     for path in drawn:

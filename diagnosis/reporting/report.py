@@ -22,6 +22,9 @@ from .curves_figure import curves_figure
 from .memory_figure import memory_figure
 from .residual_figure import draw_residual_location
 
+#: The parts of a recording in the words of the page.
+ROWS = {"train": "fitted rows", "training": "fitted rows", "cv": "cross-validation", "holdout": "hold-out set"}
+
 
 @dataclass(frozen=True)
 class ChangedLine:
@@ -96,6 +99,7 @@ def report_page(
         {
             "number": lambda value: "-" if value is None or value != value else f"{value:.4g}",
             "typeset": Markup,  # MathML of the program, with escaped texts
+            "rows": ROWS.__getitem__,
             "rating": {"green": "good", "amber": "limited", "red": "bad"}.__getitem__,
         },
         diagnosis=diagnosis,

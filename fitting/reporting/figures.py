@@ -27,7 +27,7 @@ from tirefmu.tires.drawing.style import (
     finish,
     held_text,
     letter,
-    level_colors,
+    level_styles,
     level_text,
     panels,
     per_si,
@@ -158,15 +158,16 @@ def _families(
 
 def _draw_family(ax: Axes, comparison: Comparison, family: Family, fitted: FitResult | None) -> None:
     signs, channel, slip = comparison.signs, family.channel, family.slip
-    colored = list(zip(family.groups, level_colors(len(family.groups), family.by), strict=True))
-    for group, color in colored:
-        draw_points(ax, group.rows, slip, channel, color)
-    for group, color in colored:
+    styled = list(zip(family.groups, level_styles(len(family.groups), family.by), strict=True))
+    for group, style in styled:
+        draw_points(ax, group.rows, slip, channel, style)
+    for group, style in styled:
         curve = comparison.curve(group, slip)
-        draw_line(ax, curve[slip] * per_si(slip), curve[channel], color, level_text(family.by, group.level))
+        draw_line(ax, curve[slip] * per_si(slip), curve[channel], style, level_text(family.by, group.level))
         if fitted is not None:
             found = band(fitted, channel, curve, signs)
-            ax.fill_between(curve[slip] * per_si(slip), found["lower"], found["upper"], color=color, alpha=0.25, lw=0.0)
+            x, color = curve[slip] * per_si(slip), style.color
+            ax.fill_between(x, found["lower"], found["upper"], color=color, alpha=0.25, lw=0.0)
     rows = pd.concat([group.rows for group in family.groups])
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     unit = drawn_unit(channel)
@@ -211,9 +212,8 @@ def _over_alpha(comparison: Comparison, family: Family) -> list[tuple[float, pd.
 
 
 def _draw_weighting(ax: Axes, slip: str, by: str, curves: Sequence[tuple[float, pd.DataFrame, pd.Series]]) -> None:
-    for (level, curve, values), color in zip(curves, level_colors(len(curves), by), strict=True):
-        text = level_text(by, level) if by == "alpha" else f"{round(level, 2) + 0.0:g}"
-        draw_line(ax, curve[slip] * per_si(slip), values, color, text)
+    for (level, curve, values), style in zip(curves, level_styles(len(curves), by), strict=True):
+        draw_line(ax, curve[slip] * per_si(slip), values, style, level_text(by, level))
     finish(ax, slip, "")
     ax.axhline(1.0, color="0.3", lw=0.8, ls=":")
     place_legend(ax, f"{LEVEL[by]} {LETTER[by]}")
