@@ -69,8 +69,9 @@ def test_panels_with_other_content_are_left_out_and_shared_axes_are_known():
         ax.plot([0.0, 1.0])
     bars.bar([0.0], [1.0])
     second.set_xlabel("time (s)")
+    first.set_ylabel("force (N)")
     panels = panels_of(figure)
-    assert [(panel["x"], panel["shared"]) for panel in panels] == [("time (s)", True)] * 2
+    assert [(panel["x"], panel["y"], panel["shared"]) for panel in panels] == [("time (s)", "force (N)", True)] * 2
     image = Figure()
     image.subplots().imshow(np.eye(2))
     assert shown_figure("map", image).panels == ""

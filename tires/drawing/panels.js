@@ -196,7 +196,7 @@ function drawSeries(plot, series) {
   ctx.strokeStyle = series.color;
   ctx.globalAlpha = series.opacity ?? 1;
   if (series.kind === "points") {
-    const size = Math.min(Math.max(series.width, 2), 3) * devicePixelRatio;
+    const size = (series.x.length === 1 ? 7 : Math.min(Math.max(series.width, 2), 3)) * devicePixelRatio;
     series.x.forEach((x, i) => ctx.fillRect(across(x) - size / 2, down(series.y[i]) - size / 2, size, size));
   } else {
     ctx.lineWidth = series.width * devicePixelRatio;

@@ -53,7 +53,13 @@ def panels_of(figure: Figure) -> list[dict[str, Any]]:
     >>> panel["x"], [(each["kind"], each["label"]) for each in panel["series"]]
     ('φt (1/m)', [('line', 'Fy')])
     """
-    return [_panel(ax) for ax in figure.axes if ax.get_visible() and ax.lines and not (ax.images or ax.patches)]
+    panels: list[dict[str, Any]] = []
+    for ax in figure.axes:
+        if ax.get_visible() and ax.lines and not (ax.images or ax.patches):
+            panel = _panel(ax)
+            panel["y"] = panel["y"] or (panels[-1]["y"] if panels else "")  # only the first of a row has the label
+            panels.append(panel)
+    return panels
 
 
 def plain(text: str) -> str:
