@@ -10,9 +10,9 @@ Mz, white and correlated over time.
 - Initial values: the true tire with every coefficient multiplied by 1 +- 30 % or 60 % at random is the start tire. A
   result is good if no channel differs from the best fit by more than a tenth of the noise.
 
-With `--bootstrap N` also the coverage of the percentile intervals of coefficients from N replicates. With `--results`
-each fit is stored as it finishes, and what the file has is not computed again; `--write` writes all stored coverages
-into docs/recovery.md.
+With `--bootstrap N` also the coverage of the intervals of coefficients from a bootstrap of N replicates. With
+`--results` each fit is stored as it finishes, and what the file has is not computed again; `--write` writes all stored
+coverages into docs/recovery.md.
 
     python benchmarks/recovery.py [--quick] [--models mf96,mf52,mf61] [--noise white,correlated] [--seeds 100]
         [--starts 50] [--bootstrap N] [--results FILE [--write]] [--processes 2]
@@ -39,8 +39,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
 from known_tires import CHANNELS, NOMINAL, SIZES, known_tire, moved, recorded
 from recovery_table import PREDICTED, Refit, Task, store, stored, write
 
-from tirefmu.batch.intervals import bootstrap
 from tirefmu.fitting import FitResult, fit
+from tirefmu.fitting.resampling.bootstrap import bootstrap_of, replicate_tasks, replicates_of
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 
@@ -97,7 +97,7 @@ def predictions_covered(result: FitResult, truth: Tire) -> dict[str, int]:
 
 
 def bootstrap_coverage_of(result: FitResult, truth: Tire) -> tuple[int, int]:
-    """Return the number of percentile intervals that contain the true value, and the number of intervals."""
+    """Return the number of intervals of a bootstrap that contain the true value, and the number of intervals."""
     tire, inside, counted = truth.in_signs(result.signs), 0, 0
     bounded = {coefficient.name for coefficient in result.coefficients if coefficient.at_bound}
     for each in result.bootstrap.intervals if result.bootstrap else ():
@@ -116,7 +116,8 @@ def refitted(task: Task) -> Refit:
         result = fit([recording], task.model, nominal=NOMINAL)
         seconds = time.process_time() - start
         if task.replicates:
-            result = bootstrap(result, [recording], task.replicates, seed=task.seed, workers=1)
+            tasks = replicate_tasks(result, [recording], task.replicates, task.seed)
+            result = bootstrap_of(result, tasks, np.concatenate([replicates_of(each) for each in tasks]))
     return Refit(
         task, result.ok, difference_of(result.tire, truth, recording), *coverage_of(result, truth), seconds,
         len(CONDITIONS), predictions_covered(result, truth), *bootstrap_coverage_of(result, truth),
@@ -156,7 +157,7 @@ def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
         for quantity in PREDICTED
     }
     if percentiles := sum(run.bootstrap_intervals for run in done):
-        print(f"    coverage of percentiles: {sum(run.bootstrap_covered for run in done) / percentiles:.1%}")
+        print(f"    coverage of the bootstrap: {sum(run.bootstrap_covered for run in done) / percentiles:.1%}")
     print("    coverage of predictions: " + ", ".join(f"{q} {share:.1%}" for q, share in predicted_shares.items()))
     return {
         "name": name, "runs": [asdict(run) for run in done], "coverage": total, "predictions": predicted_shares,

@@ -71,12 +71,13 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
         return 1.0
     numbers = np.zeros(len(values)) if segment is None else np.asarray(segment)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(numbers)) + 1, [len(values)]])
+    present = np.where(known, values, 0.0)
     longest = 1.0
     for stretch in STRETCHES:
-        sums, lengths = _summed(np.where(known, values, 0.0), edges, stretch)
-        rows, _ = _summed(known.astype(np.float64), edges, stretch)
-        if stretch > 1 and len(sums) < FEWEST_SUMS:
+        if stretch > 1 and np.sum(np.diff(edges) // stretch) < FEWEST_SUMS:
             break
+        sums, lengths = _summed(present, edges, stretch)
+        rows, _ = _summed(known.astype(np.float64), edges, stretch)
         # Variance of a sum relative to that of a sum of independent rows.
         counted = float(np.sum(rows))
         excess = float(np.mean(sums**2)) * len(sums) / (power * counted) if counted else 0.0

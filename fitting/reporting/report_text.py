@@ -39,17 +39,17 @@ def interval_text(half: float) -> str:
 
 
 def bootstrap_text(result: FitResult, name: str) -> str:
-    """Return the percentile interval of a coefficient; empty if it has none."""
+    """Return the interval of a coefficient from a bootstrap; empty if it has none."""
     found = result.bootstrap.interval(name) if result.bootstrap else None
     return f"{found.lower:.5g} to {found.upper:.5g}" if found and isfinite(found.lower) else ""
 
 
 def bootstrap_summary(bootstrap: Bootstrap) -> str:
-    """Return how the percentile intervals were computed, in one sentence."""
+    """Return how the intervals of a bootstrap were computed, in one sentence."""
     failed = f"; {bootstrap.failed} more did not converge" if bootstrap.failed else ""
     return (
         f"bootstrap: percentiles 2.5 and 97.5 of {bootstrap.replicates} fits with random weights of "
-        f"{bootstrap.sweeps} sweeps, seed {bootstrap.seed}{failed}"
+        f"{bootstrap.sweeps} sweeps, corrected by the jackknife; seed {bootstrap.seed}{failed}"
     )
 
 

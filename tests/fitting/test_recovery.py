@@ -87,4 +87,26 @@ def test_coverages_are_stored_one_by_one_and_tabulated(tmp_path):
     assert [row.split(" | ")[:2] for row in rows] == [
         [f"| MF6.1, {noise}, 3,000 rows", "2"] for noise in ("white", "correlated")
     ]
-    assert all("| 95.8 +- 0.0 % |" in row and "| 91.0 +- 1.0 % | - |" in row for row in rows)
+    assert all("| 95.8 +- 0.0 % |" in row and row.endswith("| 91.0 +- 1.0 % |") for row in rows)
+
+
+def test_tables_of_fits_and_of_bootstraps_are_written_apart(tmp_path):
+    """A study with a bootstrap does not remove the table of one without, and vice versa."""
+    page = runpy.run_path(str(ROOT / "benchmarks" / "recovery_table.py"))
+    path, (first, second) = tmp_path / "page.md", page["MARKS"]
+    path.write_text(f"head\n{first}old\n{page['END']}between\n{second}old\n{page['END']}tail\n", encoding="utf-8")
+    page["write"].__globals__["PAGE"] = path
+    refits = [
+        page["Refit"](
+            page["Task"]("mf61", "white", 3000, seed, 100), True, 0.1, 96, 100, 1.0, 24,
+            dict.fromkeys(page["PREDICTED"], 23), 93 + seed, 100,
+        )
+        for seed in (0, 1)
+    ]  # fmt: skip
+    page["write"](refits)
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith(f"head\n{first}old\n{page['END']}between\n{second}")
+    assert text.endswith(f"{page['END']}tail\n")
+    row = "| MF6.1, white, 3,000 rows | 100 | 2 | 200 | 93.5 +- 0.5 % | 93 .. 94 % | 96.0 +- 0.0 % |"
+    assert row in text.splitlines()
+    assert all(mark in (ROOT / "docs" / "recovery.md").read_text(encoding="utf-8") for mark in page["MARKS"])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
+from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.evidence.uncertainty import QUANTILE, sandwich
 from tirefmu.fitting.resampling.bootstrap import (
     FEWEST_SWEEPS,
@@ -18,7 +19,10 @@ from tirefmu.fitting.resampling.bootstrap import (
     replicates_of,
     sweeps_of,
 )
+from tirefmu.fitting.resampling.near_solution import cost_of_a_row, solve_near
 from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
+from tirefmu.fitting.resampling.sweep_leverage import standard_error_ratios
+from tirefmu.fitting.solvers.convergence import STEP_TOLERANCE
 from tirefmu.measurements import Noise
 from tirefmu.symbolic.errors import FitError, UnknownName
 
@@ -79,6 +83,47 @@ def test_a_replicate_depends_on_its_number_only(noisy, replicated):
     assert not np.array_equal(other, single)
 
 
+def test_the_jackknife_is_that_of_fits_without_each_sweep(noisy, replicated):
+    """The standard error by leaving out sweeps, relative to the sandwich, is the correction: here known by 12 fits.
+
+    The correction is of first order and without constraints, which change the fits of single coefficients.
+    """
+    tasks, _ = replicated
+    (stage,), sweeps = tasks[0].stages, tasks[0].sweeps
+    imposed = ConstraintFunctions(stage.problem, stage.constraints)
+    tolerance = STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage)
+    changes = []
+    for sweep in np.unique(sweeps):
+        rows = replace(stage.problem.rows, weight=np.where(sweeps[stage.rows] == sweep, 0.0, stage.problem.rows.weight))
+        x = solve_near(stage, replace(stage.problem, rows=rows, targets=()), imposed, stage.x, tolerance)
+        changes.append(x - stage.x)
+    left_out = np.sqrt(11 / 12 * np.sum(np.square(changes), axis=0))
+    curvature = sandwich(stage.problem, stage.x)[0] + stage.ridge * np.eye(len(stage.x))
+    gradients = []
+    for sweep in np.unique(sweeps):
+        rows = stage.problem.rows.take(np.flatnonzero(sweeps[stage.rows] == sweep))
+        gradients.append(replace(stage.problem, rows=rows, targets=()).derivatives(stage.x)[1])
+    weighted = np.sqrt(np.sum(np.linalg.solve(curvature, np.transpose(gradients)) ** 2, axis=1))
+    found = standard_error_ratios(stage, sweeps)
+    names = [one.name for one in noisy[0].coefficients if np.isfinite(one.interval)]
+    expected = dict(zip(stage.problem.free, left_out / weighted, strict=True))
+    assert len(names) > 8
+    assert min(found[name] for name in names) > 1.02  # a correction is necessary
+    assert np.median([found[name] / expected[name] for name in names]) == pytest.approx(1.0, abs=0.05)
+
+
+def test_percentiles_contain_their_share_of_few_replicates(noisy, replicated):
+    """39 replicates have 40 intervals of equal probability between them: the first and the last one are 5 %."""
+    result, tasks, values = noisy[0], *replicated
+    ratio = standard_error_ratios(tasks[0].stages[0], tasks[0].sweeps)["PDY1"]
+    some = values[:40]
+    value = next(one.value for one in result.in_signs("adapted-sae").coefficients if one.name == "PDY1")
+    interval = bootstrap_of(result, tasks, some).in_signs("adapted-sae").bootstrap.interval("PDY1")
+    column = np.sort(some[:, tasks[0].stages[0].problem.free.index("PDY1")])
+    first = column[0] + 0.025 * (column[1] - column[0])  # number 41 / 40
+    assert interval.lower == pytest.approx(value + ratio * (first - value), rel=1e-9)
+
+
 def test_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_result(noisy, replicated):
     result, tasks, values = noisy[0], *replicated
     values = values.copy()
@@ -88,7 +133,10 @@ def test_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_resul
     free = tasks[0].stages[0].problem.free
     column = np.delete(values[:, free.index("PKY1")], 7)  # adapted SAE, where the stiffness is positive
     interval = found.bootstrap.interval("PKY1")
-    np.testing.assert_allclose([-interval.upper, -interval.lower], np.percentile(column, [2.5, 97.5]))
+    value = next(one.value for one in result.in_signs("adapted-sae").coefficients if one.name == "PKY1")
+    ratio = standard_error_ratios(tasks[0].stages[0], tasks[0].sweeps)["PKY1"]
+    percentiles = np.percentile(column, [2.5, 97.5], method="weibull")
+    np.testing.assert_allclose([-interval.upper, -interval.lower], value + ratio * (percentiles - value))
     assert found.in_signs("adapted-sae").bootstrap.interval("PKY1").lower == -interval.upper
     assert found.to_json()["bootstrap"]["intervals"][0].keys() == {"name", "lower", "upper", "deviation"}
     values[10:] = np.nan
