@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +12,7 @@ from matplotlib.figure import Figure
 
 from tirefmu.measurements import level_tolerance
 from tirefmu.measurements.operating_conditions.held_levels import held_levels
-from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si, png, write_whole
+from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
@@ -29,19 +28,17 @@ POINTS = 400
 CONDITIONS = {"Fz": 0, "gamma": 1, "p": 1, "V": 1, "T": 0}
 
 
-def draw_curves(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
+def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     """Draw measured and computed forces over the slip that varies most, for the blocks that the effects improve most.
 
     Parameters
     ----------
     diagnosis : Diagnosis
     channel : str
-    path : str or Path
-        PNG file; written completely or not at all.
 
     Returns
     -------
-    Path
+    matplotlib.figure.Figure
     """
     table = diagnosis.rows
     computed = {
@@ -64,7 +61,7 @@ def draw_curves(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
         ax.set_visible(bool(ax.lines))
     axes[0].set_ylabel(f"{LETTER.get(channel, channel)} ({drawn_unit(channel)})")
     axes[0].legend(fontsize=LEGEND_SIZE)
-    return write_whole(Path(path), png(figure))
+    return figure
 
 
 def _force(tire: Tire, diagnosis: Diagnosis, channel: str) -> FloatArray:

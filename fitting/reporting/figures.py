@@ -15,6 +15,7 @@ from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import TireLike
 from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
+from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
 from tirefmu.tires.drawing.style import (
     LETTER,
     LEVEL,
@@ -31,10 +32,8 @@ from tirefmu.tires.drawing.style import (
     panels,
     per_si,
     place_legend,
-    png,
     some_of,
     write_footnote,
-    write_whole,
 )
 from tirefmu.tires.tire import Tire
 
@@ -90,6 +89,39 @@ def draw_figures(
     DataError
         If a recording has no measured output.
     """
+    # All figures are rendered before the first is written: after a failure the folder is unchanged.
+    drawn = shown_figures(figures_of(tire, recordings, truth=truth, signs=signs))
+    try:
+        return write_figures(drawn, Path(folder), prefix)
+    except OSError as error:
+        raise FitError(f"{folder}: figures cannot be written: {error.strerror or error}") from None
+
+
+def figures_of(
+    tire: TireLike | FitResult,
+    recordings: TableLike | Iterable[TableLike],
+    *,
+    truth: Tire | None = None,
+    signs: str | None = "iso",
+) -> dict[str, Figure]:
+    """Return the figures of `draw_figures` by name.
+
+    Parameters
+    ----------
+    tire, recordings, truth, signs
+        As for `draw_figures`.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+
+    Raises
+    ------
+    FitError
+        If there is no recording.
+    DataError
+        If a recording has no measured output.
+    """
     fitted = tire if isinstance(tire, FitResult) and len(tire.prediction_covariance) else None
     comparison = compare(tire.tire if isinstance(tire, FitResult) else tire, recordings, signs)
     drawn: dict[str, Figure | None] = {
@@ -106,14 +138,7 @@ def draw_figures(
         "residuals": _residuals(comparison),
         "profile_likelihood": profile_curves(tire) if isinstance(tire, FitResult) and tire.profiles else None,
     }
-    # All figures are rendered before the first is written: after a failure the folder is unchanged.
-    images = {f"{prefix}{name}.png": png(figure) for name, figure in drawn.items() if figure is not None}
-    target = Path(folder)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-        return [write_whole(target / name, image) for name, image in images.items()]
-    except OSError as error:
-        raise FitError(f"{target}: figures cannot be written: {error.strerror or error}") from None
+    return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 def _families(

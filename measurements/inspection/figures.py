@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -23,10 +21,8 @@ from tirefmu.tires.drawing.style import (
     panels,
     per_si,
     place_legend,
-    png,
     some_of,
     write_footnote,
-    write_whole,
 )
 
 from ..channels import CHANNELS, INPUTS, OUTPUTS
@@ -42,22 +38,20 @@ EXCLUDED = {"warm-up": "tab:orange", "transition": "tab:gray", "outlier": "tab:r
 SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha", "Mx": "alpha", "My": "kappa"}
 
 
-def draw_inspection(inspection: Inspection, folder: Path) -> list[Path]:
-    """Draw the figures of a recording.
+def inspection_figures(inspection: Inspection) -> dict[str, Figure]:
+    """Draw a recording: over time, over slip, and the visited conditions.
 
     Parameters
     ----------
     inspection : Inspection
-    folder : pathlib.Path
-        It exists.
 
     Returns
     -------
-    list of pathlib.Path
-        PNG files.
+    dict of str to matplotlib.figure.Figure
+        By name.
     """
     drawn = {"time": _over_time(inspection), "slip": _over_slip(inspection), "conditions": _coverage(inspection)}
-    return [write_whole(folder / f"{name}.png", png(figure)) for name, figure in drawn.items() if figure is not None]
+    return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 def _over_time(inspection: Inspection) -> Figure:

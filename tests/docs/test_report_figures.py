@@ -37,7 +37,7 @@ def drawn(tmp_path_factory):
                 record(figure)
                 return PICTURE
 
-            for module in ("fitting.reporting.figures.png", "comparison.report.png", "tires.drawing.files.rendered"):
+            for module in ("tires.drawing.shown_figure.png", "tires.drawing.files.rendered"):
                 patch.setattr(f"tirefmu.{module}", kept)
             assert main([command, *arguments, "--quiet"]) == 0
     return figures, {path.stem for path in folder.rglob("*.png")}

@@ -25,11 +25,12 @@ TIRES = {"trento": "trento_hoosier", "unicamp": "unicamp_small_tire"}
 def example(
     output: Path, program: str, tire: Path | None, sample_rate: float, seed: int, quiet: bool, json_file: Path | None
 ) -> int:
-    """Write an example recording: a known tire on the virtual bench, with noise and drift.
+    """Write an example recording of the virtual bench.
 
-    The program trento is that of the report: sweeps of the slip angle at 5 loads and 5 camber angles, then sweeps of
-    the longitudinal slip at 4 loads, 3 camber angles and 3 slip angles. The program unicamp is that of the paper on
-    small tires: steady points at 9 slip angles, 3 loads and 11 longitudinal slips. No value is measured.
+    A known tire is measured with noise and drift. The program trento is that of the report: sweeps of the slip
+    angle at 5 loads and 5 camber angles, then sweeps of the longitudinal slip at 4 loads, 3 camber angles and 3
+    slip angles. The program unicamp is that of the paper on small tires: steady points at 9 slip angles, 3 loads
+    and 11 longitudinal slips. No value is measured.
     """
     check_output_paths(output, json_file)
     from tirefmu.measurements import VirtualBench, small_tire_program, trento_program, write_table
