@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from .routines import LATENCY, Assignment
+from .routines import Assignment
 
 #: The functions that compute four values at a time, by the class of their calls; cosines are shifted sines.
 FUNCTIONS: dict[type[sp.Basic], str] = {
@@ -174,7 +174,7 @@ def _time(expression: sp.Expr) -> float:
         return 0.0
     if expression.is_Pow:
         root, below = expression.exp.is_Rational and expression.exp.q == 2, expression.exp.could_extract_minus_sign()
-        own = TIMES["pow"] if function_of(expression) else 5.0*root + 3.0*below + (not root and not below)
+        own = TIMES["pow"] if function_of(expression) else 5.0 * root + 3.0 * below + (not root and not below)
     elif expression.is_Add or expression.is_Mul:
         own = len(expression.args) - 1.0
     else:
