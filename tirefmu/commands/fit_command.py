@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -98,9 +99,10 @@ def fit(
     replicates: int | None, profiled: tuple[str, ...], workers: int | None, scheduler: str | None,
     figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
+    """Fit a tire to TABLES under physical constraints.
 
-    The output starts with a verdict: usable, usable with limits, or not usable (exit code 1), with the reasons.
+    TABLES are bench files, CSV or Parquet. The output starts with a verdict: usable, usable with limits, or not usable
+    (exit code 1), with the reasons.
 
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
     the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
@@ -136,13 +138,17 @@ def fit(
     spread: dict[str, Any] = {"scheduler": scheduler, "workers": workers}
     with terminal.fitting() as progress:
         result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
-        if folds and not result.interrupted and not any(spread.values()):
-            held_out = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
-            result = replace(result, held_out=held_out)
-    if folds and not result.interrupted and any(spread.values()):
-        with terminal.counting("cross-validation") as counted:
-            held_out = distributed(recordings, model, folds=folds, whole=result, progress=counted, **spread, **options)
-            result = replace(result, held_out=held_out)
+    if folds and not result.interrupted:
+        # The fit of a fold has the other folds' rows.
+        expected = None if any(spread.values()) else (folds, (folds - 1) * result.seconds)
+        with terminal.counting("cross-validation", singly=True, expected=expected) as counted:
+            parts: dict[str, Any] = {"folds": folds, "whole": result, **options}
+            held_out = (
+                distributed(recordings, model, progress=counted, **spread, **parts)
+                if any(spread.values())
+                else cross_validate(recordings, model, compute=partial(_one_by_one, counted), **parts)
+            )
+        result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
     if replicates and not result.interrupted:
@@ -161,10 +167,15 @@ def fit(
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
     drawn = None
     if figures:
-        from tirefmu.fitting.reporting.figures import draw_figures
+        from tirefmu.fitting.reporting.figures import figures_of
+        from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
 
         with terminal.working("drawing figures"):
-            drawn = draw_figures(result, recordings, figures)
+            drawn = shown_figures(figures_of(result, recordings))
+        try:
+            write_figures(drawn, figures)
+        except OSError as error:
+            raise TirefmuError(f"{figures}: figures cannot be written: {error.strerror or error}") from None
         terminal.print(f"figures: {len(drawn)} in {figures}")
     if report:
         from tirefmu.fitting.reporting.report import write_report
@@ -173,6 +184,15 @@ def fit(
             write_report(result, recordings, report, drawn, command=command_line())
         terminal.print(f"report: {report}")
     return 0 if result.verdict.usable else 1
+
+
+def _one_by_one(
+    counted: Callable[[int, int], None], function: Callable[[Any], Any], tasks: Sequence[Any]
+) -> Iterator[Any]:
+    """Yield the result of each task, computed in this process."""
+    for number, task in enumerate(tasks, 1):
+        yield function(task)
+        counted(number, len(tasks))
 
 
 def _findings(tire: Tire, recordings: Sequence[Recording]) -> list[Finding]:

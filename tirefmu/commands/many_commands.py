@@ -46,11 +46,11 @@ def fit_many(
     jobs: Path, output: Path, scheduler: str | None, workers: int | None, resume: bool, quiet: bool,
     json_file: Path | None, **options: str | tuple[str, ...] | dict[str, float] | None,
 ) -> int:  # fmt: skip
-    """Fit many tires: JOBS is a TOML file, or a folder in which each recording is a tire.
+    """Fit many tires on all processors or a cluster.
 
-    A file has [[jobs]] with name, tables and options, and [defaults] with options of all jobs.
-    Options are those of tirefmu fit: model, start, effects, without, recipe, nominal, signs, where, rows, loss, method,
-    iterations, seed, screening, constraints, without_constraints.
+    JOBS is a TOML file, or a folder in which each recording is a tire. A file has [[jobs]] with name, tables and
+    options, and [defaults] with options of all jobs. Options are those of tirefmu fit: model, start, effects, without,
+    recipe, nominal, signs, where, rows, loss, method, iterations, seed, screening, constraints, without_constraints.
 
     Each tire and its report are written when the fit ends. A tire that cannot be fitted is a row of the summary with
     its reason. Exit code 1 if a tire is not usable. Ctrl-C keeps what is written; --resume continues.
@@ -68,12 +68,13 @@ def fit_many(
 
     def progress(result: JobResult, finished: int, jobs: int) -> None:
         reason = f": {result.reasons[0]}" if result.reasons else ""
-        terminal.print(f"{finished} of {jobs}  {result.name}: {result.status}{reason}")
+        terminal.print(f"{result.name}: {result.status}{reason}")
+        counted(finished, jobs)
 
     given = {
         key: list(value) if isinstance(value, tuple) else value for key, value in options.items() if value is not None
     }
-    with terminal.working("fitting"):
+    with terminal.counting("fitting", singly=True) as counted:
         batch = run(jobs, output, scheduler=scheduler, workers=workers, resume=resume, progress=progress, **given)
     unusable = [one.name for one in batch.results if not one.usable]
     write_json(json_file, {"ok": not unusable, "results": [one.to_json() for one in batch.results]})
@@ -93,9 +94,10 @@ def study(
     fmu: Path, study_file: Path, output: Path, scheduler: str | None, workers: int | None, quiet: bool,
     json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Simulate FMU over the manoeuvres and parameters of STUDY, a TOML file (docs/many_tires.md).
+    """Simulate FMU over manoeuvres and parameters.
 
-    The table of results has a row for each run: parameters, and statistics of each output. Exit code 1 if a run failed.
+    STUDY is a TOML file (docs/many_tires.md). The table of results has a row for each run: parameters, and statistics
+    of each output. Exit code 1 if a run failed.
     """
     check_output_paths(json_file, folder=output)
     check_input_paths(fmu, study_file)
@@ -106,11 +108,8 @@ def study(
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    with terminal.working("simulating"):
-        table = run(
-            fmu, study_file, output, scheduler=scheduler, workers=workers,
-            progress=lambda finished, total: terminal.print(f"{finished} of {total} runs"),
-        )  # fmt: skip
+    with terminal.counting("simulating") as counted:
+        table = run(fmu, study_file, output, scheduler=scheduler, workers=workers, progress=counted)
     failed = table[table["reason"] != ""]
     write_json(json_file, {"ok": failed.empty, "runs": len(table), "failed": len(failed)})
     terminal.print(f"{len(table)} runs, {len(failed)} failed: {output}")
