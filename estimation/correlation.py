@@ -116,9 +116,10 @@ def effective_sample_size(residual: npt.ArrayLike, segment: npt.ArrayLike | None
 
 def _summed(values: FloatArray, edges: IntArray, stretch: int) -> tuple[FloatArray, IntArray]:
     """Return sums over batches of rows, without the incomplete batch of each segment; and their number by segment."""
-    lengths = np.diff(edges) // stretch
-    within = np.arange(len(values)) - np.repeat(edges[:-1], np.diff(edges))
-    whole = within < np.repeat(lengths * stretch, np.diff(edges))
+    lengths, incomplete = np.diff(edges) // stretch, np.diff(edges) % stretch
+    whole = np.ones(len(values), dtype=np.bool_)
+    within = np.arange(incomplete.sum()) - np.repeat(np.cumsum(incomplete) - incomplete, incomplete)
+    whole[np.repeat(edges[1:] - incomplete, incomplete) + within] = False
     return np.asarray(values[whole].reshape(-1, stretch).sum(axis=1)), lengths
 
 

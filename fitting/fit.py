@@ -162,10 +162,12 @@ def fit(
     recordings = recordings_from(tables, signs=signs)
     if not recordings:
         raise FitError("no table to fit")
-    for recording in recordings:
-        check_convention(recording)
+    for i in range(len(recordings)):
+        check_convention(recordings[i])
     present = _effects(book, tire_given, effects, without)
     data = prepare(recordings, book, screening=screening, rows=rows)
+    names = [recording.source for recording in recordings]
+    del recordings  # much memory, if the caller has no reference
     notes = list(data.notes)
     tire = _starting_tire(book, present, tire_given, data.fitted, nominal or {}, notes)
     read = starts_from(tire, data.fitted, notes) if features else {}
@@ -185,12 +187,13 @@ def fit(
             solver=solver, given=tire_given is not None, read=read, constraints=chosen, loss=loss,
             stiffness_weight=stiffness_weight, assumed=_assumed(tire, tire_given, nominal or {}),
         )  # fmt: skip
+        del data
         if resume and saved:
             run.restore(saved.load(), str(saved.path))
         run.run(saved)
     interruption.raise_failure()
     with one_blas_thread():
-        result = replace(run.result(recordings, time.perf_counter() - began), method=method).in_signs("iso")
+        result = replace(run.result(names, time.perf_counter() - began), method=method).in_signs("iso")
     if saved and not result.interrupted:
         saved.remove()
     return result

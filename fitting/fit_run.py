@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.measurements import Recording
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.model import Model
@@ -29,15 +28,9 @@ from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
 from .problem.loss import loss_named
 from .problem.recipe import Freed, Recipe, Stage
-from .problem.weighted_residuals import (
-    Problem,
-    Rows,
-    coefficients_by_output,
-    emphasis,
-    equal_weights,
-    limits_of,
-    noise_weights,
-)
+from .problem.rows import Rows
+from .problem.weighted_residuals import Problem, coefficients_by_output
+from .problem.weights import emphasis, equal_weights, limits_of, noise_weights
 from .results.checkpoint import Checkpoint, Ended, Release, State
 from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
@@ -100,6 +93,12 @@ class FitRun:
         measured = self._data.notna().any()
         self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
         self._every: tuple[pd.DataFrame, Rows] | None = None  # the data, and the rows of all of them
+        if not tire.states:  # simulated states are inputs, which change
+            rows = Rows.of(self._data, tire, self._fitted)
+            self._data = rows.in_table(self._data, tire)
+            self._every = self._data, rows
+            if len(data.table) == len(rows):
+                self._fit_data = replace(data, table=self._data)
         self._done = 0  # completed stages of the recipe
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
@@ -317,21 +316,21 @@ class FitRun:
         )
 
     def _stage_r2(self, rows: Rows) -> float:
-        computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T
-        present = np.isfinite(rows.measured)
-        weighted = np.where(present, computed - rows.measured, 0.0) ** 2 * rows.weight[:, None]
-        squares = np.sum(weighted, axis=0) * equal_weights(rows)[0]
-        return 1 - float(np.mean(squares[present.any(axis=0)]))
+        squares, present = np.zeros(rows.measured.shape[1]), np.isfinite(rows.measured).any(axis=0)
+        for block in rows.blocks():
+            computed = fastest_code(self._tire.book).forces(block.inputs, self._tire.parameters()).T
+            weighted = np.where(np.isfinite(block.measured), computed - block.measured, 0.0) ** 2
+            squares += block.weight @ weighted
+        return 1 - float(np.mean((squares * equal_weights(rows)[0])[present]))
 
-    def result(self, recordings: Sequence[Recording], seconds: float) -> FitResult:
-        """Return the result, with coefficients in adapted SAE."""
+    def result(self, recordings: Sequence[str], seconds: float) -> FitResult:
+        """Return the result of a fit to recordings with these names, with coefficients in adapted SAE."""
         if not self._stages and self._stop():
             raise KeyboardInterrupt  # no values to return yet
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
-        names = ", ".join(recording.source for recording in recordings)
-        about = {**self._tire.about, "recipe": self._plan.name, "data": names}
+        about = {**self._tire.about, "recipe": self._plan.name, "data": ", ".join(recordings)}
         declarations = self._book.coefficients
         values = {
             name: value
@@ -354,7 +353,7 @@ class FitRun:
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
-        sources = distinct([recording.source for recording in recordings])
+        sources = distinct(recordings)
         channels = channel_fits(self._fit_data, tire, sources, self._fitted, effective)
         table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(

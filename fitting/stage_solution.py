@@ -113,7 +113,7 @@ class StageSolver:
         """Return the end of Gauss-Newton steps, at first with a sample of many rows."""
         if len(self.problem.rows) < LEAST_ROWS:
             return solve(self.problem, start, local=True)
-        first = solve(sampled(self.problem, SAMPLE), start, local=True)
+        first = solve(sampled(self.problem, min(SAMPLE, len(self.problem.rows.group))), start, local=True)
         if self.stop():
             return replace(first, cost=self.problem.cost(first.x), converged=False)
         after = solve(self.problem, first.x, refine=True)  # near the optimum undamped steps are the shortest way
@@ -122,4 +122,6 @@ class StageSolver:
 
 def sampled(problem: Problem, n: int) -> Problem:
     """Return a problem with n random rows, of about the same cost."""
-    return replace(problem, rows=problem.rows.sample(n), weights=problem.weights * (len(problem.rows) / n))
+    rows = problem.rows
+    factors = rows.represented[: len(problem.weights), None] * (len(rows.group) / n)
+    return replace(problem, rows=rows.sample(n), weights=problem.weights * factors)

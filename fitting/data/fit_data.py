@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,8 @@ LEAST_VARIATION = 0.01
 #: condition with each channel of a recording weighted by its effective sample size, or as for conditions with errors
 #: relative to the load.
 ROWS = ("condition", "equal", "independent", "load")
+#: Rows that are evaluated at a time.
+PART = 65_536
 #: Smallest load, relative to the largest, to which errors are relative. Judgement: a row near lift-off is all noise.
 LEAST_LOAD = 0.1
 
@@ -90,6 +92,12 @@ class FitData:
         included = self.table["included"].to_numpy()
         return self.table if included.all() else self.table[included]
 
+    def parts(self, recording: int) -> Iterator[pd.DataFrame]:
+        """Yield all rows of a recording by its number, some at a time, with the columns of the table."""
+        first, stop = np.searchsorted(self.table["recording"].to_numpy(), [recording, recording + 1])
+        for start in range(first, stop, PART):
+            yield self.table.iloc[start : min(start + PART, stop)]
+
 
 def prepare(
     recordings: Sequence[Recording], book: Model, *, screening: bool = True, rows: str = "condition"
@@ -140,7 +148,7 @@ def prepare(
         table, unfitted_channels = _without_information(recording.with_signs("adapted-sae").table, included, book)
         unfitted += [f"{recording.source}: {note}" for note in unfitted_channels]
         tables.append(table.assign(recording=number, segment=segment, included=included, weight=weight))
-    data = pd.concat(tables, ignore_index=True)
+    data = pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0].reset_index(drop=True)
     if not data["included"].any():
         raise DataError(f"all rows are excluded (--all-rows includes them): {'; '.join(map(str, excluded_rows))}")
     outputs = [quantity.name for quantity in book.outputs]
