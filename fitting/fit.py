@@ -12,7 +12,9 @@ from pathlib import Path
 import pandas as pd
 
 from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.measurements import TableLike, check_convention, recordings_from
+from tirefmu.measurements import TableLike, check_convention
+from tirefmu.measurements.excerpts import IN_MEMORY, STREAM_FROM, excerpts_from
+from tirefmu.measurements.large_table import LargeTable
 from tirefmu.measurements.provenance import table_digest
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import FitError, TirError, UnknownName, WrongType, no_single_text
@@ -43,7 +45,7 @@ FEATURES = "features"
 
 
 def fit(
-    tables: TableLike | Iterable[TableLike],
+    tables: TableLike | LargeTable | Iterable[TableLike | LargeTable],
     model: str | None = None,
     *,
     start: TireLike | None = None,
@@ -64,6 +66,7 @@ def fit(
     without_constraints: Collection[str] = (),
     checkpoint: str | Path | None = None,
     resume: bool = False,
+    stream_from: int = STREAM_FROM,
 ) -> FitResult:
     """Fit a tire to recordings of a test bench.
 
@@ -117,6 +120,9 @@ def fit(
         File in which completed stages are saved; it is removed when the fit is complete.
     resume : bool
         Continue after the stages in that file.
+    stream_from : int
+        Number of rows from which on a Parquet table stays in its file (`docs/many_tires.md`): the stages with all rows,
+        intervals and goodness of fit read it part by part; all else uses random rows, or an excerpt of 200,000 rows.
 
     Returns
     -------
@@ -159,13 +165,15 @@ def fit(
         raise FitError(f"loss {loss} is for method ipopt: {method} minimizes squares")
     if plan.scales and tire_given is None:
         raise FitError(f"recipe {plan.name} scales a given tire: a start tire is required (--start)")
-    recordings = recordings_from(tables, signs=signs)
+    recordings, large = excerpts_from(tables, signs=signs, stream_from=stream_from)
     if not recordings:
         raise FitError("no table to fit")
     for i in range(len(recordings)):
         check_convention(recordings[i])
     present = _effects(book, tire_given, effects, without)
-    data = prepare(recordings, book, screening=screening, rows=rows)
+    if large and (states := book.states_of(present)):
+        raise FitError(f"the course of {', '.join(states)} needs all rows in memory ({IN_MEMORY})")
+    data = prepare(recordings, book, screening=screening, rows=rows, large=large)
     names = [recording.source for recording in recordings]
     del recordings  # much memory, if the caller has no reference
     notes = list(data.notes)
@@ -218,6 +226,7 @@ def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str
     return {
         "version of tirefmu": version("tirefmu"),
         "data": table_digest(data.table.drop(columns=["included", "weight"])),
+        "rows in files": ",".join(str(each.table.rows) for each in data.stored.values()),
         "model": tire.model,
         "effects": ",".join(sorted(tire.has)),
         "recipe": repr(plan),

@@ -18,7 +18,7 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.property_file.names import assumed_lines, in_written_order
 from tirefmu.tires.tire import Tire
 
-from .constraints.physical import Constraint, chosen_constraints, operating_range
+from .constraints.physical import Constraint, chosen_constraints
 from .constraints.verification import VerifiedConstraints
 from .data.fit_data import FitData
 from .data.simulated_states import with_states
@@ -39,6 +39,7 @@ from .results.solved_stage import SolvedStage
 from .solvers.interruption import Interruption
 from .solvers.restarts import best_end
 from .solvers.selection import Solver
+from .stage_rows import ranges_of, rows_of_stage, selected
 from .stage_solution import StageSolver
 from .stiffness_targets import StiffnessTargets
 
@@ -81,7 +82,7 @@ class FitRun:
         self._interruption = interruption
         self._notes, self._solver = notes, solver
         self._emphasis = emphasis(self._data, tire.outputs)
-        self._ranges = operating_range(self._data, tire.inputs)
+        self._ranges = ranges_of(data, tire.inputs)
         self._constraints = VerifiedConstraints(
             tire, chosen_constraints(book.name) if constraints is None else constraints, self._ranges
         )
@@ -98,7 +99,7 @@ class FitRun:
             self._data = rows.in_table(self._data, tire)
             self._every = self._data, rows
             if len(data.table) == len(rows):
-                self._fit_data = replace(data, table=self._data)
+                self._fit_data = replace(data, table=self._data)  # its columns share no memory with these
         self._done = 0  # completed stages of the recipe
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
@@ -131,8 +132,8 @@ class FitRun:
             stage = self._plan.stages[end.stage]
             table, channels = self._table(stage)
             tire = replace(self._tire, values=end.values)
-            rows = Rows.of(table, tire, channels)
-            self._ends.append((end, self._problem_of(stage, tire, rows.sample(stage.rows or len(rows)), end.free)))
+            rows = rows_of_stage(stage, Rows.of(table, tire, channels), self._fit_data, tire, channels)
+            self._ends.append((end, self._problem_of(stage, tire, rows, end.free)))
         self._tire = replace(self._tire, values=state.values)
         self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
 
@@ -151,11 +152,7 @@ class FitRun:
     def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
         """Return all rows of a stage, and its channels."""
         channels = self._channels_of(stage)
-        table = stage.select(self._data)
-        if not channels:
-            return table[:0], channels
-        present = table[channels].notna().any(axis=1)
-        return (table if present.all() else table[present]), channels
+        return selected(stage, self._data, channels), channels
 
     def _rows_of(self, table: pd.DataFrame, channels: Sequence[str]) -> Rows:
         """Return the rows of a table; those of all data have the inputs of one object."""
@@ -178,7 +175,7 @@ class FitRun:
         rows = self._rows_of(table, channels)
         self._set_initial_values(stage)
         bounds = {name: self._bounds(name, stage) for name in self._candidates(stage)}
-        part = rows.sample(stage.rows) if stage.rows else rows
+        part = rows_of_stage(stage, rows, self._fit_data, self._tire, channels)
         free = self._determined(bounds, part, stage)
         if not free:
             self._notes.append(f"stage {stage.name!r} skipped: its rows determine none of its coefficients")
@@ -189,7 +186,7 @@ class FitRun:
             del self._stages[solved:], self._ends[ended:]
             self._simulate_states(free)
             rows = self._rows_of(self._table(stage)[0], channels)
-            part = rows.sample(stage.rows) if stage.rows else rows
+            part = rows_of_stage(stage, rows, self._fit_data, self._tire, channels)
             self._solve(stage, part, {name: self._bounds(name, stage) for name in free}, channels)
 
     def _simulate_states(self, free: Collection[str]) -> None:
@@ -268,7 +265,8 @@ class FitRun:
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
-        if stage.rows is None or len(rows) < stage.rows:  # a random sample has no correlation in time
+        if stage.rows is None or (len(rows) < stage.rows and not self._fit_data.stored):
+            # A random sample has no correlation in time.
             self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))
         self._stages.append(
             StageFit(
@@ -364,7 +362,7 @@ class FitRun:
             evidence=Residuals(table, tuple(sources), self._tire, self._tire.signs),
             covariance=covariance,
             prediction_covariance=complete,
-            solved=tuple(self._solved(end, problem) for end, problem in self._ends),
+            solved=tuple(self._solved(*end) for end in self._ends) if not self._fit_data.stored else (),
         )  # fmt: skip
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:

@@ -84,14 +84,14 @@ class Rows:
         """Number of rows for each row of the arrays, by recording, shape (n_groups,)."""
         return np.ones(int(self.group.max(initial=0)) + 1)
 
-    def blocks(self, size: int = BLOCK) -> Iterator[Rows]:
-        """Yield all rows in their order, `size` at most at a time."""
-        return self.slices(size)
+    def blocks(self) -> Iterator[Rows]:
+        """Yield all rows in their order, `BLOCK` at most at a time."""
+        return self.slices()
 
-    def slices(self, size: int = BLOCK) -> Iterator[Rows]:
-        """Yield the rows of the arrays in their order, `size` at most at a time, without a copy."""
-        for start in range(0, len(self.group), size):
-            rows = slice(start, start + size)
+    def slices(self) -> Iterator[Rows]:
+        """Yield the rows of the arrays in their order, `BLOCK` at most at a time, without a copy."""
+        for start in range(0, len(self.group), BLOCK):
+            rows = slice(start, start + BLOCK)
             yield Rows(
                 self.inputs[:, rows], self.measured[rows], self.group[rows], self.segment[rows], self.weight[rows]
             )
@@ -148,9 +148,12 @@ class StoredRows(Rows):
         Takes the number of a recording, and yields its rows, some at a time.
     totals : dict of int to int
         Number of rows of each recording.
+    drawn : Rows
+        Random ones of all rows.
     """
 
     parts: Callable[[int], Iterator[Rows]] = field(kw_only=True)
+    drawn: Rows = field(kw_only=True)
     totals: dict[int, int] = field(kw_only=True)
 
     def __len__(self) -> int:
@@ -168,11 +171,15 @@ class StoredRows(Rows):
         totals = np.array([self.totals.get(number, 0) for number in range(len(counts))])
         return np.asarray(totals / np.maximum(counts, 1))
 
-    def blocks(self, size: int = BLOCK) -> Iterator[Rows]:
-        """Yield all rows in their order, `size` at most at a time."""
+    def blocks(self) -> Iterator[Rows]:
+        """Yield all rows in their order, `BLOCK` at most at a time."""
         for number in self.totals:
             for part in self.parts(number):
-                yield from part.slices(size)
+                yield from part.slices()
+
+    def sample(self, n: int, seed: int = 0) -> Rows:
+        """Return n random rows, in their order; all that were drawn if they are no more."""
+        return self.drawn.sample(n, seed)
 
     def of_recording(self, group: int) -> StoredRows:
         """Return the rows of one recording."""
