@@ -23,8 +23,9 @@ from tirefmu.tires.drawing.style import (
     draw_points,
     drawn_unit,
     finish,
+    held_text,
     letter,
-    level_colors,
+    level_styles,
     level_text,
     per_si,
     place_legend,
@@ -33,12 +34,14 @@ from tirefmu.tires.drawing.style import (
 )
 
 from .comparison import ROLES, Comparison
-from .sweeps import Sweep, sweeps
+from .sweeps import FURTHER, Sweep, sweeps
 
 FloatArray = npt.NDArray[np.float64]
 
 #: What is drawn over which slip.
 PAIRS = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
+#: The slips of the stiffnesses among the quantities over load; the others are friction coefficients.
+STIFFNESS_OVER = {"stiffness_x": "kappa", "stiffness_y": "alpha"}
 #: Colors and dashes of the two tires: they differ in both.
 LINES = (("#a33b00", "--"), ("#0b4f9c", "-"))
 _POINTS = 201
@@ -87,40 +90,45 @@ def _family(comparison: Comparison, found: Sequence[Sweep], channel: str, signs:
     what = f"slope of {LETTER[channel]} over {LETTER[slip]}" if slope else f"{LETTER[channel]} over {LETTER[slip]}"
     figure.suptitle(f"Pure slip: {what}", fontweight="bold")
     unit = stiffness_unit(slip) if slope else drawn_unit(channel)
-    letters = f"d{LETTER[channel]}/d{LETTER[slip]}" if slope else LETTER[channel]
+    force, over = (LETTER[name].strip("$") for name in (channel, slip))
+    letters = rf"$\partial {force} / \partial {over}$" if slope else LETTER[channel]
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for ax, tire, name in zip(panels, comparison.tires, comparison.names, strict=True):
-        for sweep, color in zip(found, level_colors(len(found), "Fz"), strict=True):
+        for sweep, style in zip(found, level_styles(len(found), "Fz"), strict=True):
             x = np.linspace(sweep.low, sweep.high, _POINTS)
             y = _evaluated(tire, sweep.held, slip, x, signs)[channel].to_numpy()
             if slope:
                 y = np.gradient(y, x) / per_si(slip)
+                y *= np.sign(y[np.abs(x).argmin()])  # positive where the force grows in magnitude, in every convention
             elif channel in sweep.rows:
-                draw_points(ax, sweep.rows.dropna(subset=[channel]), slip, channel, color)
-            draw_line(ax, x * per_si(slip), y, color, level_text("Fz", sweep.load))
+                draw_points(ax, sweep.rows.dropna(subset=[channel]), slip, channel, style)
+            draw_line(ax, x * per_si(slip), y, style, level_text("Fz", sweep.load))
         finish(ax, slip, f"{letters} ({unit})")
         ax.set_title(figure_text(name), fontsize=TITLE_SIZE)
     place_legend(panels[1], f"load {letter(signs, 'Fz')}")
-    notes = ["points: measured at zero camber and zero other slip"] if len(found[0].rows) and not slope else []
-    write_footnote(figure, signs, *notes)
+    points = ["points: measured at zero camber and zero other slip"] if len(found[0].rows) else []
+    held = {name: level for name, level in found[0].held.items() if name in FURTHER}
+    notes = [held_text(signs, held)] if held else []
+    write_footnote(figure, signs, *(["positive at zero slip"] if slope else points), *notes)
     return figure
 
 
 def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Figure:
-    """Return a quantity of both tires over load, in one panel."""
+    """Return the magnitude of a quantity of both tires over load, in one panel."""
     figure = Figure(figsize=(7.5, 5.0), layout="constrained")
     figure.suptitle(f"{title.capitalize()} over load", fontweight="bold")
     ax: Axes = figure.subplots()
+    slip = STIFFNESS_OVER.get(role)
+    scale, unit = (per_si(slip), stiffness_unit(slip)) if slip else (1.0, "-")
     ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
     for tire, name, (low, high), (color, dashes) in zip(comparison.tires, comparison.names, ranges, LINES, strict=True):
         quantity = tire.book.quantity(role)
         loads = np.linspace(max(low, 0.01 * high), high, _POINTS)  # a formula may have no meaning at other loads
         signed = -loads if signs == "sae" else loads
-        values = _evaluated(tire, {}, "Fz", signed, signs)[quantity]
+        values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs() / scale
         ax.plot(loads, values, dashes, color=color, lw=1.8, label=figure_text(name))
-    unit = comparison.tires[0].book.structure.quantities[comparison.tires[0].book.quantity(role)][0]
-    ax.set(xlabel="load (N)", ylabel=f"{title} ({'-' if unit == '1' else unit})")
+    ax.set(xlabel=f"load {letter(signs, 'Fz')} (N)", ylabel=f"{title} ({unit})")
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
-    write_footnote(figure, signs, "each tire over its own range of loads")
+    write_footnote(figure, signs, "magnitudes at zero slip; each tire over its own range of loads")
     return figure

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import TirefmuError, path_from
-from tirefmu.tires.drawing.page import inlined, page_text, write_page
-from tirefmu.tires.drawing.style import png, write_whole
+from tirefmu.tires.drawing.page import page_text, write_page
+from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
 
 from .comparison import Comparison
 from .figures import comparison_figures
@@ -40,13 +40,10 @@ def write_comparison(
     """
     folder = path_from(folder, "folder")
     # All are rendered before the first is written: a failure leaves the folder as it was.
-    images = {name: png(figure) for name, figure in comparison_figures(comparison, recordings, signs).items()}
+    images = shown_figures(comparison_figures(comparison, recordings, signs))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        drawn = [write_whole(folder / f"{name}.png", image) for name, image in images.items()]
-        page = page_text(
-            "tirefmu.comparison", {"short": _short}, comparison=comparison, images=inlined(drawn),
-        )  # fmt: skip
+        drawn = write_figures(images, folder)
+        page = page_text("tirefmu.comparison", {"short": _short}, comparison=comparison, images=images)
         write_page(page, folder / "report.html")
     except OSError as error:
         raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error

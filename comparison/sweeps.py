@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from tirefmu.measurements import CHANNELS, Recording, exclude_rows, group_by_condition
+from tirefmu.measurements import CHANNELS, Recording, exclude_rows, group_by_condition, level_tolerance
 from tirefmu.tires import Tire
 from tirefmu.tires.drawing.tire_figures import WIDEST, default_loads
 
@@ -16,6 +16,8 @@ from tirefmu.tires.drawing.tire_figures import WIDEST, default_loads
 MOST = 6
 #: Sweeps with fewer rows are not drawn.
 FEWEST_ROWS = 10
+#: Inputs in addition to load and camber that a program may set to several levels: one of each is drawn.
+FURTHER = ("p", "V")
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,8 @@ class Sweep:
 def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep]:
     """Return the measured sweeps of a slip at zero of the other slip and of camber, by load.
 
+    They are at the pressure and the speed with the most rows. Sweeps at one load are one.
+
     Parameters
     ----------
     tire : Tire
@@ -62,12 +66,42 @@ def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep
     list of Sweep
     """
     found = [sweep for recording in recordings for sweep in _measured(recording, slip)]
-    most = sorted(found, key=lambda sweep: -len(sweep.rows))[:MOST]
+    for name in FURTHER:
+        found = _at_main_level(found, name)
+    most = sorted(_merged(found), key=lambda sweep: -len(sweep.rows))[:MOST]
     if most:
         return sorted(most, key=lambda sweep: abs(sweep.load))
     low, high = tire.ranges.get(slip, WIDEST[slip])
     low, high = max(low, WIDEST[slip][0]), min(high, WIDEST[slip][1])
     return [Sweep(slip, {"Fz": load}, low, high, pd.DataFrame()) for load in default_loads(tire)]
+
+
+def _at_main_level(found: list[Sweep], name: str) -> list[Sweep]:
+    """Return the sweeps at the level of an input with the most rows; all if it is held in none."""
+    levels = [sweep.held[name] for sweep in found if name in sweep.held]
+    if not levels:
+        return found
+    tolerance = level_tolerance(levels, name)
+
+    def near(level: float) -> list[Sweep]:
+        return [sweep for sweep in found if name in sweep.held and abs(sweep.held[name] - level) <= tolerance]
+
+    return near(max(levels, key=lambda level: sum(len(sweep.rows) for sweep in near(level))))
+
+
+def _merged(found: Sequence[Sweep]) -> list[Sweep]:
+    """Return one sweep for each load, with the rows of all sweeps there, held as the longest of them."""
+    tolerance = level_tolerance([sweep.load for sweep in found], "Fz")
+    merged: list[Sweep] = []
+    for sweep in sorted(found, key=lambda sweep: -len(sweep.rows)):
+        same = next((i for i, one in enumerate(merged) if abs(one.load - sweep.load) <= tolerance), None)
+        if same is None:
+            merged.append(sweep)
+            continue
+        one = merged[same]
+        low, high = min(one.low, sweep.low), max(one.high, sweep.high)
+        merged[same] = Sweep(one.slip, one.held, low, high, pd.concat([one.rows, sweep.rows], ignore_index=True))
+    return merged
 
 
 def _measured(recording: Recording, slip: str) -> list[Sweep]:

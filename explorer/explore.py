@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from hashlib import sha256
 from importlib.resources import files
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +13,7 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
 from tirefmu.symbolic.escaping import html_text, script_json
 from tirefmu.tires import Tire, TireLike, tire_from
+from tirefmu.tires.drawing.chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
 from tirefmu.tires.drawing.page import style_sheet, write_page
 
 from .measured_rows import measured_rows, rows_data
@@ -27,8 +25,6 @@ SCRIPTS = (
     "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "time_response.js", "key_figures.js",
     "charts.js", "surface.js", "controls.js", "time_panel.js", "page.js",
 )  # fmt: skip
-#: The chart library uPlot, as the package uplot-python installs it.
-LIBRARY, LIBRARY_SCRIPT, LIBRARY_STYLE = "uplot", "uPlot.iife.js", "uPlot.min.css"
 
 
 def explore(
@@ -104,14 +100,14 @@ def page_text(
     code = ",\n".join(module_expression(program) for program in programs)
     scripts = [
         f"const GENERATED = [\n{code}\n];",
-        "\n".join([_library_file(LIBRARY_SCRIPT), *map(_file, SCRIPTS)]),
+        "\n".join([library_file(LIBRARY_SCRIPT), *map(_file, SCRIPTS)]),
     ]
     return _filled(
         _file("page.html"),
         {
             "title": html_text(" and ".join(each["name"] for each in data["tires"])),
-            "hashes": " ".join(f"'sha256-{_digest(script)}'" for script in scripts),
-            "style": "\n".join([_library_file(LIBRARY_STYLE), style_sheet(), _file("style.css")]),
+            "hashes": " ".join(map(allowed, scripts)),
+            "style": "\n".join([library_file(LIBRARY_STYLE), style_sheet(), _file("style.css")]),
             "coefficients": "\n".join(_coefficient_table(each, name) for each, name in tires),
             "data": script_json(json.dumps(data, allow_nan=False, separators=(",", ":"))),
             "code": scripts[0],
@@ -136,20 +132,6 @@ def _name(tire: TireLike) -> str:
 
 def _file(name: str) -> str:
     return (files("tirefmu.explorer") / "browser" / name).read_text(encoding="utf-8")
-
-
-def _library_file(name: str) -> str:
-    """Return the text of a file of the chart library, without importing its package."""
-    found = find_spec(LIBRARY)
-    for folder in (found.submodule_search_locations or []) if found else []:
-        path = Path(folder, "static", name)
-        if path.is_file():
-            return path.read_text(encoding="utf-8")
-    raise TirefmuError(f"{name} of the chart library is missing: pip install uplot-python")
-
-
-def _digest(script: str) -> str:
-    return b64encode(sha256(script.encode()).digest()).decode("ascii")
 
 
 def _filled(template: str, values: Mapping[str, str]) -> str:

@@ -29,6 +29,7 @@ from .arguments import (
     common,
     write_json,
 )
+from .commands.command_help import SectionedGroup, add_examples
 from .commands.compare_command import compare
 from .commands.diagnose_command import diagnose
 from .commands.example_command import example
@@ -36,7 +37,6 @@ from .commands.explore_command import explore
 from .commands.export_command import export
 from .commands.fit_command import fit
 from .commands.generate_command import generate
-from .commands.help_examples import add_examples
 from .commands.host_commands import convert, lint
 from .commands.inspect_command import inspect
 from .commands.list_commands import effects, models, published
@@ -44,7 +44,7 @@ from .commands.many_commands import fit_many, study
 from .commands.project_commands import init, run
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.group(cls=SectionedGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="tirefmu")
 def cli() -> None:
     """From tire bench data to a fitted Magic Formula tire, exported as an FMU and checked against the data.
@@ -93,7 +93,9 @@ def evaluate(
     json_file: Path | None,
     **conventions: Any,
 ) -> int:
-    """Evaluate TIRE for every row of TABLE: forces, moments and every named quantity.
+    """Evaluate TIRE for every row of TABLE.
+
+    The result has forces, moments and every named quantity.
 
     If TABLE has a column t and TIRE a relax_* effect, the slips have a first-order lag.
     """
@@ -155,9 +157,10 @@ def check(
     fmu: Path, table: Path, signs: str | None, where: str | None, tolerance: float | None, timeout: float | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Simulate FMU with fmpy over TABLE and compare with the data and with direct evaluation.
+    """Simulate FMU over TABLE and compare it with the data.
 
-    FMU runs in a separate process: a crash or a hang is reported as an error. It is native code with your permissions.
+    fmpy simulates it; direct evaluation of its tire must agree. FMU runs in a separate process: a crash or a hang is
+    reported as an error. It is native code with your permissions.
     """
     check_output_paths(json_file, report, folder=figures)
     check_input_paths(fmu, table)
@@ -224,18 +227,21 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder to write.")
 @click.option("--loads", type=Numbers(), help="Loads in N (default: those of TABLES, or three over the tire's range).")
+@click.option("--kappa", type=Numbers(), metavar="LOW,HIGH",
+              help="Range of kappa, such as -1.1,1.1 (default: that of the tire, at most -1,1).")  # fmt: skip
 @click.option("--signs", type=SIGNS, help="Convention of TABLES (default: sae for .mat and .dat, iso for tables).")
 @click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
 @WHERE
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @common
 def draw(
-    tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None, signs: str | None,
+    tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None,
+    kappa: tuple[float, ...] | None, signs: str | None,
     draw_signs: str | None, where: str | None, suffix: str, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Draw TIRE at several loads: pure slip, surfaces of Fx and Fy over both slips, Fy against Fx.
+    """Draw TIRE at several loads.
 
-    Measured rows of TABLES are drawn as crosses.
+    Pure slip, surfaces of Fx and Fy over both slips, Fy against Fx. Measured rows of TABLES are drawn as crosses.
     """
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, *tables)
@@ -263,7 +269,7 @@ def draw(
     loads = default_loads(loaded) if loads is None else loads
     shown = draw_signs or signs or "iso"
     with terminal.working("drawing"):
-        drawn = run(loaded, output, loads=loads, signs=shown, suffix=suffix, points=points)
+        drawn = run(loaded, output, loads=loads, signs=shown, suffix=suffix, points=points, kappa=kappa)
     write_json(json_file, {"ok": True, "loads": list(loads), "signs": shown, "figures": [str(p) for p in drawn]})
     terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {shown}:")
     for path in drawn:
@@ -275,7 +281,10 @@ def draw(
 @click.option("-o", "--output", type=FILE, default=Path("demo-output"), show_default=True, help="Folder to write.")
 @common
 def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
-    """Run the full workflow on the virtual bench: measurement, fit, tire, FMU, check, a missing effect."""
+    """Run the full workflow on the virtual bench.
+
+    Measurement, fit, tire, FMU, check, a missing effect; a page tells the story.
+    """
     check_output_paths(json_file, folder=output)
     from .demo import run
     from .terminal import Terminal

@@ -16,7 +16,7 @@ import pandas as pd
 
 from tirefmu.diagnosis import diagnose, draw_residual_maps, export_and_simulate, residual_map, write_report
 from tirefmu.diagnosis.diagnose import with_library
-from tirefmu.diagnosis.reporting.curves_figure import draw_curves
+from tirefmu.diagnosis.reporting.curves_figure import curves_figure
 from tirefmu.explorer.explore import explore
 from tirefmu.fitting import FitResult, fit
 from tirefmu.fitting.reporting.figures import draw_figures
@@ -24,12 +24,13 @@ from tirefmu.fmu import check, export
 from tirefmu.fmu.comparison.figures import draw_check
 from tirefmu.fmu.comparison.report import write_check
 from tirefmu.measurements import Noise, Recording, VirtualBench, trento_program, write_table
-from tirefmu.measurements.inspection.figures import draw_inspection
+from tirefmu.measurements.inspection.figures import inspection_figures
 from tirefmu.measurements.inspection.inspection import inspect
 from tirefmu.measurements.inspection.report import write_inspection
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import Tire, published
 from tirefmu.tires.code import chosen_derivatives, fastest_code
+from tirefmu.tires.drawing.shown_figure import shown_figure, shown_figures, write_figures
 
 from .arguments import write_json
 from .demo_page import Chapter, draw_gap, write_demo_page
@@ -146,12 +147,12 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
         truth.save(folder / "truth.tir")
         inspections, findings = inspect([recording])
         figures = folder / "figures"
-        figures.mkdir(exist_ok=True)
-        drawn = draw_inspection(inspections[0], figures)
-        write_inspection(inspections, findings, folder / "inspection.html", [drawn])
+        shown = shown_figures(inspection_figures(inspections[0]))
+        drawn = write_figures(shown, figures)
+        write_inspection(inspections, findings, folder / "inspection.html", [shown])
     table = recording.table
     text = (
-        f"{len(table)} rows, loads {table.Fz.min():.0f} .. {table.Fz.max():.0f} N, "
+        f"{len(table)} rows, loads {table.Fz.min():.0f} to {table.Fz.max():.0f} N, "
         f"{np.degrees(table.gamma.max()):.0f} deg camber, with noise and drift"
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")
@@ -302,7 +303,7 @@ def _diagnosis(
     )
     found = [one.effect for one in result.found]
     figures = [
-        draw_curves(result, "Fy", main / "figures" / "diagnosis_curves.png"),
+        *write_figures([shown_figure("diagnosis_curves", curves_figure(result, "Fy"))], main / "figures"),
         draw_gap(result.gap["holdout"], main / "figures" / "diagnosis_gap.png"),
     ]
     written_files = [folder / name for name in ("report.html", "improved.tir", "improved.fmu", "base.tir", "base.fmu")]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires.drawing.page import page_text, write_page
+from tirefmu.tires.drawing.shown_figure import shown_image
 from tirefmu.tires.drawing.style import LETTER, drawn_unit, png, write_whole
 
 #: Rows of `Diagnosis.gap` and the bars that show them.
@@ -62,7 +62,7 @@ def write_demo_page(chapters: Sequence[Chapter], folder: Path, ok: bool, seconds
     """
     path = folder / "index.html"
     filters = {
-        "image": lambda figure: base64.b64encode(figure.read_bytes()).decode("ascii"),
+        "image": shown_image,
         "address": lambda file: "./" + quote(file.relative_to(folder).as_posix()),
     }
     text = page_text("tirefmu", filters, template="demo.html", chapters=chapters, ok=ok, seconds=seconds)

@@ -153,7 +153,7 @@ def _stiffnesses(result: FitResult) -> Table:
             s.channel,
             f"{s.load:.0f}",
             f"{s.read:.5g}",
-            f"{s.error:.2g}",
+            f"{s.error:.3g}",
             f"{s.fitted:.5g}",
             s.unit,
             f"{s.off:+.1%}",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +10,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si, png, write_whole
+from tirefmu.measurements import level_tolerance
+from tirefmu.measurements.operating_conditions.held_levels import held_levels
+from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
@@ -25,23 +26,19 @@ BLOCKS = 4
 POINTS = 400
 #: Inputs in the title of a block, and their decimals.
 CONDITIONS = {"Fz": 0, "gamma": 1, "p": 1, "V": 1, "T": 0}
-#: A slip that changes less between 10 % and 90 % of the rows of a block is held there; rows elsewhere are not drawn.
-HELD = 0.02
 
 
-def draw_curves(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
+def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     """Draw measured and computed forces over the slip that varies most, for the blocks that the effects improve most.
 
     Parameters
     ----------
     diagnosis : Diagnosis
     channel : str
-    path : str or Path
-        PNG file; written completely or not at all.
 
     Returns
     -------
-    Path
+    matplotlib.figure.Figure
     """
     table = diagnosis.rows
     computed = {
@@ -64,7 +61,7 @@ def draw_curves(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
         ax.set_visible(bool(ax.lines))
     axes[0].set_ylabel(f"{LETTER.get(channel, channel)} ({drawn_unit(channel)})")
     axes[0].legend(fontsize=LEGEND_SIZE)
-    return write_whole(Path(path), png(figure))
+    return figure
 
 
 def _force(tire: Tire, diagnosis: Diagnosis, channel: str) -> FloatArray:
@@ -98,15 +95,18 @@ def _draw(ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: dict[str
     if not slips or not len(rows):
         return
     slip, drawn = _swept(rows, slips)
-    rows, measured = rows[drawn], measured[drawn]
     x = rows[slip].to_numpy() * per_si(slip)
-    thin = slice(None, None, max(1, len(rows) // POINTS))
+    shown = np.flatnonzero(drawn)
+    thin = shown[:: max(1, len(shown) // POINTS)]
     ax.plot(x[thin], measured[thin], ".", ms=4, color="0.6", label="measured")
     for name, (force, color, dashes) in computed.items():
-        ax.plot(x, force[drawn], color=color, ls=dashes, lw=1.4, label=name)
+        # NaN in rows that are not drawn: no line connects two sweeps.
+        ax.plot(x, np.where(drawn, force, np.nan), color=color, ls=dashes, lw=1.4, label=name)
+    rows = rows[drawn]
+    other = {name: 1 for name in slips if name != slip}
     conditions = [
-        f"{LETTER.get(name, name)} {float(rows[name].mean()) * per_si(name):z.{decimals}f} {drawn_unit(name)}"
-        for name, decimals in CONDITIONS.items()
+        f"{LETTER.get(name, name)} {_level_text(rows[name], name, decimals)}"
+        for name, decimals in (other | CONDITIONS).items()
         if name in rows
     ]
     ax.set_title("\n".join([", ".join(conditions[:3]), ", ".join(conditions[3:])]).strip(), fontsize=NOTE_SIZE)
@@ -115,14 +115,24 @@ def _draw(ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: dict[str
     ax.tick_params(labelsize=NOTE_SIZE)
 
 
-def _swept(rows: pd.DataFrame, slips: Sequence[str]) -> tuple[str, npt.NDArray[np.bool_]]:
-    """Return the slip that varies most, and the rows in which slips that are held in most rows are.
+def _level_text(column: pd.Series, name: str, decimals: int) -> str:
+    """Return the level of an input in its drawn unit, or its range if it is not held."""
+    low, high = (float(np.quantile(column, share)) for share in (0.05, 0.95))
+    if high - low > 2.0 * level_tolerance(column, name):
+        text = f"{low * per_si(name):z.{decimals}f} to {high * per_si(name):z.{decimals}f}"
+    else:
+        text = f"{float(column.median()) * per_si(name):z.{decimals}f}"
+    return f"{text} {drawn_unit(name)}".removesuffix(" -")
 
-    A block of time may contain the end of one sweep and the start of another.
+
+def _swept(rows: pd.DataFrame, slips: Sequence[str]) -> tuple[str, npt.NDArray[np.bool_]]:
+    """Return the slip that varies most, and the rows at the most frequent level of every input that is held.
+
+    A block of time may contain the end of one sweep and the start of another, at another load or slip angle.
 
     Examples
     --------
-    >>> rows = pd.DataFrame({"alpha": [*np.linspace(-0.2, 0.2, 28), 0.0, 0.0], "kappa": [0.0] * 28 + [0.3, 0.5]})
+    >>> rows = pd.DataFrame({"alpha": [*np.linspace(-0.2, 0.2, 28), 0.0, 0.0], "kappa": [0.0] * 28 + [0.3, 0.3]})
     >>> slip, drawn = _swept(rows, ["alpha", "kappa"])
     >>> slip, int(drawn.sum())
     ('alpha', 28)
@@ -130,7 +140,11 @@ def _swept(rows: pd.DataFrame, slips: Sequence[str]) -> tuple[str, npt.NDArray[n
     spread = {name: float(np.ptp(np.quantile(rows[name], (0.1, 0.9)))) for name in slips}
     swept = max(slips, key=lambda name: spread[name])
     drawn = np.ones(len(rows), dtype=np.bool_)
-    for name in slips:
-        if name != swept and spread[name] < HELD:
-            drawn &= np.abs(rows[name].to_numpy() - rows[name].median()) < HELD
+    for name in [*slips, *CONDITIONS]:
+        if name == swept or name not in rows:
+            continue
+        values = rows[name].to_numpy(dtype=np.float64)
+        near = [drawn & (np.abs(values - level) <= level_tolerance(values, name)) for level in held_levels(rows[name])]
+        if near:
+            drawn = max(near, key=np.sum)
     return swept, drawn

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
@@ -11,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tirefmu.symbolic.quantities import ALPHA, KAPPA
-from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si, png, write_whole
+from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
@@ -28,7 +26,7 @@ DIRECTIONS = (("size of slip grows", 1.0, "C3", "o-"), ("falls", -1.0, "C0", "s-
 SMOOTHED = 0.1
 
 
-def draw_memory(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
+def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     """Draw force and mean residual over the slip that varies most, by its direction, and states of the improved tire.
 
     The force is that at the most frequent load, measured and of both tires; the residual is that of all rows.
@@ -38,12 +36,10 @@ def draw_memory(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
     diagnosis : Diagnosis
         Of a recording with time, whose improved tire has states.
     channel : str
-    path : str or Path
-        PNG file; written completely or not at all.
 
     Returns
     -------
-    Path
+    matplotlib.figure.Figure
     """
     computed = _evaluated(diagnosis, diagnosis.tire)
     states = [name for name in diagnosis.tire.states if np.ptp(computed[name]) > 0.0]
@@ -72,7 +68,7 @@ def draw_memory(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
         ax.set_ylabel(f"{name}\n({_unit(diagnosis.tire, name)})", fontsize=NOTE_SIZE)
     if first:
         ax.set_xlabel("t (s)")
-    return write_whole(Path(path), png(figure))
+    return figure
 
 
 def _unit(tire: Tire, state: str) -> str:

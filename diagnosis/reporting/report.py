@@ -13,13 +13,17 @@ from markupsafe import Markup
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import DataError, path_from
-from tirefmu.tires.drawing.page import inlined, page_text, write_page
+from tirefmu.tires.drawing.page import page_text, write_page
+from tirefmu.tires.drawing.shown_figure import shown_figure, shown_image
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
-from .curves_figure import draw_curves
-from .memory_figure import draw_memory
+from .curves_figure import curves_figure
+from .memory_figure import memory_figure
 from .residual_figure import draw_residual_location
+
+#: The parts of a recording in the words of the page.
+ROWS = {"train": "fitted rows", "training": "fitted rows", "cv": "cross-validation", "holdout": "hold-out set"}
 
 
 @dataclass(frozen=True)
@@ -89,20 +93,19 @@ def report_page(
     str
     """
     with tempfile.TemporaryDirectory() as folder:
-        maps = inlined(_maps(diagnosis, Path(folder)))
-        curves = inlined([draw_curves(diagnosis, name, Path(folder, f"{name}.png")) for name in diagnosis.time_course])
-        memory = inlined(_memory(diagnosis, Path(folder)))
+        maps = [shown_image(path) for path in _maps(diagnosis, Path(folder))]
     return page_text(
         "tirefmu.diagnosis.reporting",
         {
             "number": lambda value: "-" if value is None or value != value else f"{value:.4g}",
             "typeset": Markup,  # MathML of the program, with escaped texts
+            "rows": ROWS.__getitem__,
             "rating": {"green": "good", "amber": "limited", "red": "bad"}.__getitem__,
         },
         diagnosis=diagnosis,
         maps=maps,
-        curves=curves,
-        memory=memory,
+        curves=[shown_figure(name, curves_figure(diagnosis, name)) for name in diagnosis.time_course],
+        memory=[shown_figure(name, memory_figure(diagnosis, name)) for name in _with_memory(diagnosis)],
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
         simulated=simulated or {},
@@ -147,13 +150,13 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     return tuple(changed)
 
 
-def _memory(diagnosis: Diagnosis, folder: Path) -> list[Path]:
-    """Draw the memory of the improved tire in the channel that its effects with states change most; none without."""
+def _with_memory(diagnosis: Diagnosis) -> list[str]:
+    """Return the channels that the effects with states of the improved tire change most; none without such effects."""
     stateful = {effect.name for effect in diagnosis.tire.added if effect.states}
     channels = [one.channels[0] for one in diagnosis.found if one.effect in stateful and one.channels]
     if not diagnosis.tire.states or "t" not in diagnosis.rows or not channels:
         return []
-    return [draw_memory(diagnosis, name, folder / f"memory_{name}.png") for name in dict.fromkeys(channels)]
+    return list(dict.fromkeys(channels))
 
 
 def _maps(diagnosis: Diagnosis, folder: Path) -> list[Path]:

@@ -9,7 +9,7 @@ from ..thresholds import MAX_UNDETERMINED_CHANGE, MAX_WORSE, MAX_WORSE_CHANNEL
 from .fit_error import FitErrors
 
 #: The parts of a recording on which both tires are compared, as in a sentence.
-PARTS = {"train": "training rows", "holdout": "hold-out set"}
+PARTS = {"train": "fitted rows", "holdout": "hold-out set"}
 
 
 def reasons_against(errors: FitErrors, undetermined: Mapping[str, float]) -> tuple[str, ...]:
@@ -27,7 +27,7 @@ def reasons_against(errors: FitErrors, undetermined: Mapping[str, float]) -> tup
     --------
     >>> worse = {"Fx": {"before": 62.0, "after": 153.0, "floor": 20.0, "floor_with_history": 20.0}}
     >>> reasons_against({"train": worse, "holdout": worse}, {})[0]
-    'its residual on the training rows is larger than that of the baseline tire (Fx: 153 instead of 62 N)'
+    'its residual on the fitted rows is larger than that of the baseline tire (Fx: 153 instead of 62 N)'
     """
     reasons = []
     for part, text in PARTS.items():

@@ -15,6 +15,7 @@ from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import TireLike
 from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
+from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
 from tirefmu.tires.drawing.style import (
     LETTER,
     LEVEL,
@@ -26,15 +27,13 @@ from tirefmu.tires.drawing.style import (
     finish,
     held_text,
     letter,
-    level_colors,
+    level_styles,
     level_text,
     panels,
     per_si,
     place_legend,
-    png,
     some_of,
     write_footnote,
-    write_whole,
 )
 from tirefmu.tires.tire import Tire
 
@@ -90,6 +89,39 @@ def draw_figures(
     DataError
         If a recording has no measured output.
     """
+    # All figures are rendered before the first is written: after a failure the folder is unchanged.
+    drawn = shown_figures(figures_of(tire, recordings, truth=truth, signs=signs))
+    try:
+        return write_figures(drawn, Path(folder), prefix)
+    except OSError as error:
+        raise FitError(f"{folder}: figures cannot be written: {error.strerror or error}") from None
+
+
+def figures_of(
+    tire: TireLike | FitResult,
+    recordings: TableLike | Iterable[TableLike],
+    *,
+    truth: Tire | None = None,
+    signs: str | None = "iso",
+) -> dict[str, Figure]:
+    """Return the figures of `draw_figures` by name.
+
+    Parameters
+    ----------
+    tire, recordings, truth, signs
+        As for `draw_figures`.
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+
+    Raises
+    ------
+    FitError
+        If there is no recording.
+    DataError
+        If a recording has no measured output.
+    """
     fitted = tire if isinstance(tire, FitResult) and len(tire.prediction_covariance) else None
     comparison = compare(tire.tire if isinstance(tire, FitResult) else tire, recordings, signs)
     drawn: dict[str, Figure | None] = {
@@ -106,14 +138,7 @@ def draw_figures(
         "residuals": _residuals(comparison),
         "profile_likelihood": profile_curves(tire) if isinstance(tire, FitResult) and tire.profiles else None,
     }
-    # All figures are rendered before the first is written: after a failure the folder is unchanged.
-    images = {f"{prefix}{name}.png": png(figure) for name, figure in drawn.items() if figure is not None}
-    target = Path(folder)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-        return [write_whole(target / name, image) for name, image in images.items()]
-    except OSError as error:
-        raise FitError(f"{target}: figures cannot be written: {error.strerror or error}") from None
+    return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 def _families(
@@ -133,15 +158,16 @@ def _families(
 
 def _draw_family(ax: Axes, comparison: Comparison, family: Family, fitted: FitResult | None) -> None:
     signs, channel, slip = comparison.signs, family.channel, family.slip
-    colored = list(zip(family.groups, level_colors(len(family.groups), family.by), strict=True))
-    for group, color in colored:
-        draw_points(ax, group.rows, slip, channel, color)
-    for group, color in colored:
+    styled = list(zip(family.groups, level_styles(len(family.groups), family.by), strict=True))
+    for group, style in styled:
+        draw_points(ax, group.rows, slip, channel, style)
+    for group, style in styled:
         curve = comparison.curve(group, slip)
-        draw_line(ax, curve[slip] * per_si(slip), curve[channel], color, level_text(family.by, group.level))
+        draw_line(ax, curve[slip] * per_si(slip), curve[channel], style, level_text(family.by, group.level))
         if fitted is not None:
             found = band(fitted, channel, curve, signs)
-            ax.fill_between(curve[slip] * per_si(slip), found["lower"], found["upper"], color=color, alpha=0.25, lw=0.0)
+            x, color = curve[slip] * per_si(slip), style.color
+            ax.fill_between(x, found["lower"], found["upper"], color=color, alpha=0.25, lw=0.0)
     rows = pd.concat([group.rows for group in family.groups])
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     unit = drawn_unit(channel)
@@ -186,9 +212,8 @@ def _over_alpha(comparison: Comparison, family: Family) -> list[tuple[float, pd.
 
 
 def _draw_weighting(ax: Axes, slip: str, by: str, curves: Sequence[tuple[float, pd.DataFrame, pd.Series]]) -> None:
-    for (level, curve, values), color in zip(curves, level_colors(len(curves), by), strict=True):
-        text = level_text(by, level) if by == "alpha" else f"{round(level, 2) + 0.0:g}"
-        draw_line(ax, curve[slip] * per_si(slip), values, color, text)
+    for (level, curve, values), style in zip(curves, level_styles(len(curves), by), strict=True):
+        draw_line(ax, curve[slip] * per_si(slip), values, style, level_text(by, level))
     finish(ax, slip, "")
     ax.axhline(1.0, color="0.3", lw=0.8, ls=":")
     place_legend(ax, f"{LEVEL[by]} {LETTER[by]}")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,7 +18,7 @@ from tirefmu.tires.drawing.style import (
     finish,
     held_text,
     letter,
-    level_colors,
+    level_styles,
     level_text,
     panels,
     per_si,
@@ -33,10 +34,14 @@ from ..results.fit_result import FitResult
 from ..results.intervals import band
 from .captions import BANDS, data_text
 
-#: Parts of the slip range of a measured friction, and the smallest number of rows of a part.
+#: Most parts of the slip range of a measured friction, and the smallest number of rows of a part.
 FRICTION_PARTS, FRICTION_ROWS = 25, 5
-#: Loads and slips at which the friction of the tire is evaluated.
-FRICTION_LOADS, FRICTION_SLIPS = 41, 101
+#: Loads at which stiffnesses are evaluated, loads and slips at which the friction is.
+STIFFNESS_LOADS, FRICTION_LOADS, FRICTION_SLIPS = 201, 41, 101
+#: The largest drawn load, as a multiple of the largest measured one.
+BEYOND = 1.25
+
+FloatArray = npt.NDArray[np.float64]
 
 
 def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
@@ -70,7 +75,7 @@ def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitR
         f"slope over slip: of the pure curve, E held constant, positive at zero"
     )
     note += BANDS * (fitted is not None)
-    dashed = ["dashed: the true tire"] if truth is not None else []
+    dashed = ["black, dashed: the true tire"] if truth is not None else []
     rows = pd.concat([group.rows for family in shown for group in family.groups])
     write_footnote(figure, comparison.signs, note, *dashed, data_text(comparison, rows))
     return figure
@@ -80,11 +85,12 @@ def _draw_stiffness(
     comparison: Comparison, family: Family, quantity: str, truth: Tire | None, fitted: FitResult | None, ax: Axes
 ) -> None:
     sign = float(np.sign(family.groups[0].level))
-    loads = np.linspace(0.0, 1.25 * max(abs(group.level) for group in family.groups), 201)[1:]
+    measured = [abs(group.level) for group in family.groups]
+    loads = _loads(measured, STIFFNESS_LOADS)
     rows = pd.concat([group.rows for group in family.groups]).assign(**{family.slip: 0.0})
     curve = comparison.along(rows, "Fz", sign * loads)
     stiffness = curve[quantity].abs() / per_si(family.slip)
-    ax.plot(loads, stiffness, color="C0", lw=2, label="tire")
+    _draw_over_load(ax, loads, stiffness.to_numpy(), measured)
     if fitted is not None:
         half = 1.96 * band(fitted, quantity, curve, comparison.signs)["error"] / per_si(family.slip)
         ax.fill_between(loads, stiffness - half, stiffness + half, color="C0", alpha=0.25, lw=0.0)
@@ -106,12 +112,12 @@ def _draw_stiffness(
 
 def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: Tire | None, ax: Axes) -> None:
     scale = per_si(family.slip)
-    for group, color in zip(family.groups, level_colors(len(family.groups), "Fz"), strict=True):
+    for group, style in zip(family.groups, level_styles(len(family.groups), "Fz"), strict=True):
         curve = comparison.curve(group, family.slip)
         x, slope = curve[family.slip].to_numpy(), curve[quantity].to_numpy()
         # Positive where the force grows in magnitude with the slip, in every convention.
         sign = np.sign(slope[np.abs(x).argmin()])
-        draw_line(ax, x * scale, sign * slope / scale, color, level_text("Fz", group.level))
+        draw_line(ax, x * scale, sign * slope / scale, style, level_text("Fz", group.level))
         if truth is not None:
             true = comparison.curve(group, family.slip, truth)[quantity].to_numpy()
             ax.plot(x * scale, sign * true / scale, "k--", lw=0.8, zorder=4)
@@ -120,6 +126,20 @@ def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: T
     ax.set_title(f"slope over {LETTER[family.slip]} per load, {held}", fontsize=TITLE_SIZE)
     finish(ax, family.slip, rf"$\partial {force} / \partial {slip}$ ({stiffness_unit(family.slip)})")
     place_legend(ax, f"load {letter(comparison.signs, 'Fz')}")
+
+
+def _loads(measured: Sequence[float], points: int) -> FloatArray:
+    """Return loads from nearly zero to a quarter beyond the largest measured one; the ends of these are among them."""
+    loads = np.linspace(0.0, BEYOND * max(measured), points)[1:]
+    return np.unique(np.append(loads, [min(measured), max(measured)]))
+
+
+def _draw_over_load(ax: Axes, loads: FloatArray, values: FloatArray, measured: Sequence[float]) -> None:
+    """Draw a quantity of the tire; beyond the measured loads, where no data support it, dotted and thinner."""
+    low, high = min(measured), max(measured)
+    inside, strictly = (loads >= low) & (loads <= high), (loads > low) & (loads < high)
+    ax.plot(loads, np.where(inside, values, np.nan), color="C0", lw=2, label="tire")
+    ax.plot(loads, np.where(strictly, np.nan, values), color="C0", lw=1.2, ls=":", label="beyond the\nmeasured loads")
 
 
 def friction_over_load(comparison: Comparison, fitted: FitResult | None) -> Figure | None:
@@ -143,15 +163,15 @@ def _draw_friction(ax: Axes, comparison: Comparison, family: Family, fitted: Fit
     channel, slip = family.channel, family.slip
     measured = [(abs(group.level), _largest_friction(group, family)) for group in family.groups]
     rows = pd.concat([group.rows for group in family.groups])
-    sign, top = float(np.sign(family.groups[0].level)), 1.25 * max(load for load, _ in measured)
-    loads = np.linspace(0.0, top, FRICTION_LOADS)[1:]
+    sign = float(np.sign(family.groups[0].level))
+    loads = _loads([load for load, _ in measured], FRICTION_LOADS)
     slips = np.linspace(rows[slip].min(), rows[slip].max(), FRICTION_SLIPS)
     grid = {"Fz": sign * np.repeat(loads, len(slips)), slip: np.tile(slips, len(loads))}
     curves = comparison.over(rows, grid)
     largest = curves[channel].abs().to_numpy().reshape(len(loads), -1).argmax(axis=1)
     peaks = curves.iloc[np.arange(len(loads)) * len(slips) + largest]
     friction = peaks[channel].abs().to_numpy() / loads
-    ax.plot(loads, friction, color="C0", lw=2, label="tire")
+    _draw_over_load(ax, loads, friction, [load for load, _ in measured])
     if fitted is not None:
         half = 1.96 * band(fitted, channel, peaks, comparison.signs)["error"].to_numpy() / loads
         ax.fill_between(loads, friction - half, friction + half, color="C0", alpha=0.25, lw=0.0)
@@ -169,7 +189,8 @@ def _largest_friction(group: Group, family: Family) -> float:
     """Return the largest median of |force| / load over parts of the slip range."""
     slip = group.rows[family.slip].to_numpy(dtype=float)
     friction = (group.rows[family.channel] / group.rows["Fz"]).abs().to_numpy(dtype=float)
-    edges = np.linspace(slip.min(), slip.max(), FRICTION_PARTS + 1)[1:-1]
+    parts = min(FRICTION_PARTS, max(1, len(slip) // FRICTION_ROWS))
+    edges = np.linspace(slip.min(), slip.max(), parts + 1)[1:-1]
     part = np.digitize(slip, edges)
     medians = [np.median(friction[part == i]) for i in np.unique(part) if (part == i).sum() >= FRICTION_ROWS]
     return float(max(medians, default=np.nan))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -13,12 +12,13 @@ import pandas as pd
 from tirefmu.measurements import TableLike, recordings_from
 from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import FitError, path_from
-from tirefmu.tires.drawing.page import inlined, page_text, write_page
+from tirefmu.tires.drawing.page import page_text, write_page
+from tirefmu.tires.drawing.shown_figure import ShownFigure, shown_figures
 
 from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
 from ..results.intervals import listed_intervals
-from .figures import draw_figures
+from .figures import figures_of
 from .report_text import (
     SIGNIFICANT,
     bootstrap_summary,
@@ -39,7 +39,7 @@ def write_report(
     result: FitResult,
     recordings: TableLike | Iterable[TableLike],
     path: str | Path,
-    figures: Sequence[Path] | None = None,
+    figures: Sequence[ShownFigure] | None = None,
     *,
     command: str = "",
 ) -> None:
@@ -51,8 +51,8 @@ def write_report(
     recordings : path, DataFrame or Recording, or a sequence of them
         The fitted recordings, for the figures and the provenance.
     path : str or Path
-    figures : sequence of Path, optional
-        The files that `draw_figures` has written for them; otherwise they are drawn, which takes seconds.
+    figures : sequence of ShownFigure, optional
+        The rendered `figures_of` them; otherwise they are drawn, which takes seconds.
     command : str
         The command line, for the provenance.
 
@@ -63,22 +63,20 @@ def write_report(
     """
     path = path_from(path)
     given = recordings_from(recordings)
-    with tempfile.TemporaryDirectory() as folder:
-        images = inlined(draw_figures(result, given, Path(folder)) if figures is None else figures)
+    images = shown_figures(figures_of(result, given)) if figures is None else figures
     try:
         write_page(report_page(result, images, provenance(given, command)), path)
     except OSError as error:
         raise FitError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
-def report_page(result: FitResult, images: Sequence[tuple[str, str]], origin: Sequence[tuple[str, str]] = ()) -> str:
+def report_page(result: FitResult, images: Sequence[ShownFigure], origin: Sequence[tuple[str, str]] = ()) -> str:
     """Return the page's text.
 
     Parameters
     ----------
     result : FitResult
-    images : sequence of (str, str)
-        Name and base64 text of each figure (PNG).
+    images : sequence of ShownFigure
     origin : sequence of (str, str)
         The provenance.
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import os
-import warnings
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import figure_text
+from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
 from tirefmu.tires.drawing.style import LEGEND_SIZE, TITLE_SIZE
 
 from .result import Channel, CheckResult
@@ -22,7 +20,8 @@ from .result import Channel, CheckResult
 FloatArray = npt.NDArray[np.float64]
 
 DATA, MODEL, ERROR = "0.65", "tab:blue", "tab:red"
-DPI = 130
+#: Size of markers in a legend, points.
+LEGEND_MARKER = 5.0
 
 
 def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: str = "") -> list[Path]:
@@ -59,28 +58,28 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     >>> [path.name for path in draw_check(result, "figures")]
     ['Fy.png']
     """
-    target = Path(folder)
-    written = []
-    for channel in result.channels:
-        buffer = BytesIO()
-        with warnings.catch_warnings():  # a character that the font lacks appears as a box
-            warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
-            _figure(result, channel).savefig(buffer, format="png", dpi=DPI)
-        try:
-            target.mkdir(parents=True, exist_ok=True)
-            path = target / f"{prefix}{channel.name}.png"
-            part = path.with_name(f".{path.name}.part")
-            part.write_bytes(buffer.getvalue())
-            part.replace(path)
-        except OSError as error:
-            raise FmuError(f"{target}: cannot be written ({error.strerror or error})") from error
-        written.append(path)
-    return written
+    try:
+        return write_figures(shown_figures(check_figures(result)), Path(folder), prefix)
+    except OSError as error:
+        raise FmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
+
+
+def check_figures(result: CheckResult) -> dict[str, Figure]:
+    """Return the figures of `draw_check` by channel.
+
+    Parameters
+    ----------
+    result : CheckResult
+
+    Returns
+    -------
+    dict of str to matplotlib.figure.Figure
+    """
+    return {channel.name: _figure(result, channel) for channel in result.channels}
 
 
 def _figure(result: CheckResult, channel: Channel) -> Figure:
     figure = Figure(figsize=(11.0, 6.0), layout="constrained")
-    FigureCanvasAgg(figure)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each started in steady state"
     names = f"{figure_text(result.fmu)} against {figure_text(result.source)}"
@@ -119,13 +118,7 @@ def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
     title = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
     ax.set_title(title, fontsize=TITLE_SIZE, loc="left")
     ax.set_ylabel(f"{channel.name} ({unit})")
-    ax.legend(
-        loc="upper left",
-        bbox_to_anchor=(1.0, 1.0),
-        frameon=False,
-        fontsize=LEGEND_SIZE,
-        markerscale=4.0 if len(time) > 1000 else 1.0,
-    )
+    _add_legend(ax)
 
 
 def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
@@ -143,10 +136,11 @@ def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
     ax.plot(time[worst.row], worst.simulated - worst.measured, "o", mfc="none", color="black", label="worst point")
     ax.axhline(0.0, color="0.3", lw=0.8)
     ax.set_ylabel(f"FMU - data ({figure_text(channel.unit)})")
-    ax.legend(
-        loc="upper left",
-        bbox_to_anchor=(1.0, 1.0),
-        frameon=False,
-        fontsize=LEGEND_SIZE,
-        markerscale=4.0 if len(time) > 1000 else 1.0,
-    )
+    _add_legend(ax)
+
+
+def _add_legend(ax: Axes) -> None:
+    """Show the markers of all series in one size: those of many rows are too small to see."""
+    legend = ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=LEGEND_SIZE)
+    for handle in legend.get_lines():
+        handle.set_markersize(LEGEND_MARKER)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -12,22 +10,24 @@ from numpy.typing import NDArray
 from tirefmu.tires.drawing.style import (
     LETTER,
     NOTE_SIZE,
+    TITLE_SIZE,
     draw_points,
     drawn_unit,
     finish,
-    level_colors,
+    held_text,
+    letter,
+    level_styles,
     level_text,
     panels,
     per_si,
     place_legend,
-    png,
     some_of,
     write_footnote,
-    write_whole,
 )
 
 from ..channels import CHANNELS, INPUTS, OUTPUTS
 from ..operating_conditions.held_levels import held_levels
+from ..operating_conditions.levels import level_tolerance
 from .inspection import Inspection
 
 #: Points of a line over time: two for each column of pixels.
@@ -38,22 +38,20 @@ EXCLUDED = {"warm-up": "tab:orange", "transition": "tab:gray", "outlier": "tab:r
 SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha", "Mx": "alpha", "My": "kappa"}
 
 
-def draw_inspection(inspection: Inspection, folder: Path) -> list[Path]:
-    """Draw the figures of a recording.
+def inspection_figures(inspection: Inspection) -> dict[str, Figure]:
+    """Draw a recording: over time, over slip, and the visited conditions.
 
     Parameters
     ----------
     inspection : Inspection
-    folder : pathlib.Path
-        It exists.
 
     Returns
     -------
-    list of pathlib.Path
-        PNG files.
+    dict of str to matplotlib.figure.Figure
+        By name.
     """
     drawn = {"time": _over_time(inspection), "slip": _over_slip(inspection), "conditions": _coverage(inspection)}
-    return [write_whole(folder / f"{name}.png", png(figure)) for name, figure in drawn.items() if figure is not None]
+    return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 def _over_time(inspection: Inspection) -> Figure:
@@ -99,8 +97,8 @@ def _envelope(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[n
 
 
 def _over_slip(inspection: Inspection) -> Figure | None:
-    """Draw each output over its slip, colored by load."""
-    table = inspection.recording.table
+    """Draw each output over its slip, by load at one level of the other inputs; rows at other levels are gray."""
+    signs, table = inspection.recording.signs, inspection.recording.table
     pairs = [
         (SLIP[name], name) for name in OUTPUTS if name in table and SLIP[name] in table and table[name].notna().any()
     ]
@@ -111,14 +109,42 @@ def _over_slip(inspection: Inspection) -> Figure | None:
     levels = held_levels(load) or [float(np.median(load.to_numpy(dtype=np.float64)))]
     nearest = np.abs(load.to_numpy()[:, None] - levels).argmin(axis=1)
     figure, axes = panels(len(pairs), "Outputs over slip, included rows")
+    grayed = False
     for (slip, name), ax in zip(pairs, axes, strict=True):
-        for level, (value, color) in enumerate(zip(levels, level_colors(len(levels), "Fz"), strict=True)):
-            draw_points(ax, included[nearest == level], slip, name, color)
-            ax.plot([], [], "o", ms=4, color=color, label=level_text("Fz", value))
+        held, at_levels = _held(included, slip)
+        others = some_of(included[~at_levels].dropna(subset=[name]))
+        grayed |= len(others) > 0
+        ax.plot(others[slip] * per_si(slip), others[name], ".", ms=2.5, mew=0.0, color="0.8", zorder=0)
+        for level, (value, style) in enumerate(zip(levels, level_styles(len(levels), "Fz"), strict=True)):
+            draw_points(ax, included[at_levels & (nearest == level)], slip, name, style)
+            ax.plot([], [], style.marker, ms=4, color=style.color, label=level_text("Fz", value))
+        ax.set_title(held_text(signs, held), fontsize=TITLE_SIZE)
         finish(ax, slip, f"{LETTER[name]} ({drawn_unit(name)})")
-        place_legend(ax, "load")
-    write_footnote(figure, inspection.recording.signs)
+        place_legend(ax, f"load {letter(signs, 'Fz')}")
+    write_footnote(figure, signs, *["gray: rows with other values of the inputs in the title"] * grayed)
     return figure
+
+
+def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], NDArray[np.bool_]]:
+    """Return levels of the inputs other than slip and load, and the rows at them.
+
+    Other slips and the camber are nearest to zero, further inputs at their level with the most rows. An input without
+    levels is not held.
+    """
+    held: dict[str, float] = {}
+    at_levels = np.ones(len(rows), dtype=np.bool_)
+    for name in ("kappa", "alpha", "gamma", "p", "V"):
+        if name == slip or name not in rows:
+            continue
+        values = rows[name].to_numpy(dtype=np.float64)
+        tolerance = level_tolerance(values, name)
+        known = [0.0] if name in ("kappa", "alpha") else held_levels(rows[name])
+        counts = {level: int((at_levels & (np.abs(values - level) <= tolerance)).sum()) for level in known}
+        present = {level: count for level, count in counts.items() if count}
+        if present:
+            held[name] = min(present, key=abs) if name == "gamma" else max(present, key=present.__getitem__)
+            at_levels &= np.abs(values - held[name]) <= tolerance
+    return held, at_levels
 
 
 def _coverage(inspection: Inspection) -> Figure | None:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from tirefmu.symbolic.errors import DataError, path_from
-from tirefmu.tires.drawing.page import inlined, page_text, write_page
+from tirefmu.tires.drawing.page import page_text, write_page
+from tirefmu.tires.drawing.shown_figure import ShownFigure, shown_figures
 
 from ..findings.finding import Finding, verdict_on
 from ..provenance import provenance
-from .figures import draw_inspection
+from .figures import inspection_figures
 from .inspection import Inspection
 from .tables import TEXTS, all_tables, title
 
@@ -20,7 +20,7 @@ def write_inspection(
     inspections: Sequence[Inspection],
     findings: Sequence[Finding],
     path: str | Path,
-    drawn: Sequence[Sequence[Path]] | None = None,
+    drawn: Sequence[Sequence[ShownFigure]] | None = None,
     *,
     command: str = "",
 ) -> None:
@@ -31,8 +31,8 @@ def write_inspection(
     inspections : sequence of Inspection
     findings : sequence of Finding
     path : str or Path
-    drawn : sequence of sequence of Path, optional
-        Figures of `draw_inspection` for each recording; they are drawn if absent.
+    drawn : sequence of sequence of ShownFigure, optional
+        The rendered `inspection_figures` of each recording; they are drawn if absent.
     command : str
         The command line, for the provenance.
 
@@ -42,7 +42,7 @@ def write_inspection(
         If the file cannot be written.
     """
     path = path_from(path)
-    images = [_figures(each) for each in inspections] if drawn is None else [inlined(paths) for paths in drawn]
+    images = drawn or [shown_figures(inspection_figures(each)) for each in inspections]
     page = page_text(
         "tirefmu.measurements.inspection", {"title_of": title, "tables_of": all_tables},
         inspections=inspections, findings=findings, verdict=verdict_on(findings),
@@ -53,8 +53,3 @@ def write_inspection(
         write_page(page, path)
     except OSError as error:
         raise DataError(f"{path}: cannot be written ({error.strerror or error})") from None
-
-
-def _figures(inspection: Inspection) -> list[tuple[str, str]]:
-    with tempfile.TemporaryDirectory() as folder:
-        return inlined(draw_inspection(inspection, Path(folder)))

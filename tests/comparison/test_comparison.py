@@ -95,8 +95,21 @@ def test_curves_are_those_of_the_tires(old, new, bench, signs):
     slopes = [line for line in figures["Fy_slope_over_alpha"].axes[1].lines if line.get_label().endswith(" N")]
     curve = next(line for line in figures["stiffness_y_over_load"].axes[0].lines if line.get_label().startswith("new"))
     for line, sweep in zip(slopes, found, strict=True):
-        steepest = np.abs(line.get_ydata()).max() * np.degrees(1.0)
-        assert steepest == pytest.approx(np.interp(abs(sweep.load), *np.abs(curve.get_data())), rel=0.05)
+        steepest = line.get_ydata().max()  # positive at zero slip, in the unit of the stiffness
+        assert steepest == pytest.approx(np.interp(abs(sweep.load), *curve.get_data()), rel=0.05)
+
+
+def test_one_figure_has_one_pressure_and_one_curve_for_each_load(new, bench):
+    """Two runs at the same pressure are one sweep; the shorter run at another pressure is not drawn."""
+    iso = bench.with_signs("iso")
+    first, second, other = (replace(iso, table=iso.table.assign(p=p)) for p in (83e3, 83.5e3, 55e3))
+    other = replace(other, table=other.table.iloc[: len(iso) // 2])
+    found = sweeps(new, "alpha", [other, first, second])
+    assert [round(each.load, -1) for each in found] == list(LOADS)
+    assert all(each.held["p"] == pytest.approx(83e3, abs=1e3) for each in found)
+    alone = sweeps(new, "alpha", [first])
+    assert [len(each.rows) for each in found] == [2 * len(each.rows) for each in alone]
+    assert set().union(*(each.rows["p"] for each in found)) == {83e3, 83.5e3}
 
 
 @pytest.mark.parametrize("text", HOSTILE)

@@ -109,7 +109,7 @@ def test_a_worse_tire_is_not_delivered():
     assert reasons_against({"train": errors(10.0, 10.01), "holdout": good}, {})
     assert reasons_against({"train": good, "holdout": good}, {}) == ()
     assert "hold-out set" in reasons_against({"train": good, "holdout": bad}, {})[0]
-    assert "training rows" in reasons_against({"train": bad, "holdout": good}, {})[0]
+    assert "fitted rows" in reasons_against({"train": bad, "holdout": good}, {})[0]
     slightly = {"Fx": {"before": 10.0, "after": 10.4}, "Fy": {"before": 10.0, "after": 8.0}}
     assert reasons_against({"train": slightly, "holdout": slightly}, {}) == ()  # one channel only
     assert "hold-out set" in reasons_against({"train": good, "holdout": errors(10.0, 10.01)}, {})[0]

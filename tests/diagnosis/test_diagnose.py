@@ -7,7 +7,7 @@ import pytest
 
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
-from tirefmu.diagnosis.reporting import report
+from tirefmu.diagnosis.reporting import curves_figure, report
 from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.search.proposals import FormCorrection
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
@@ -148,6 +148,32 @@ def test_no_text_changes_the_structure_of_the_page(thrust, text, monkeypatch):
     assert shown.parts == plain.parts
     assert not {"script", "iframe", "object", "link", "a"} & {part[0] for part in shown.parts}
     assert shown.text.count(visible(text)) >= 12
+
+
+def test_the_parts_of_a_recording_have_plain_names_on_the_page(thrust, monkeypatch):
+    monkeypatch.setattr(report, "_maps", lambda *_: [])
+    case, diagnosis = thrust
+    _, simulated = with_text(diagnosis, "plain")
+    page = report_page(diagnosis, Recording(case.table, case.signs, "plain"), simulated)
+    for name, text in report.ROWS.items():
+        assert f"<td>{text}</td>" in page
+        assert f"<td>{name}</td>" not in page
+    assert set(diagnosis.gap) <= set(report.ROWS)
+
+
+def test_a_block_with_several_conditions_is_drawn_at_one():
+    """The curve of a panel has one load, camber and other slip; its title states them."""
+    steps = np.linspace(-0.2, 0.2, 40)
+    parts = [(0.0, 900.0, 0.0), (0.0, 900.0, 0.0), (0.1, 900.0, 0.0), (0.0, 500.0, 0.0), (0.0, 900.0, 0.07)]
+    rows = pd.concat(
+        [pd.DataFrame({"alpha": steps, "kappa": k, "Fz": load, "gamma": camber}) for k, load, camber in parts],
+        ignore_index=True,
+    )
+    slip, drawn = curves_figure._swept(rows, ["alpha", "kappa"])
+    assert slip == "alpha"
+    np.testing.assert_array_equal(np.flatnonzero(drawn), np.arange(80))
+    texts = [curves_figure._level_text(rows["Fz"][mask], "Fz", 0) for mask in (drawn, drawn | True)]
+    assert texts == ["900 N", "500 to 900 N"]
 
 
 @pytest.mark.parametrize("text", HOSTILE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import shutil
 
 import pytest
@@ -39,13 +40,11 @@ def browser():
 
 
 @pytest.fixture
-def opened(browser, tmp_path):
-    """Return a function that writes a page, opens it and returns it; at the end no page has reported an error."""
+def opened_file(browser):
+    """Return a function that opens a page and returns it; at the end no page has reported an error."""
     contexts, problems = [], []
 
-    def open_page(tire, *, width=1400, height=900, fragment="", **content):
-        path = tmp_path / f"page{len(contexts)}.html"
-        explore(tire, path, **content)
+    def open_file(path, *, width=1400, height=900, fragment=""):
         context = browser.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
         contexts.append(context)
         page = context.new_page()
@@ -53,13 +52,27 @@ def opened(browser, tmp_path):
         page.on("pageerror", lambda error: problems.append(str(error)))
         page.on("request", lambda request: None if request.url.startswith("file:") else problems.append(request.url))
         page.goto(f"{path.as_uri()}{fragment}")
-        page.locator("#charts canvas").first.wait_for()
         return page
 
-    yield open_page
+    yield open_file
     for context in contexts:
         context.close()
     assert not problems
+
+
+@pytest.fixture
+def opened(opened_file, tmp_path):
+    """Return a function that writes the page of a tire, opens it and returns it."""
+    count = itertools.count()
+
+    def open_page(tire, *, width=1400, height=900, fragment="", **content):
+        path = tmp_path / f"page{next(count)}.html"
+        explore(tire, path, **content)
+        page = opened_file(path, width=width, height=height, fragment=fragment)
+        page.locator("#charts canvas").first.wait_for()
+        return page
+
+    return open_page
 
 
 @pytest.fixture(scope="session")

@@ -51,7 +51,7 @@ def test_the_page_is_self_contained_and_its_scripts_are_those_that_its_policy_na
 
 
 def test_a_missing_chart_library_is_an_error(monkeypatch):
-    monkeypatch.setattr("tirefmu.explorer.explore.LIBRARY", "no_such_package")
+    monkeypatch.setattr("tirefmu.tires.drawing.chart_library.LIBRARY", "no_such_package")
     with pytest.raises(TirefmuError, match="pip install uplot-python"):
         page_text("trento_hoosier", intervals={})
 

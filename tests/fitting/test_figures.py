@@ -14,7 +14,7 @@ from tirefmu.fitting.evidence.curves import compare
 from tirefmu.fitting.evidence.slope import read_slope
 from tirefmu.fitting.reporting.captions import data_text
 from tirefmu.fitting.reporting.figures import _weighting, draw_figures
-from tirefmu.fitting.reporting.load_figures import _largest_friction
+from tirefmu.fitting.reporting.load_figures import _largest_friction, friction_over_load, stiffness_over_load
 from tirefmu.measurements import (
     Noise,
     Recording,
@@ -255,6 +255,24 @@ def test_no_slope_is_read_from_one_side_or_from_few_points():
     slip = np.linspace(0.0, 1.0, 100)
     assert np.isnan(read_slope(slip, slip, 1.0).value)
     assert np.isnan(read_slope(np.linspace(-1.0, 1.0, 11), np.ones(11), 1.0).value)
+
+
+@pytest.mark.parametrize("drawn", ["stiffness", "friction"])
+def test_loads_beyond_the_measured_ones_are_marked(trento, drawn):
+    figure = stiffness_over_load(trento, None, None) if drawn == "stiffness" else friction_over_load(trento, None)
+    over_load = [ax for ax in figure.axes if ax.get_xlabel().startswith("load")]
+    assert len(over_load) == 2
+    for ax, (channel, slip) in zip(over_load, (("Fx", "kappa"), ("Fy", "alpha")), strict=True):
+        measured = [group.level for group in per_load(trento, channel, slip).groups]
+        lines = {line.get_label().split("\n")[0]: line for line in ax.get_lines()}
+        loads, values = lines["tire"].get_data()
+        known = loads[np.isfinite(values)]
+        assert (known.min(), known.max()) == pytest.approx((min(measured), max(measured)))
+        loads, values = lines["beyond the"].get_data()
+        beyond = loads[np.isfinite(values)]
+        assert ((beyond <= min(measured)) | (beyond >= max(measured))).all()
+        assert beyond.max() == pytest.approx(1.25 * max(measured))
+        assert lines["beyond the"].get_linestyle() != lines["tire"].get_linestyle()
 
 
 def test_the_friction_read_from_data_is_that_of_the_tire(trento):

@@ -19,6 +19,7 @@ from tirefmu.fitting.results.records import HeldOut
 from tirefmu.measurements.provenance import provenance, table_digest
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import visible
+from tirefmu.tires.drawing.shown_figure import ShownFigure
 
 from ..hostile import HOSTILE, Skeleton, is_plain
 
@@ -117,8 +118,8 @@ def with_text(result, text):
 @pytest.mark.parametrize("text", HOSTILE)
 def test_no_text_changes_the_page(side_fit, text):
     result, _ = side_fit
-    images = [(text, "AAAA")]
-    plain = Skeleton(report_page(with_text(result, "plain"), [("plain", "AAAA")], [("command", "plain")]))
+    images = [ShownFigure(text, b"", 6.0)]
+    plain = Skeleton(report_page(with_text(result, "plain"), [ShownFigure("plain", b"", 6.0)], [("command", "plain")]))
     page = report_page(with_text(result, text), images, [("command", text)])
     page.encode("utf-8")
     assert is_plain(page)

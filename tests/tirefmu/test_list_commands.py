@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 
+import click
 import pytest
 
 from tirefmu.cli import cli
 from tirefmu.commands.catalogue import effects
-from tirefmu.commands.help_examples import EXAMPLES
+from tirefmu.commands.command_help import EXAMPLES, SECTIONS
 from tirefmu.measurements import read_recording
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import MODELS
@@ -62,6 +64,15 @@ def test_every_command_has_examples_that_its_options_accept():
             first, *arguments = shlex.split(line)
             assert first == name
             cli.commands[name].make_context(name, arguments)
+
+
+def test_the_help_has_every_command_once_under_a_heading_with_a_whole_sentence():
+    listed = [name for names in SECTIONS.values() for name in names]
+    assert sorted(listed) == sorted(cli.commands)
+    shown = cli.get_help(click.Context(cli, terminal_width=80))
+    for name in listed:
+        sentence = re.search(rf"^  {name}  +(.*)$", shown, re.MULTILINE)[1]
+        assert sentence == sentence.removesuffix("...").removesuffix(".") + "."
 
 
 def test_an_example_recording_is_that_of_the_tire_on_the_bench(command, tmp_path):

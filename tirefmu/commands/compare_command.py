@@ -23,7 +23,10 @@ def compare(
     tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, signs: str | None, draw_signs: str | None,
     where: str | None, every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Compare TIRE with TIRE2, of any models: coefficients, errors over TABLES, figures of old and new parameters."""
+    """Compare TIRE with TIRE2, of any models.
+
+    Coefficients, errors over TABLES, figures of old and new parameters.
+    """
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, tire2, *tables)
     from tirefmu.comparison.comparison import compare as run

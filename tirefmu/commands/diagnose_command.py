@@ -52,7 +52,9 @@ def diagnose(
     others: tuple[Path, ...], turning: bool, fmus: bool, workers: int | None, scheduler: str | None, resume: bool,
     output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Identify the effect that a tire model lacks, from a recording; add it and report the smaller error.
+    """Identify the effect that a tire model lacks, and add it.
+
+    The smaller error of the improved tire is reported, and both tires are simulated as FMUs.
 
     TABLES are one recording, or several recordings and folders of recordings. Each of several is diagnosed separately:
     its results are in a folder with its name, and summary.html has all. A recording that cannot be diagnosed is a row

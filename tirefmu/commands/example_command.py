@@ -8,31 +8,42 @@ import click
 
 from ..arguments import FILE, check_output_paths, common, write_json
 
+#: The published tire of each program.
+TIRES = {"trento": "trento_hoosier", "unicamp": "unicamp_small_tire"}
+
 
 @click.command()
 @click.option("-o", "--output", type=FILE, default=Path("example.csv"), show_default=True,
               help="CSV or Parquet file to write, in SI units and ISO signs.")  # fmt: skip
-@click.option("--tire", type=FILE, default=Path("trento_hoosier"), show_default=True, help="The tire on the bench.")
+@click.option("--program", type=click.Choice(list(TIRES)), default="trento", show_default=True,
+              help="Sweeps of the Trento report, or the 297 points of the UNICAMP paper.")  # fmt: skip
+@click.option("--tire", type=FILE, help="The tire on the bench (default: that of the report or paper).")
 @click.option("--sample-rate", type=click.FloatRange(min=1.0, max=1000.0), default=50.0, show_default=True,
-              help="Samples per second; a small number gives a small file.")  # fmt: skip
+              help="Samples per second of a sweep; a small number gives a small file.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Of the noise.")
 @common
-def example(output: Path, tire: Path, sample_rate: float, seed: int, quiet: bool, json_file: Path | None) -> int:
-    """Write an example recording: a known tire on the virtual bench, with noise and drift.
+def example(
+    output: Path, program: str, tire: Path | None, sample_rate: float, seed: int, quiet: bool, json_file: Path | None
+) -> int:
+    """Write an example recording of the virtual bench.
 
-    The program is that of the Trento report: sweeps of the slip angle at 5 loads and 5 camber angles, then sweeps of
-    the longitudinal slip at 4 loads, 3 camber angles and 3 slip angles. No value is measured.
+    A known tire is measured with noise and drift. The program trento is that of the report: sweeps of the slip
+    angle at 5 loads and 5 camber angles, then sweeps of the longitudinal slip at 4 loads, 3 camber angles and 3
+    slip angles. The program unicamp is that of the paper on small tires: steady points at 9 slip angles, 3 loads
+    and 11 longitudinal slips. No value is measured.
     """
     check_output_paths(output, json_file)
-    from tirefmu.measurements import VirtualBench, trento_program, write_table
+    from tirefmu.measurements import VirtualBench, small_tire_program, trento_program, write_table
     from tirefmu.tires import tire_from
 
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    tested = tire_from(tire)
+    tested = tire_from(tire or TIRES[program])
     with terminal.working("running the virtual bench"):
-        recording = VirtualBench(tested, seed=seed).run(trento_program(sample_rate=sample_rate, signs="iso"))
+        sweeps = program == "trento"
+        tests = trento_program(sample_rate=sample_rate, signs="iso") if sweeps else small_tire_program()
+        recording = VirtualBench(tested, seed=seed).run(tests).with_signs("iso")
         write_table(recording.table, output)
     table = recording.table
     nominal = {"Fz0": tested.values["FNOMIN"], "R0": tested.values["UNLOADED_RADIUS"]}

@@ -22,9 +22,10 @@ def explore(
     tire: Path, tables: tuple[Path, ...], output: Path, compare: Path | None, fit_json: Path | None,
     signs: str | None, where: str | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Write a page with sliders for the coefficients, effects and inputs of TIRE, over the data of TABLES.
+    """Write a page with sliders and curves of TIRE.
 
-    The page is one file that needs no connection. It saves a changed tire as .tir; its address contains its state.
+    Coefficients, effects and inputs have sliders; the data of TABLES are under the curves. The page is one file that
+    needs no connection. It saves a changed tire as .tir; its address contains its state.
     """
     check_output_paths(output, json_file)
     check_input_paths(tire, *tables, *(path for path in (compare, fit_json) if path))

@@ -67,9 +67,10 @@ def export(
     quiet: bool,
     json_file: Path | None,
 ) -> int:
-    """Export TIRE as an FMU: native (Co-Simulation and Model Exchange, no Python), or with editable Python.
+    """Export TIRE as an FMU.
 
-    Several tires are exported as a system with --ssp.
+    It is native (Co-Simulation and Model Exchange, no Python), or has editable Python. Several tires are exported as a
+    system with --ssp.
     """
     target = output or ssp
     if target is None or (output and ssp):

@@ -102,9 +102,10 @@ def fit(
     replicates: int | None, profiled: tuple[str, ...], workers: int | None, scheduler: str | None,
     figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
+    """Fit a tire to TABLES under physical constraints.
 
-    The output starts with a verdict: usable, usable with limits, or not usable (exit code 1), with the reasons.
+    TABLES are bench files, CSV or Parquet. The output starts with a verdict: usable, usable with limits, or not usable
+    (exit code 1), with the reasons.
 
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
     the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
@@ -173,10 +174,15 @@ def fit(
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
     drawn = None
     if figures:
-        from tirefmu.fitting.reporting.figures import draw_figures
+        from tirefmu.fitting.reporting.figures import figures_of
+        from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
 
         with terminal.working("drawing figures"):
-            drawn = draw_figures(result, recordings, figures)
+            drawn = shown_figures(figures_of(result, recordings))
+        try:
+            write_figures(drawn, figures)
+        except OSError as error:
+            raise TirefmuError(f"{figures}: figures cannot be written: {error.strerror or error}") from None
         terminal.print(f"figures: {len(drawn)} in {figures}")
     if report:
         from tirefmu.fitting.reporting.report import write_report

@@ -33,7 +33,9 @@ def generate(
     tire: str | None, language: str | None, output: Path | None, functions: tuple[str, ...], values: str | None,
     only: tuple[str, ...], only_check: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Print TIRE (a .tir file, a published tire or a model) as code in a language, with a self-test.
+    """Write TIRE as code in a language, with a self-test.
+
+    TIRE is a .tir file, a published tire or a model.
 
     Without TIRE: generate the NumPy, CasADi and C code of all models in generated/ of a checkout.
     """

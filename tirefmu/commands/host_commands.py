@@ -51,9 +51,10 @@ def convert(tire: Path, output: Path, host: str, model: str | None, quiet: bool,
 @FOR
 @common
 def lint(file: Path, host: str, quiet: bool, json_file: Path | None) -> int:
-    """Check whether another program accepts the property file FILE, and what it does not evaluate.
+    """Check whether another program accepts the .tir file FILE.
 
-    Exit code 1 if the program would refuse or misread the file.
+    Effects that the program does not evaluate are reported. Exit code 1 if the program would refuse or misread the
+    file.
     """
     check_output_paths(json_file)
     check_input_paths(file)

@@ -27,9 +27,10 @@ def inspect(
     tables: tuple[Path, ...], output: Path | None, signs: str | None, where: str | None, selection: Path | None,
     every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Summarize TABLES: channels, sweeps, operating conditions, drifts, and what the data lack or contradict.
+    """Summarize TABLES, and what the data lack or contradict.
 
-    Exit code 1 if a finding is serious: a fit of these data would be misleading.
+    Channels, sweeps, operating conditions, drifts. Exit code 1 if a finding is serious: a fit of these data would be
+    misleading.
     """
     check_output_paths(output, json_file, selection)
     check_input_paths(*tables)

@@ -15,9 +15,10 @@ from ..arguments import check_output_paths, common, write_json
 @click.option("--model", help="Only effects that a tire of this model can have.")
 @common
 def effects(name: str | None, model: str | None, quiet: bool, json_file: Path | None) -> int:
-    """List the effects of tires, or describe the effect NAME: formula, coefficients, how to measure it.
+    """List the effects of tires, or describe the effect NAME.
 
-    Kinds: default (part of the model), optional (part of it on request), library (an addition to any model).
+    A description has the formula, the coefficients, and how to measure it. Kinds: default (part of the model), optional
+    (part of it on request), library (an addition to any model).
     """
     check_output_paths(json_file)
     from ..terminal import Terminal
@@ -64,7 +65,10 @@ def _bounds(bounds: list[float | None]) -> str:
 @click.command()
 @common
 def models(quiet: bool, json_file: Path | None) -> int:
-    """List the tire models: inputs, outputs, number of coefficients, recipes of a fit."""
+    """List the tire models.
+
+    Inputs, outputs, number of coefficients, recipes of a fit.
+    """
     check_output_paths(json_file)
     from ..terminal import Terminal
     from .catalogue import models as found_models

@@ -46,11 +46,11 @@ def fit_many(
     jobs: Path, output: Path, scheduler: str | None, workers: int | None, resume: bool, quiet: bool,
     json_file: Path | None, **options: str | tuple[str, ...] | dict[str, float] | None,
 ) -> int:  # fmt: skip
-    """Fit many tires: JOBS is a TOML file, or a folder in which each recording is a tire.
+    """Fit many tires on all processors or a cluster.
 
-    A file has [[jobs]] with name, tables and options, and [defaults] with options of all jobs.
-    Options are those of tirefmu fit: model, start, effects, without, recipe, nominal, signs, where, rows, loss, method,
-    iterations, seed, screening, constraints, without_constraints.
+    JOBS is a TOML file, or a folder in which each recording is a tire. A file has [[jobs]] with name, tables and
+    options, and [defaults] with options of all jobs. Options are those of tirefmu fit: model, start, effects, without,
+    recipe, nominal, signs, where, rows, loss, method, iterations, seed, screening, constraints, without_constraints.
 
     Each tire and its report are written when the fit ends. A tire that cannot be fitted is a row of the summary with
     its reason. Exit code 1 if a tire is not usable. Ctrl-C keeps what is written; --resume continues.
@@ -93,9 +93,10 @@ def study(
     fmu: Path, study_file: Path, output: Path, scheduler: str | None, workers: int | None, quiet: bool,
     json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Simulate FMU over the manoeuvres and parameters of STUDY, a TOML file (docs/many_tires.md).
+    """Simulate FMU over manoeuvres and parameters.
 
-    The table of results has a row for each run: parameters, and statistics of each output. Exit code 1 if a run failed.
+    STUDY is a TOML file (docs/many_tires.md). The table of results has a row for each run: parameters, and statistics
+    of each output. Exit code 1 if a run failed.
     """
     check_output_paths(json_file, folder=output)
     check_input_paths(fmu, study_file)

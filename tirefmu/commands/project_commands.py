@@ -31,7 +31,10 @@ def init(
     tables: tuple[Path, ...], model: str | None, nominal: dict[str, float] | None, effects: tuple[str, ...] | None,
     signs: str | None, output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Write a project file for the bench files TABLES. In a terminal, without TABLES, it asks for what it needs."""
+    """Write a project file for the bench files TABLES.
+
+    In a terminal, without TABLES, it asks for what it needs.
+    """
     check_output_paths(output, json_file)
     if output.exists():
         raise TirefmuError(f"{output}: exists already")
@@ -91,9 +94,10 @@ def _relative(path: Path, folder: Path) -> str:
 @common
 @click.pass_context
 def run(context: click.Context, project: Path, force: bool, quiet: bool, json_file: Path | None) -> int:
-    """Run the project file PROJECT: inspect, fit, explore, export, check, diagnose, and a page over all results.
+    """Run the steps of PROJECT that are out of date.
 
-    Only steps whose command, input files or results have changed are repeated. Exit code 1 if a check of a step failed.
+    The steps of a project file: inspect, fit, explore, export, check, diagnose, and a page over all results. Only steps
+    whose command, input files or results have changed are repeated. Exit code 1 if a check of a step failed.
     """
     check_output_paths(json_file)
     from ..project.project_file import read_project

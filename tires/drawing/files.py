@@ -27,6 +27,7 @@ def draw(
     signs: str = "iso",
     suffix: str = "png",
     points: pd.DataFrame | None = None,
+    kappa: Sequence[float] | None = None,
 ) -> list[Path]:
     """Draw a tire: one file of its pure curves, one of surfaces per load, one of Fy against Fx.
 
@@ -43,6 +44,9 @@ def draw(
     suffix : {"png", "svg", "pdf"}
     points : pandas.DataFrame, optional
         Measured rows in SI units and ISO signs, drawn as crosses.
+    kappa : sequence of float, optional
+        Lowest and highest longitudinal slip of the figures; by default the range in which the tire is known, at most
+        -1 to 1.
 
     Returns
     -------
@@ -54,8 +58,8 @@ def draw(
     UnknownName
         If the convention or the format does not exist.
     TirefmuError
-        If a load is not above 0, the tire makes no force or one that is not finite, or a file cannot be
-        written. No file is left half-written.
+        If a load is not above 0, the range of kappa is not ascending, the tire makes no force or one that is not
+        finite, or a file cannot be written. No file is left half-written.
 
     Examples
     --------
@@ -66,7 +70,7 @@ def draw(
     """
     if suffix not in FORMATS:
         raise UnknownName("format of figures", suffix, FORMATS)
-    sketch = sketched(tire_from(tire), loads, signs, points)
+    sketch = sketched(tire_from(tire), loads, signs, points, kappa)
     target = path_from(folder, "folder")
     figures = {"pure": pure(sketch)}
     figures |= {f"surfaces_{load:g}N": surfaces(sketch, load) for load in sketch.loads}

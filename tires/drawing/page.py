@@ -1,9 +1,8 @@
-"""A report as one self-contained HTML page without active content, whatever texts it shows."""
+"""A report as one self-contained HTML page, whatever texts it shows; its only script makes charts of its figures."""
 
 from __future__ import annotations
 
-import base64
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,13 @@ from markupsafe import Markup
 
 from tirefmu.symbolic.escaping import visible
 
-from .style import DPI, write_whole
+from .chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
+from .style import write_whole
 
 #: What every page shares: its frame with the style, and tables and figures that scroll on a narrow screen.
 FRAME, PARTS, STYLE = "page.html", "parts.html", "page.css"
+#: What makes charts of figures in a page.
+CHART_SCRIPT, CHART_STYLE = "panels.js", "panels.css"
 
 
 def page_text(
@@ -25,7 +27,8 @@ def page_text(
     """Return the text of a package's report.
 
     All texts are escaped, and control characters and marks of the writing direction are made visible. The content
-    security policy of the template forbids scripts, and allows only embedded images.
+    security policy of the template allows embedded images, and one script: the one that makes charts of figures. It is
+    part of the page if a figure has panels.
 
     Parameters
     ----------
@@ -46,15 +49,15 @@ def page_text(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_visible,
         loader=DictLoader({name: _shared(name) for name in (FRAME, PARTS, STYLE)}),
     )  # fmt: skip
-    environment.filters |= {"inches": _inches, "sentence": _sentence, **filters}
+    script = f"{library_file(LIBRARY_SCRIPT)}\n{_shared(CHART_SCRIPT)}"
+    environment.globals |= {
+        "charted": [],  # texts of the figures with panels so far: the script is last in the page
+        "chart_script": Markup(script), "allowed_script": Markup(allowed(script)),
+        "chart_style": Markup(f"{library_file(LIBRARY_STYLE)}\n{_shared(CHART_STYLE)}"),
+    }  # fmt: skip
+    environment.filters |= {"sentence": _sentence, **filters}
     source = (files(package) / template).read_text(encoding="utf-8")
     return environment.from_string(source).render(**content)
-
-
-def _inches(image: str) -> float:
-    """Return the width of an image of `inlined` in inches of a figure: its texts have the same size in all of them."""
-    head = base64.b64decode(image[:32])
-    return int.from_bytes(head[16:20], "big") / DPI
 
 
 def _sentence(text: str) -> str:
@@ -74,11 +77,6 @@ def _shared(name: str) -> str:
 def _visible(value: object) -> str:
     """Return a value as text without invisible characters; what a macro has written has been escaped already."""
     return value if isinstance(value, Markup) else visible(str(value))
-
-
-def inlined(images: Sequence[Path]) -> list[tuple[str, str]]:
-    """Return name and base64 text of each image."""
-    return [(image.stem, base64.b64encode(image.read_bytes()).decode("ascii")) for image in images]
 
 
 def write_page(page: str, path: Path) -> None:

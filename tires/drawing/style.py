@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import textwrap
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from math import ceil, degrees
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -27,6 +27,12 @@ RGB = tuple[float, float, float]
 DPI = 120
 #: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
 LEGEND_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
+#: Dashes and markers of successive levels: curves and points differ in more than their color.
+DASHES = ("-", (0, (5.0, 1.2)), (0, (5.0, 1.2, 1.2, 1.2)), (0, (1.4, 1.0)), (0, (8.0, 1.2, 1.2, 1.2, 1.2, 1.2)))
+MARKERS = ("o", "^", "s", "D", "v")
+HANDLE = 3.2  # length of a legend's lines: every dash is seen
+#: Smallest contrast of a level's color with the white page (WCAG 2.2, criterion 1.4.11).
+CONTRAST = 3.0
 SHOWN = 3000  # points of a group; more would only cover each other
 LETTER = {"kappa": r"$\kappa$", "alpha": r"$\alpha$", "gamma": r"$\gamma$", "Fz": "$F_z$"}
 LETTER |= {"t": "$t$", "p": "$p$", "V": "$V$", "T": "$T$", "phit": r"$\varphi_t$"}
@@ -61,9 +67,17 @@ def stiffness_unit(slip: str) -> str:
 
 
 def level_text(channel: str, level: float) -> str:
-    """Return a level in its drawn unit; loads by magnitude."""
+    """Return a level in its drawn unit; loads by magnitude.
+
+    Examples
+    --------
+    >>> level_text("Fz", -220.4), level_text("gamma", 0.0349), level_text("kappa", -0.2251)
+    ('220 N', '2 deg', '-0.225')
+    """
     if channel == "Fz":
         return f"{abs(level):.0f} N"
+    if drawn_unit(channel) == "-":
+        return f"{round(level, 3) + 0.0:g}"
     return f"{round(level * per_si(channel), 1) + 0.0:.3g} {drawn_unit(channel)}"  # + 0.0: no -0
 
 
@@ -88,12 +102,46 @@ def panels(count: int, title: str) -> tuple[Figure, list[Axes]]:
     return figure, axes[:count]
 
 
-def level_colors(count: int, by: str) -> list[RGB]:
-    """Return colors ordered like the levels: one map for loads, another for angles."""
+class LevelStyle(NamedTuple):
+    """How a level is drawn: color, dashes of its curve and marker of its points."""
+
+    color: RGB
+    dashes: Any
+    marker: str
+
+
+def level_styles(count: int, by: str) -> list[LevelStyle]:
+    """Return styles ordered like the levels: one color map for loads, another for angles.
+
+    Examples
+    --------
+    >>> first, second = level_styles(2, "Fz")
+    >>> first.color != second.color, first.dashes != second.dashes, first.marker != second.marker
+    (True, True, True)
+    """
     colormap = colormaps["viridis" if by == "Fz" else "plasma"]
-    # Without the light end of the maps, which is invisible on white.
-    rows = [colormap(value) for value in np.linspace(0.0, 0.85, max(count, 2))[:count]]
-    return [(red, green, blue) for red, green, blue, _ in rows]
+    colors = [_readable(colormap(value)) for value in np.linspace(0.0, 0.85, max(count, 2))[:count]]
+    return [LevelStyle(c, DASHES[i % len(DASHES)], MARKERS[i % len(MARKERS)]) for i, c in enumerate(colors)]
+
+
+def _readable(color: Sequence[float]) -> RGB:
+    """Return a color, darkened until it has the smallest contrast with white."""
+    red, green, blue = (float(part) for part in color[:3])
+    while contrast((red, green, blue)) < CONTRAST:
+        red, green, blue = 0.98 * red, 0.98 * green, 0.98 * blue
+    return red, green, blue
+
+
+def contrast(color: RGB) -> float:
+    """Return the contrast ratio of a color with white (WCAG 2.2).
+
+    Examples
+    --------
+    >>> round(contrast((0.0, 0.0, 0.0)), 6), contrast((1.0, 1.0, 1.0))
+    (21.0, 1.0)
+    """
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in color]
+    return 1.05 / (0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2] + 0.05)
 
 
 def some_of(rows: pd.DataFrame, most: int = SHOWN) -> pd.DataFrame:
@@ -101,19 +149,19 @@ def some_of(rows: pd.DataFrame, most: int = SHOWN) -> pd.DataFrame:
     return rows.sample(most, random_state=0) if len(rows) > most else rows
 
 
-def draw_points(ax: Axes, rows: pd.DataFrame, slip: str, channel: str, color: RGB) -> None:
+def draw_points(ax: Axes, rows: pd.DataFrame, slip: str, channel: str, style: LevelStyle) -> None:
     """Draw measured points, lighter than the line of their level."""
     rows = some_of(rows)
-    red, green, blue = (0.55 * part + 0.45 for part in color)
-    size = 2.5 if len(rows) > 1000 else 4.0 if len(rows) > 200 else 6.0
+    red, green, blue = (0.55 * part + 0.45 for part in style.color)
+    size = 1.6 if len(rows) > 1000 else 2.6 if len(rows) > 200 else 3.6
     x = rows[slip] * per_si(slip)
-    ax.plot(x, rows[channel], ".", color=(red, green, blue), ms=size, mew=0.0, zorder=1)
+    ax.plot(x, rows[channel], style.marker, color=(red, green, blue), ms=size, mew=0.0, zorder=1)
 
 
-def draw_line(ax: Axes, x: ArrayLike, y: ArrayLike, color: RGB, label: str) -> None:
+def draw_line(ax: Axes, x: ArrayLike, y: ArrayLike, style: LevelStyle, label: str) -> None:
     """Draw a curve; a white rim keeps it readable on points of its own color."""
     rim = [Stroke(linewidth=2.4, foreground="white"), Normal()]
-    ax.plot(x, y, color=color, lw=1.5, label=label, zorder=3, path_effects=rim)
+    ax.plot(x, y, color=style.color, ls=style.dashes, lw=1.5, label=label, zorder=3, path_effects=rim)
 
 
 def finish(ax: Axes, slip: str, ylabel: str) -> None:
@@ -134,6 +182,7 @@ def place_legend(ax: Axes, title: str | None = None) -> None:
         fontsize=LEGEND_SIZE,
         title_fontsize=LEGEND_SIZE,
         frameon=False,
+        handlelength=HANDLE,
     )
 
 

@@ -26,13 +26,14 @@ from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
 from ..signs import REVERSED, SIGNS, convert_signs
 from .style import (
+    HANDLE,
     LETTER,
     draw_line,
     drawn_unit,
     finish,
     held_text,
     letter,
-    level_colors,
+    level_styles,
     level_text,
     per_si,
     some_of,
@@ -45,6 +46,8 @@ FloatArray = npt.NDArray[np.float64]
 KINDS = ("pure", "surfaces", "combined")
 #: Slips beyond these are not drawn, however far the tire is known.
 WIDEST = {"kappa": (-1.0, 1.0), "alpha": (-radians(20.0), radians(20.0))}
+#: Largest longitudinal slip that can be requested.
+MOST_KAPPA = 10.0
 #: What is drawn over which slip, the other slip being 0.
 PURE = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
 #: Longitudinal slips that are marked where Fy is drawn against Fx.
@@ -87,13 +90,21 @@ def plot(
 
 
 def sketched(
-    tire: TireDefinition, loads: Sequence[float] | None, signs: str, points: pd.DataFrame | None = None
+    tire: TireDefinition,
+    loads: Sequence[float] | None,
+    signs: str,
+    points: pd.DataFrame | None = None,
+    kappa: Sequence[float] | None = None,
 ) -> Sketch:
-    """Return what the figures of a tire share, or report what cannot be drawn; `points` are measured rows in ISO."""
+    """Return what the figures of a tire share, or report what cannot be drawn.
+
+    `points` are measured rows in ISO, `kappa` is the drawn range of it, by default that of the tire.
+    """
     if signs not in SIGNS:
         raise UnknownName("sign convention", signs, SIGNS)
     measured = None if points is None else convert_signs(points, "iso", signs)
-    return Sketch(tire, signs, default_loads(tire) if loads is None else _checked(loads), measured)
+    given = default_loads(tire) if loads is None else _checked(loads)
+    return Sketch(tire, signs, given, measured, None if kappa is None else _checked_range(kappa))
 
 
 def default_loads(tire: TireDefinition) -> tuple[float, ...]:
@@ -130,9 +141,15 @@ class Sketch:
     """A tire, loads and a convention: evaluates what the figures show."""
 
     def __init__(
-        self, tire: TireDefinition, signs: str, loads: Sequence[float], points: pd.DataFrame | None = None
+        self,
+        tire: TireDefinition,
+        signs: str,
+        loads: Sequence[float],
+        points: pd.DataFrame | None = None,
+        kappa: tuple[float, float] | None = None,
     ) -> None:
         self.tire, self.signs, self.loads, self.points = tire, signs, tuple(loads), points
+        self._requested = {} if kappa is None else {"kappa": kappa}
         self.name = tire.name or tire.model
         self.title = figure_text(self.name)
         sample = pd.concat([self.over(load, kappa, alpha) for load in loads for kappa, alpha in [self.mesh(9)]])
@@ -141,7 +158,9 @@ class Sketch:
             raise TirefmuError(f"{self.name} makes no force at {', '.join(f'{load:g}' for load in loads)} N")
 
     def span(self, slip: str) -> tuple[float, float]:
-        """Return the slips at which the tire is known, limited to what is drawn."""
+        """Return the requested slips, or those at which the tire is known, limited to what is drawn."""
+        if slip in self._requested:
+            return self._requested[slip]
         widest = WIDEST[slip]
         known = self.tire.ranges.get(slip, widest)
         low, high = max(known[0], widest[0]), min(known[1], widest[1])
@@ -188,7 +207,13 @@ class Sketch:
         held = [f"$p$ = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
         notes = [f"model {self.tire.model}", ", ".join([r"$\gamma$ = 0", *held])]
         if self.points is not None:
-            notes.append(f"crosses: measured upright within {NEAR_LOAD:.0%} of the load, {crosses}")
+            drawn = any(len(self.measured(load)) for load in self.loads)
+            near = f"measured upright within {NEAR_LOAD:.0%} of the load"
+            notes.append(f"crosses: {near}, {crosses}" if drawn else f"no row was {near}")
+        for slip, (first, last) in self._requested.items():
+            low, high = self.tire.ranges.get(slip, (first, last))
+            if first < low or last > high:
+                notes.append(f"{LETTER[slip]} outside {low:g} to {high:g}, for which the tire is known: extrapolated")
         low, high = self.tire.ranges.get("Fz", (0.0, float("inf")))
         beyond = [f"{load:g}" for load in self.loads if not low <= load <= high]
         if beyond:
@@ -215,6 +240,13 @@ def _checked(loads: Sequence[float]) -> tuple[float, ...]:
     return tuple(dict.fromkeys(float(f"{load:g}") for load in sorted(loads)))
 
 
+def _checked_range(kappa: Sequence[float]) -> tuple[float, float]:
+    if len(kappa) != 2 or not -MOST_KAPPA <= kappa[0] < kappa[1] <= MOST_KAPPA:
+        given = ", ".join(f"{value:g}" for value in kappa)
+        raise TirefmuError(f"range of kappa {given}: two numbers from {-MOST_KAPPA:g} to {MOST_KAPPA:g}, ascending")
+    return float(kappa[0]), float(kappa[1])
+
+
 def pure(sketch: Sketch) -> Figure:
     """Fx over kappa, Fy and Mz over alpha, one curve for each load."""
     shown = [(channel, slip) for channel, slip in PURE if channel in sketch.channels]
@@ -223,11 +255,11 @@ def pure(sketch: Sketch) -> Figure:
     for ax, (channel, slip) in zip(figure.subplots(1, len(shown), squeeze=False)[0], shown, strict=True):
         grid, other = sketch.grid(slip, _POINTS), "alpha" if slip == "kappa" else "kappa"
         kappa, alpha = (grid, 0.0) if slip == "kappa" else (0.0, grid)
-        for load, color in zip(sketch.loads, level_colors(len(sketch.loads), "Fz"), strict=True):
+        for load, style in zip(sketch.loads, level_styles(len(sketch.loads), "Fz"), strict=True):
             curve = sketch.over(load, kappa, alpha)[channel]
-            draw_line(ax, grid * per_si(slip), curve, color, level_text("Fz", load))
+            draw_line(ax, grid * per_si(slip), curve, style, level_text("Fz", load))
             rows = sketch.measured(load, channel, zero=other)
-            ax.plot(rows[slip] * per_si(slip), rows[channel], "x", color=color, **CROSS)
+            ax.plot(rows[slip] * per_si(slip), rows[channel], "x", color=style.color, **CROSS)
         finish(ax, slip, f"{LETTER[channel]} ({drawn_unit(channel)})")
         ax.set_title(f"{LETTER[channel]} over {LETTER[slip]} at {LETTER[other]} = 0", fontsize=10)
         ax.margins(x=0.0)
@@ -244,7 +276,8 @@ def _left_out(sketch: Sketch) -> list[str]:
 def _shared_legend(figure: Figure, ax: Axes, title: str) -> None:
     """Add one legend for all axes."""
     handles, labels = ax.get_legend_handles_labels()
-    figure.legend(handles, labels, title=title, loc="outside right center", fontsize=9, frameon=False)
+    where: dict[str, Any] = {"loc": "outside right center", "frameon": False}
+    figure.legend(handles, labels, title=title, fontsize=9, handlelength=HANDLE, **where)
 
 
 def surfaces(sketch: Sketch, load: float) -> Figure:
@@ -328,9 +361,9 @@ def _draw_shared(ax: Axes, sketch: Sketch, load: float) -> None:
     for slip in _marked(sketch):
         across = sketch.over(load, slip, sketch.grid("alpha", _POINTS))
         ax.plot(across["Fx"], across["Fy"], color="0.75", lw=0.8, zorder=1)
-    for angle, color in zip(angles, level_colors(len(angles), "alpha"), strict=True):
+    for angle, style in zip(angles, level_styles(len(angles), "alpha"), strict=True):
         along = sketch.over(load, kappa, angle)
-        draw_line(ax, along["Fx"], along["Fy"], color, level_text("alpha", angle))
+        draw_line(ax, along["Fx"], along["Fy"], style, level_text("alpha", angle))
     rows = sketch.measured(load, "Fx", "Fy")
     ax.plot(rows["Fx"], rows["Fy"], "kx", zorder=1, **CROSS)
     ax.set_title(held_text(sketch.signs, {"Fz": load}), fontsize=10)

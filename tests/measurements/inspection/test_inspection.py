@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.measurements import Recording
+from tirefmu.measurements.inspection.figures import _over_slip
 from tirefmu.measurements.inspection.inspection import inspect
 
 
@@ -49,3 +50,27 @@ def test_loads_are_positive_and_other_channels_as_recorded(raw):
     (inspection,), _ = inspect([raw.recording.with_signs("sae")])
     assert all(each.held["Fz"] > 0.0 for each in inspection.conditions)
     assert {each.name: each.highest for each in inspection.channels}["Fz"] < 0.0
+
+
+def test_a_panel_over_slip_has_one_level_of_the_other_inputs():
+    """Rows at other cambers, pressures or combined slip are gray: each shape of points is one curve."""
+    steps = np.linspace(-0.2, 0.2, 101)
+    parts = [(0.0, 0.0, 80e3), (0.05, 0.0, 80e3), (0.0, 0.04, 80e3), (0.0, 0.0, 60e3), (0.0, 0.0, 80e3)]
+    table = pd.concat(
+        [
+            pd.DataFrame({"alpha": steps, "kappa": kappa, "gamma": gamma, "Fz": 900.0, "p": p}).assign(part=number)
+            for number, (kappa, gamma, p) in enumerate(parts)
+        ],
+        ignore_index=True,
+    )
+    table["t"], table["Fy"] = 0.01 * np.arange(len(table)), -1000.0 * table["alpha"] + 10.0 * table["part"]
+    ((inspection,), _) = inspect([Recording(table.drop(columns="part"), "iso", "a.csv")])
+    (ax,) = _over_slip(inspection).axes
+    drawn = {line.get_color(): np.sort(line.get_ydata()) for line in ax.get_lines() if len(line.get_ydata()) > 2}
+    included = table[inspection.exclusion.included]
+    pure = included[included["part"].isin([0, 4])]
+    gray = drawn.pop("0.8")
+    (points,) = drawn.values()
+    np.testing.assert_allclose(points, np.sort(pure["Fy"]))
+    assert len(gray) + len(points) == len(included)
+    assert "80 kPa" in ax.get_title()

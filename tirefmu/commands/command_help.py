@@ -1,9 +1,18 @@
-"""Examples at the end of each command's help."""
+"""Help: commands in the order of the work, under headings; examples at the end of the help of each command."""
 
 from __future__ import annotations
 
 import click
 
+#: Commands under their headings.
+SECTIONS = {
+    "From a recording to a tire": ("inspect", "fit", "explore", "export", "check", "diagnose"),
+    "All steps, many tires": ("init", "run", "fit-many", "study"),
+    "Work with a tire": ("info", "evaluate", "draw", "compare"),
+    "Other programs": ("generate", "convert", "lint"),
+    "What there is": ("models", "effects", "published"),
+    "To try it": ("demo", "example"),
+}
 #: Command lines without the name of the program, by command.
 EXAMPLES = {
     "inspect": ("inspect cornering.mat drivebrake.mat -o page.html", 'inspect run.csv --where "p in 70..90 kPa"'),
@@ -42,15 +51,32 @@ EXAMPLES = {
     "convert": ("convert my.tir --for adams -o adams.tir",),
     "lint": ("lint my.tir --for carsim",),
     "info": ("info my.tir", "info trento_hoosier --all"),
-    "draw": ("draw my.tir -o figures", "draw unicamp_small_tire points.csv --signs sae --draw-signs iso -o figures"),
+    "draw": ("draw my.tir -o figures", "draw unicamp_small_tire points.csv --kappa -1.1,1.1 -o figures"),
     "effects": ("effects --model mf61", "effects temp_friction"),
     "models": ("models", "models --json models.json"),
     "published": ("published",),
-    "example": ("example -o run.csv", "example -o small.csv --sample-rate 10 --tire my.tir"),
+    "example": (
+        "example -o run.csv",
+        "example -o small.csv --sample-rate 10 --tire my.tir",
+        "example --program unicamp -o points.csv",
+    ),
     "init": ("init cornering.mat drivebrake.mat --model mf61 --nominal Fz0=1100,R0=0.2", "init"),
     "run": ("run", "run tirefmu.toml --force"),
     "demo": ("demo -o demo-output",),
 }
+
+
+class SectionedGroup(click.Group):
+    """A group whose help lists its commands by `SECTIONS`."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands of each section with the first sentence of their help."""
+        width = max(map(len, self.commands))
+        for title, names in SECTIONS.items():
+            with formatter.section(title):
+                formatter.write_dl(
+                    [(name.ljust(width), self.commands[name].get_short_help_str(formatter.width)) for name in names]
+                )
 
 
 def add_examples(group: click.Group) -> None:
