@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.data import stored_recording
+from tirefmu.fitting.data import fit_data, stored_recording
+from tirefmu.fitting.data.fit_data import prepare
 from tirefmu.fitting.evidence.uncertainty import sandwich, uncertainty
 from tirefmu.fitting.problem import rows as rows_module
 from tirefmu.fitting.problem import weighted_residuals
@@ -17,10 +19,12 @@ from tirefmu.fitting.problem.rows import Rows, StoredRows
 from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.problem.weights import equal_weights, limits_of, noise_weights
 from tirefmu.fitting.solvers.convergence import noise_of
+from tirefmu.fitting.stage_rows import ranges_of
 from tirefmu.fitting.stage_solution import sampled
-from tirefmu.measurements import large_table, write_table
+from tirefmu.measurements import VirtualBench, alpha_sweeps, concatenate, large_table, read_recording, write_table
 from tirefmu.measurements.large_table import LargeTable
 from tirefmu.symbolic.errors import DataError, FitError
+from tirefmu.symbolic.models import model
 
 from .known_tires import NOMINAL, known_tire, recorded
 
@@ -151,6 +155,47 @@ def read(monkeypatch):
 
 def values(result):
     return np.array([one.value for one in result.coefficients])
+
+
+@pytest.mark.parametrize("rows", ["condition", "equal"])
+def test_a_file_of_one_part_is_prepared_as_in_memory(tmp_path, rows):
+    """Excluded rows, segments, and weights where one load has five times the rows of the others."""
+    program = concatenate(
+        [alpha_sweeps([500.0, 1000.0], sample_rate=20.0), *[alpha_sweeps([1500.0], sample_rate=20.0)] * 5]
+    )
+    recorded = VirtualBench(known_tire("mf96")).run(program).with_signs("iso").table
+    recorded.loc[100:119, "Fz"] = 1.0
+    write_table(recorded, tmp_path / "bench.parquet")
+    book, table = model("mf96"), LargeTable(tmp_path / "bench.parquet")
+    whole = prepare([table.excerpt], book, rows=rows)
+    parts = prepare([table.excerpt], book, rows=rows, large={0: table})
+    found = pd.concat(parts.parts(0), ignore_index=True)
+    known = {name: found[name] for name in found if name != "weight"}
+    pd.testing.assert_frame_equal(pd.DataFrame(known), whole.table[list(known)])
+    included = found["included"]
+    assert 20 <= (~included).sum() < 100
+    np.testing.assert_allclose(found["weight"][included], whole.table["weight"][included], rtol=1e-12)
+    assert (found["weight"][included].std() > 0.1) == (rows == "condition")
+    drawn, fitted = (each[["t", "alpha", "Fy", "weight"]] for each in (parts.drawn, whole.fitted))
+    np.testing.assert_allclose(drawn, fitted, rtol=1e-12)  # few rows are all drawn
+
+
+def test_random_rows_and_ranges_are_those_of_all_rows(file, read, monkeypatch):
+    """The recordings have their shares of the random rows; an excerpt alone has not the largest slips."""
+    other = recorded(known_tire("mf96"), 4000, seed=5).with_signs("iso")
+    for name, number in (("EXCERPT", 200), ("PASSAGE", 20)):
+        monkeypatch.setattr(large_table, name, number)
+    monkeypatch.setattr(fit_data, "DRAWN", 2000)
+    book, table = model("mf96"), LargeTable(file)
+    parts = prepare([table.excerpt, other], book, screening=False, rows="equal", large={0: table})
+    drawn = parts.drawn["recording"].value_counts()
+    total = table.rows + len(other)
+    assert drawn[0] == pytest.approx(2000 * table.rows / total, rel=0.1)  # three standard deviations
+    assert drawn[1] == pytest.approx(2000 * len(other) / total, rel=0.1)
+    whole = prepare([read_recording(file), other], book, screening=False, rows="equal")
+    ranges = ranges_of(whole, known_tire("mf96").inputs)
+    assert ranges_of(parts, known_tire("mf96").inputs) == ranges
+    assert ranges_of(replace(parts, stored={}), known_tire("mf96").inputs) != ranges
 
 
 def test_a_fit_of_a_file_is_the_fit_in_memory(file, read):
