@@ -72,7 +72,7 @@ def fit(
 
     Parameters
     ----------
-    tables : path, DataFrame or Recording, or a sequence of them
+    tables : path, DataFrame, Recording or LargeTable, or a sequence of them
         The data of one fit; recordings may have different sign conventions.
     model : str, optional
         By default the model of the start tire; without a start tire "mf61".

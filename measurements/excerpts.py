@@ -15,7 +15,7 @@ from .large_table import LargeTable
 from .recording import Recording
 from .table_argument import ACCEPTED, TableLike, recording_from
 
-#: Number of rows from which on a Parquet table stays in its file. In memory a fit needs 250 bytes for each row.
+#: Number of rows from which on a Parquet table stays in its file. In memory a fit needs 300 to 400 bytes a row.
 STREAM_FROM = 2_000_000
 #: How all rows of a large table are loaded, for messages.
 IN_MEMORY = "--stream-from, in Python stream_from, is the number of rows from which on a table stays in its file"
