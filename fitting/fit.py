@@ -112,7 +112,8 @@ def fit(
         Weight of the slip stiffness that is read from the data at each load, as a number of independent rows; 0: it is
         not fitted (`docs/stiffness.md`).
     progress : callable, optional
-        Called with stage, iteration and cost.
+        Called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first stage
+        with the names of the stages and their work (rows times coefficients).
     constraints, without_constraints : collection of str
         Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.

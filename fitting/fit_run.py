@@ -104,6 +104,7 @@ class FitRun:
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
         """Solve the stages until a stop is requested; save each completed stage to the checkpoint."""
+        self._interruption.plan(self._work)
         for stage in self._plan.stages[self._done :]:
             if self._stop():
                 break
@@ -113,6 +114,11 @@ class FitRun:
             self._done += 1
             if checkpoint:
                 checkpoint.save(self.state())
+
+    def _work(self) -> list[tuple[str, float]]:
+        """Return the names and the work of the stages to come: rows times coefficients."""
+        sizes = [(one, len(self._table(one)[0]), len(self._candidates(one))) for one in self._plan.stages[self._done :]]
+        return [(one.name, float(min(rows, one.rows or rows) * free)) for one, rows, free in sizes if rows]
 
     def _stop(self) -> bool:
         return self._interruption.requested

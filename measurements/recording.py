@@ -103,7 +103,7 @@ class Recording:
         >>> Recording(pd.DataFrame({"Fz": [900.0], "FX": [1.0]}), "iso", "a.csv").measured()
         Traceback (most recent call last):
         ...
-        tirefmu.symbolic.errors.DataError: a.csv: column 'FX' is not a channel: did you mean Fx?
+        tirefmu.symbolic.errors.DataError: a.csv: column 'FX' is not a channel: did you mean Fx? ...
         """
         check_names(map(str, self.table.columns), self.source, OUTPUTS)
         found = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())

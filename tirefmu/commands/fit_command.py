@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -149,13 +150,17 @@ def fit(
     with terminal.fitting() as progress:
         given = [large.get(number, recording) for number, recording in enumerate(recordings)]
         result = run(given, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
-        if folds and not result.interrupted and not any(spread.values()):
-            held_out = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
-            result = replace(result, held_out=held_out)
-    if folds and not result.interrupted and any(spread.values()):
-        with terminal.counting("cross-validation") as counted:
-            held_out = distributed(recordings, model, folds=folds, whole=result, progress=counted, **spread, **options)
-            result = replace(result, held_out=held_out)
+    if folds and not result.interrupted:
+        # The fit of a fold has the other folds' rows.
+        expected = None if any(spread.values()) else (folds, (folds - 1) * result.seconds)
+        with terminal.counting("cross-validation", singly=True, expected=expected) as counted:
+            parts: dict[str, Any] = {"folds": folds, "whole": result, **options}
+            held_out = (
+                distributed(recordings, model, progress=counted, **spread, **parts)
+                if any(spread.values())
+                else cross_validate(recordings, model, compute=partial(_one_by_one, counted), **parts)
+            )
+        result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
     if replicates and not result.interrupted:
@@ -191,6 +196,15 @@ def fit(
             write_report(result, recordings, report, drawn, command=command_line())
         terminal.print(f"report: {report}")
     return 0 if result.verdict.usable else 1
+
+
+def _one_by_one(
+    counted: Callable[[int, int], None], function: Callable[[Any], Any], tasks: Sequence[Any]
+) -> Iterator[Any]:
+    """Yield the result of each task, computed in this process."""
+    for number, task in enumerate(tasks, 1):
+        yield function(task)
+        counted(number, len(tasks))
 
 
 def _findings(tire: Tire, recordings: Sequence[Recording]) -> list[Finding]:

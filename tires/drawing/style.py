@@ -28,7 +28,7 @@ DPI = 120
 #: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
 LEGEND_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
 #: Dashes and markers of successive levels: curves and points differ in more than their color.
-DASHES = ("-", (0, (5.0, 1.2)), (0, (5.0, 1.2, 1.2, 1.2)), (0, (1.4, 1.0)), (0, (8.0, 1.2, 1.2, 1.2, 1.2, 1.2)))
+DASHES = ("-", "--", "-.", ":", (0, (8.0, 1.2, 1.2, 1.2, 1.2, 1.2)))
 MARKERS = ("o", "^", "s", "D", "v")
 HANDLE = 3.2  # length of a legend's lines: every dash is seen
 #: Smallest contrast of a level's color with the white page (WCAG 2.2, criterion 1.4.11).
@@ -153,7 +153,7 @@ def draw_points(ax: Axes, rows: pd.DataFrame, slip: str, channel: str, style: Le
     """Draw measured points, lighter than the line of their level."""
     rows = some_of(rows)
     red, green, blue = (0.55 * part + 0.45 for part in style.color)
-    size = 1.6 if len(rows) > 1000 else 2.6 if len(rows) > 200 else 3.6
+    size = 1.4 if len(rows) > 1000 else 2.2 if len(rows) > 200 else 3.4
     x = rows[slip] * per_si(slip)
     ax.plot(x, rows[channel], style.marker, color=(red, green, blue), ms=size, mew=0.0, zorder=1)
 
