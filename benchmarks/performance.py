@@ -226,7 +226,7 @@ def fit_text(found: Mapping[str, Any], real: float | None, scale: float) -> str:
         "The rest limits what is not reached. At 20,000 rows an eighth of the time each is screening and grouping of\n"
         "the rows, the steps of IPOPT without its functions, and intervals; a tenth each the slip stiffness read from\n"
         "the data, and the verification of constraints. At a million rows derivative passes and intervals under\n"
-        "correlated noise take most of it. Memory there is the table, its rows as arrays, weights and residuals.\n"
+        "correlated noise take most of it. Memory there is the table that was given, and its rows as arrays.\n"
     )
 
 

@@ -116,9 +116,10 @@ def effective_sample_size(residual: npt.ArrayLike, segment: npt.ArrayLike | None
 
 def _summed(values: FloatArray, edges: IntArray, stretch: int) -> tuple[FloatArray, IntArray]:
     """Return sums over batches of rows, without the incomplete batch of each segment; and their number by segment."""
-    lengths = np.diff(edges) // stretch
-    within = np.arange(len(values)) - np.repeat(edges[:-1], np.diff(edges))
-    whole = within < np.repeat(lengths * stretch, np.diff(edges))
+    lengths, incomplete = np.diff(edges) // stretch, np.diff(edges) % stretch
+    whole = np.ones(len(values), dtype=np.bool_)
+    within = np.arange(incomplete.sum()) - np.repeat(np.cumsum(incomplete) - incomplete, incomplete)
+    whole[np.repeat(edges[1:] - incomplete, incomplete) + within] = False
     return np.asarray(values[whole].reshape(-1, stretch).sum(axis=1)), lengths
 
 
@@ -153,7 +154,9 @@ def _autocorrelation(values: FloatArray, lengths: IntArray) -> FloatArray:
             for row, start, length in zip(padded, starts[some], lengths[some], strict=True):
                 row[:length] = values[start : start + length]
             spectrum = np.fft.rfft(padded)
-            power = np.sum(spectrum.real**2 + spectrum.imag**2, axis=0)
+            del padded  # of a million rows each of these arrays is 17 MB
+            power = np.einsum("ij,ij->j", spectrum.real, spectrum.real)
+            power += np.einsum("ij,ij->j", spectrum.imag, spectrum.imag)
             lags = lengths[some].max()
             sums[:lags] += np.fft.irfft(power, size)[:lags]
     return sums
