@@ -206,7 +206,8 @@ def _interval(
     name: str, replicates: FloatArray, correction: Correction | None, stage: SolvedStage | None
 ) -> BootstrapInterval:
     """Return the percentiles of a coefficient, expanded around its value within its bounds; plain ones at a bound."""
-    low, high = np.percentile(replicates, [2.5, 97.5]).tolist()
+    # Between the smallest and the largest of N replicates are (N - 1) / (N + 1) of all: Hyndman and Fan, 1996, type 6.
+    low, high = np.percentile(replicates, [2.5, 97.5], method="weibull").tolist()
     deviation = float(replicates.std(ddof=1))
     if correction is None or stage is None:
         return BootstrapInterval(name, low, high, deviation)
