@@ -49,7 +49,7 @@ def bootstrap_summary(bootstrap: Bootstrap) -> str:
     failed = f"; {bootstrap.failed} more did not converge" if bootstrap.failed else ""
     return (
         f"bootstrap: percentiles 2.5 and 97.5 of {bootstrap.replicates} fits with random weights of "
-        f"{bootstrap.sweeps} sweeps, seed {bootstrap.seed}{failed}"
+        f"{bootstrap.sweeps} sweeps, expanded for sweeps that the fit follows, seed {bootstrap.seed}{failed}"
     )
 
 

@@ -5,6 +5,7 @@ operating condition, and then several coefficients are not determined. Therefore
 of a random count: exponentially distributed with mean 1 (Rubin, The Bayesian bootstrap, 1981; Xu et al., Applications
 of the fractional-random-weight bootstrap, 2020). Its variance is that of the counts of a draw, so the replicates have
 the same covariance to first order: the sandwich estimator with sweeps as clusters. It assumes no correlation length.
+The percentiles are expanded for sweeps that the fit follows, and for few sweeps (`leverage`).
 
 Each replicate starts at the solution of the fit. The weights of channels, the bounds and the points at which physical
 constraints are imposed are those of the fit, and so are the states of effects. A stage takes the coefficients of
@@ -29,6 +30,7 @@ from ..results.fit_result import FitResult
 from ..results.resampled import Bootstrap, BootstrapInterval
 from ..results.solved_stage import SolvedStage
 from ..solvers.convergence import STEP_TOLERANCE
+from .leverage import Correction, corrections
 from .near_solution import cost_of_a_row, solve_near
 
 FloatArray = npt.NDArray[np.float64]
@@ -187,17 +189,32 @@ def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: 
     if len(converged) < FEWEST_REPLICATES:
         raise FitError(f"bootstrap: {len(converged)} of {len(replicates)} replicates converged: too few for intervals")
     stages, sweeps = tasks[0].stages, tasks[0].sweeps
-    lower, upper = np.percentile(converged, [2.5, 97.5], axis=0)
-    deviation = converged.std(axis=0, ddof=1)
-    free = {one.name for one in result.coefficients if not np.isinf(one.interval)}
     names = coefficient_names(stages)
+    free = {one.name for one in result.coefficients if not np.isinf(one.interval)}
+    known = {name: (each, stage) for stage in stages for name, each in corrections(stage, sweeps).items()}
     intervals = tuple(
-        BootstrapInterval(name, *((low, high, sd) if name in free else (np.nan,) * 3))
-        for name, low, high, sd in zip(names, lower.tolist(), upper.tolist(), deviation.tolist(), strict=True)
-    )
+        _interval(name, column, *known.get(name, (None, None))) if name in free
+        else BootstrapInterval(name, np.nan, np.nan, np.nan)
+        for name, column in zip(names, converged.T, strict=True)
+    )  # fmt: skip
     failed = len(replicates) - len(converged)
     found = Bootstrap(len(converged), failed, _weighted(stages, sweeps), tasks[0].seed, intervals)
     return replace(result.in_signs("adapted-sae"), bootstrap=found).in_signs(result.signs)
+
+
+def _interval(
+    name: str, replicates: FloatArray, correction: Correction | None, stage: SolvedStage | None
+) -> BootstrapInterval:
+    """Return the percentiles of a coefficient, expanded around its value within its bounds; plain ones at a bound."""
+    # Between the smallest and the largest of N replicates are (N - 1) / (N + 1) of all: Hyndman and Fan, 1996, type 6.
+    low, high = np.percentile(replicates, [2.5, 97.5], method="weibull").tolist()
+    deviation = float(replicates.std(ddof=1))
+    if correction is None or stage is None:
+        return BootstrapInterval(name, low, high, deviation)
+    i = stage.problem.free.index(name)
+    value, least, most = (float(x[i] * stage.problem.scale[i]) for x in (stage.x, stage.lower, stage.upper))
+    lower, upper = (value + correction.expansion * (end - value) for end in (low, high))
+    return BootstrapInterval(name, max(lower, least), min(upper, most), correction.leverage * deviation)
 
 
 def _weighted(stages: Sequence[SolvedStage], sweeps: IntArray) -> int:

@@ -15,10 +15,11 @@ class BootstrapInterval:
     ----------
     name : str
     lower, upper : float
-        Percentiles 2.5 and 97.5 of the replicates; NaN if the coefficient is not identifiable, because the
-        regularization then determines its replicates.
+        Percentiles 2.5 and 97.5 of the replicates, expanded around the value for sweeps that the fit follows and for
+        few sweeps (`tirefmu.fitting.resampling.leverage`), within the bounds; NaN if the coefficient is not
+        identifiable, because the regularization then determines its replicates.
     deviation : float
-        Standard deviation of the replicates.
+        Standard deviation of the replicates, times the factor for sweeps that the fit follows.
     """
 
     name: str

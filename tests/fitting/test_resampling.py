@@ -18,6 +18,7 @@ from tirefmu.fitting.resampling.bootstrap import (
     replicates_of,
     sweeps_of,
 )
+from tirefmu.fitting.resampling.leverage import corrections, corrections_of
 from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
 from tirefmu.measurements import Noise
 from tirefmu.symbolic.errors import FitError, UnknownName
@@ -79,7 +80,36 @@ def test_a_replicate_depends_on_its_number_only(noisy, replicated):
     assert not np.array_equal(other, single)
 
 
-def test_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_result(noisy, replicated):
+def test_deviations_are_those_of_fits_to_new_noise_if_multiplied_by_the_leverage():
+    """Exactly so for a linear problem with independent noise: a mean over many draws of noise, 1 % of it is random."""
+    rng = np.random.default_rng(0)
+    sweep = np.repeat(np.arange(12), 9)
+    # The last two coefficients are of three sweeps each: the fit follows these most.
+    own = [np.isin(sweep, some)[:, None] * rng.normal(size=(len(sweep), 1)) for some in ((0, 1, 2), (5, 6, 7))]
+    matrix = np.hstack([rng.normal(size=(len(sweep), 4)), *own])
+    blocks = [matrix[sweep == number] for number in range(12)]
+    inverse = np.linalg.inv(matrix.T @ matrix)
+    noise = rng.normal(size=(20_000, len(sweep)))
+    residual = noise - noise @ matrix @ inverse @ matrix.T
+    scores = [residual[:, sweep == number] @ block @ inverse for number, block in enumerate(blocks)]
+    estimated = np.mean(np.sum(np.square(scores), axis=0), axis=0)
+    leverage, freedom = corrections_of(matrix.T @ matrix, [block.T @ block for block in blocks])
+    np.testing.assert_allclose(estimated * leverage**2, np.diag(inverse), rtol=0.03)
+    assert (leverage[4:] ** 2 > 1.2).all()
+    np.testing.assert_allclose(freedom[4:], 3.0, atol=0.5)
+    assert (freedom[:4] > 5.0).all()
+
+
+def test_a_coefficient_at_a_bound_has_no_correction(replicated):
+    stage = replicated[0][0].stages[0]
+    fixed = stage.problem.free.index("PKY1")
+    lower = np.where(np.arange(len(stage.x)) == fixed, stage.x, stage.lower)
+    found = corrections(replace(stage, lower=lower), replicated[0][0].sweeps)
+    assert "PKY1" not in found
+    assert found.keys() == corrections(stage, replicated[0][0].sweeps).keys() - {"PKY1"}
+
+
+def test_expanded_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_result(noisy, replicated):
     result, tasks, values = noisy[0], *replicated
     values = values.copy()
     values[7] = np.nan
@@ -88,7 +118,13 @@ def test_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_resul
     free = tasks[0].stages[0].problem.free
     column = np.delete(values[:, free.index("PKY1")], 7)  # adapted SAE, where the stiffness is positive
     interval = found.bootstrap.interval("PKY1")
-    np.testing.assert_allclose([-interval.upper, -interval.lower], np.percentile(column, [2.5, 97.5]))
+    stage = tasks[0].stages[0]
+    value = stage.x[free.index("PKY1")] * stage.problem.scale[free.index("PKY1")]
+    correction = corrections(stage, tasks[0].sweeps)["PKY1"]
+    assert correction.expansion > correction.leverage > 1.0
+    expected = value + correction.expansion * (np.percentile(column, [2.5, 97.5], method="weibull") - value)
+    np.testing.assert_allclose([-interval.upper, -interval.lower], expected)
+    np.testing.assert_allclose(interval.deviation, correction.leverage * column.std(ddof=1))
     assert found.in_signs("adapted-sae").bootstrap.interval("PKY1").lower == -interval.upper
     assert found.to_json()["bootstrap"]["intervals"][0].keys() == {"name", "lower", "upper", "deviation"}
     values[10:] = np.nan
