@@ -184,7 +184,7 @@ def check(
         with terminal.working(simulating):
             result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
-    terminal.print(*str(result).split("\n"))
+    terminal.print(f"verdict: {result.verdict}", result.agreement, *str(result).split("\n"))
     if figures:
         from tirefmu.fmu.comparison.figures import draw_check
 

@@ -70,7 +70,8 @@ def profile_text(result: FitResult, name: str) -> str:
 def worst_text(result: FitResult, recording: str, channel: str) -> str:
     """Return the largest error of a channel and its operating condition; empty for a single operating condition."""
     worst = result.findings.worst(recording, channel)
-    return f"{worst.rmse:.3g} at {condition_text(worst.at)}" if worst else ""
+    unit = next((c.unit for c in result.channels if (c.recording, c.channel) == (recording, channel)), "")
+    return f"{worst.rmse:.3g} {unit} at {condition_text(worst.at)}" if worst else ""
 
 
 def constraint_rows(margins: Sequence[Margin]) -> list[ConstraintRow]:

@@ -193,7 +193,7 @@ def fit(
         from tirefmu.fitting.reporting.report import write_report
 
         with terminal.working("writing the report"):
-            write_report(result, recordings, report, drawn, command=command_line())
+            write_report(result, recordings, report, drawn, findings=findings, command=command_line())
         terminal.print(f"report: {report}")
     return 0 if result.verdict.usable else 1
 

@@ -6,7 +6,7 @@ import textwrap
 import warnings
 from collections.abc import Mapping, Sequence
 from io import BytesIO
-from math import ceil, degrees
+from math import ceil
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import ArrayLike
 
-from tirefmu.symbolic import quantities
-from tirefmu.symbolic.declarations import Quantity
+from .drawn_units import drawn_unit as drawn_unit
+from .drawn_units import per_si as per_si
 
 RGB = tuple[float, float, float]
 
@@ -39,26 +39,11 @@ LETTER |= {"t": "$t$", "p": "$p$", "V": "$V$", "T": "$T$", "phit": r"$\varphi_t$
 LETTER |= {"Fx": "$F_x$", "Fy": "$F_y$", "Mz": "$M_z$", "Mx": "$M_x$", "My": "$M_y$"}
 LEVEL = {"Fz": "load", "gamma": "camber", "p": "pressure", "V": "speed"}
 LEVEL |= {"alpha": "slip angle", "kappa": "longitudinal slip"}
-_UNITS = {"t": "s"} | {each.name: each.unit for each in vars(quantities).values() if isinstance(each, Quantity)}
-_WRITTEN = {"1": "-", "degC": "deg C"}
-_DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
 _CONVENTION = {
     "iso": r"ISO-W signs ($F_z$ > 0; $F_y$ < 0 at $\alpha$ > 0)",
     "adapted-sae": r"adapted SAE signs ($F_z$ > 0; $F_y$ > 0 at $\alpha$ > 0)",
     "sae": r"SAE signs ($F_z$ < 0; $F_y$ < 0 at $\alpha$ > 0)",
 }
-
-
-def drawn_unit(channel: str) -> str:
-    """Return the unit in which a channel is drawn: its SI unit, but degrees and kPa."""
-    unit = _UNITS[channel]
-    return _DRAWN[unit][0] if unit in _DRAWN else _WRITTEN.get(unit, unit)
-
-
-def per_si(channel: str) -> float:
-    """Return what turns a channel's SI value into the drawn one."""
-    unit = _UNITS[channel]
-    return _DRAWN[unit][1] if unit in _DRAWN else 1.0
 
 
 def stiffness_unit(slip: str) -> str:
