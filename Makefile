@@ -10,8 +10,10 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
+
+install: $(VENV)/installed  ## the command tirefmu in .venv/bin
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
 	$(BIN)/tirefmu demo -o demo-output
@@ -132,7 +134,7 @@ clean:
 
 # pip runs without build isolation: the setuptools in $(VENV) builds everything.
 $(VENV)/installed: pyproject.toml | $(VENV)/created
-	@echo "Installing tirefmu into $(VENV) (once, and when pyproject.toml changes)"
+	@echo "Installing tirefmu into $(VENV) (once, and when pyproject.toml changes; 1 to 5 minutes)"
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable .
 	@touch $@
 

@@ -56,7 +56,7 @@ def bootstrap(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> FitResult:
-    """Return a fit with intervals of its coefficients from a block bootstrap by sweeps: corrected percentiles.
+    """Return a fit with percentile intervals of its coefficients, from a block bootstrap by sweeps.
 
     Parameters
     ----------

@@ -177,7 +177,7 @@ def outcome(contents: list[Content], folder: Path, *, fit: bool = True) -> Outco
         found = json.loads(report.read_text(encoding="utf-8"))
         messages = [finding["text"] for finding in found["findings"]]
         for each in found["recordings"]:
-            counts = ", ".join(f"{count} {reason}" for reason, count in each["excluded_rows"].items())
+            counts = ", ".join(f"{count} rows ({reason})" for reason, count in each["excluded_rows"].items())
             messages += [f"{each['source']}: excluded from a fit: {counts}"] if counts else []
     refused = status if status == 2 else 0
     if fit and not refused:

@@ -32,7 +32,8 @@ from known_tires import CHANNELS, NAMED, NOMINAL, SIZES, VALUES, known_tire, rec
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.constraints.physical import chosen_constraints, grid, operating_range
-from tirefmu.fitting.problem.weighted_residuals import Problem, Rows
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.solvers.ipopt import solve
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
@@ -97,6 +98,7 @@ def by_scipy(problem: Problem, start: FloatArray, lower: FloatArray, upper: Floa
     column = np.array([index[int(c)] for c in coefficient[chosen]])
     n = len(problem.rows)
     root = np.sqrt(problem.weights[0])
+    inputs = np.ascontiguousarray(problem.tire.effective_inputs(problem.rows.inputs))
 
     def residual(x: FloatArray) -> FloatArray:
         return np.concatenate([root[channel] * problem.residual(x)[channel] for channel in channels])
@@ -104,7 +106,7 @@ def by_scipy(problem: Problem, start: FloatArray, lower: FloatArray, upper: Floa
     def jacobian(x: FloatArray) -> FloatArray:
         table = np.zeros((len(channels), n, len(x)))
         factors = (root[force[chosen]] * problem.reach[column])[:, None]
-        for rows, entries in problem._code.jacobian_chunks(problem._inputs, problem.parameters(x), CHUNK):
+        for rows, entries in problem._code.jacobian_chunks(inputs, problem.parameters(x), CHUNK):
             table[block, rows, column] = entries[chosen] * factors
         return table.reshape(-1, len(x))
 
@@ -114,11 +116,11 @@ def by_scipy(problem: Problem, start: FloatArray, lower: FloatArray, upper: Floa
 
 def derivative_passes(problem: Problem, x: FloatArray) -> dict[str, float]:
     """Return the CPU time per row of gradient and J^T W J, in s: by the kernel, and from the Jacobian of few rows."""
-    _, root, residual = problem._at(x)
-    rows = WeightedRows(problem._inputs, [entries for entries, _ in problem._entries], root, residual)
+    block, _, root, residual = next(problem._residuals(x))
+    rows = WeightedRows(block.inputs, [entries for entries, _ in problem._entries], root, residual)
     by_chunks, _ = median(lambda: equations_by_chunks(problem._code, rows, problem.parameters(x)))
     in_kernel, _ = median(lambda: problem.by_output(x))
-    return {"in the kernel": in_kernel / len(problem.rows), "by chunks": by_chunks / len(problem.rows)}
+    return {"in the kernel": in_kernel / len(problem.rows), "by chunks": by_chunks / len(block.group)}
 
 
 def compare(rows: int) -> dict[str, Any]:

@@ -23,7 +23,9 @@ import pandas as pd
 from scipy.optimize import least_squares, minimize
 from threadpoolctl import threadpool_limits
 
-from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.evolution import Evolution
 from tirefmu.fitting.solvers.ipopt import solve
 from tirefmu.measurements import ChannelNoise, Noise, Recording, VirtualBench, small_tire_program

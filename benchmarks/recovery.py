@@ -195,7 +195,11 @@ def main() -> None:
     parser.add_argument("--bootstrap", type=int, default=0, help="replicates; 0: no bootstrap")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--results", type=Path, help="file of the single fits: continued if it exists")
-    parser.add_argument("--write", action="store_true", help="write the coverages of that file into docs/recovery.md")
+    parser.add_argument(
+        "--write",
+        action="store_true",
+        help="write the coverages of that file into docs/recovery.md; other lines of its table stay",
+    )
     parser.add_argument("--json", type=Path, help="also write the results to this file")
     given = parser.parse_args()
     if given.write and not given.results:

@@ -10,9 +10,7 @@ from pathlib import Path
 import numpy as np
 
 PAGE = Path(__file__).parents[1] / "docs" / "recovery.md"
-#: Marks of the tables in the page: of fits, and of fits with a bootstrap.
-MARKS = ("<!-- table of make recovery -->\n", "<!-- table of make recovery with bootstrap -->\n")
-END = "<!-- end of the table -->\n"
+BEGIN, END = "<!-- table of make recovery -->\n", "<!-- end of the table -->\n"
 #: Quantities whose intervals are compared with the true tire.
 PREDICTED = ("Fx", "Fy", "Mz", "K_xkappa", "K_yalpha", "mu_x", "mu_y")
 TITLES = {"mf96": "MF96", "mf52": "MF5.2", "mf61": "MF6.1"}
@@ -45,7 +43,7 @@ class Refit:
     predictions_covered : mapping of str to int
         Of each quantity, over the operating conditions.
     bootstrap_covered, bootstrap_intervals : int
-        The same of the intervals of a bootstrap.
+        The same of the percentile intervals.
     """
 
     task: Task
@@ -89,60 +87,31 @@ def share(counts: Sequence[int], of: Sequence[int]) -> tuple[float, float]:
 
 
 def table(refits: Sequence[Refit]) -> str:
-    """Return the lines of the table of coverages: one for each model, kind of noise and number of rows."""
+    """Return the table of coverages between its marks: a line for each model, kind of noise and number of rows."""
+    head = ["", "benches", *PREDICTED, "coefficients", "percentiles of a bootstrap"]
     rows = []
-    for own in _by_kind(refits):
+    for key in dict.fromkeys((r.task.model, r.task.noise, r.task.rows, r.task.replicates) for r in refits):
+        own = [r for r in refits if (r.task.model, r.task.noise, r.task.rows, r.task.replicates) == key]
         parts = [([r.predictions_covered[q] for r in own], [r.conditions for r in own]) for q in PREDICTED]
-        parts.append(_of_coefficients(own))
-        rows.append([_bench(own[0].task), str(len(own)), *(_share_text(*part) for part in parts)])
-    return _lines(["", "benches", *PREDICTED, "coefficients"], rows)
-
-
-def bootstrap_table(refits: Sequence[Refit]) -> str:
-    """Return the lines of the table of bootstraps, with the linear analysis of the same fits."""
-    rows = []
-    for own in _by_kind(refits):
-        part = [r.bootstrap_covered for r in own], [r.bootstrap_intervals for r in own]
-        single = [100.0 * covered / of for covered, of in zip(*part, strict=True)]
-        counts = [str(own[0].task.replicates), str(len(own)), str(sum(part[1]))]
-        texts = [_share_text(*part), f"{min(single):.0f} .. {max(single):.0f} %", _share_text(*_of_coefficients(own))]
-        rows.append([_bench(own[0].task), *counts, *texts])
-    head = ["", "replicates", "benches", "intervals", "bootstrap", "single benches", "linear analysis"]
-    return _lines(head, rows)
-
-
-def _by_kind(refits: Sequence[Refit]) -> list[list[Refit]]:
-    """Return the fits of equal model, noise, rows and replicates together, in the order of the first of each."""
-    found: dict[tuple[str, str, int, int], list[Refit]] = {}
-    for refit in refits:
-        task = refit.task
-        found.setdefault((task.model, task.noise, task.rows, task.replicates), []).append(refit)
-    return list(found.values())
-
-
-def _of_coefficients(own: Sequence[Refit]) -> tuple[list[int], list[int]]:
-    return [r.covered for r in own], [r.intervals for r in own]
-
-
-def _bench(task: Task) -> str:
-    return f"{TITLES[task.model]}, {task.noise}, {task.rows:,} rows"
-
-
-def _share_text(counts: Sequence[int], of: Sequence[int]) -> str:
-    return "{:.1f} +- {:.1f} %".format(*share(counts, of)) if sum(of) else "-"
-
-
-def _lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+        parts.append(([r.covered for r in own], [r.intervals for r in own]))
+        parts.append(([r.bootstrap_covered for r in own], [r.bootstrap_intervals for r in own]))
+        cells = ["{:.1f} +- {:.1f} %".format(*share(counts, of)) if sum(of) else "-" for counts, of in parts]
+        rows.append([f"{TITLES[key[0]]}, {key[1]}, {key[2]:,} rows", str(len(own)), *cells])
     lines = [f"| {' | '.join(row)} |\n" for row in (head, *rows)]
-    return "".join([lines[0], f"|{'---|' * len(head)}\n", *lines[1:]])
+    return "".join([BEGIN, lines[0], f"|{'---|' * len(head)}\n", *lines[1:], END])
 
 
 def write(refits: Sequence[Refit]) -> None:
-    """Write the tables of which there are fits into the page."""
-    plain, resampled = ([r for r in refits if bool(r.task.replicates) is chosen] for chosen in (False, True))
+    """Write the table into the page; lines of other models, noise or rows, with or without a bootstrap, stay."""
     page = PAGE.read_text(encoding="utf-8")
-    for mark, own, lines in zip(MARKS, (plain, resampled), (table, bootstrap_table), strict=True):
-        if own:
-            before, rest = page.split(mark)
-            page = f"{before}{mark}{lines(own)}{END}{rest.split(END, 1)[1]}"
-    PAGE.write_text(page, encoding="utf-8")
+    before, rest = page.split(BEGIN)
+    old, after = rest.split(END)
+    head, rule, *written = old.splitlines(keepends=True)
+    lines = {_kind(line): line for line in (*written, *table(refits).splitlines(keepends=True)[3:-1])}
+    PAGE.write_text("".join([before, BEGIN, head, rule, *lines.values(), END, after]), encoding="utf-8")
+
+
+def _kind(line: str) -> tuple[str, bool]:
+    """Return the name of a line, and whether it is without a bootstrap."""
+    cells = [cell.strip() for cell in line.split("|")[1:-1]]
+    return cells[0], cells[-1] == "-"

@@ -71,12 +71,11 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
         return 1.0
     numbers = np.zeros(len(values)) if segment is None else np.asarray(segment)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(numbers)) + 1, [len(values)]])
-    present = np.where(known, values, 0.0)
     longest = 1.0
     for stretch in STRETCHES:
         if stretch > 1 and np.sum(np.diff(edges) // stretch) < FEWEST_SUMS:
             break
-        sums, lengths = _summed(present, edges, stretch)
+        sums, lengths = _summed(np.where(known, values, 0.0), edges, stretch)
         rows, _ = _summed(known.astype(np.float64), edges, stretch)
         # Variance of a sum relative to that of a sum of independent rows.
         counted = float(np.sum(rows))
@@ -117,9 +116,10 @@ def effective_sample_size(residual: npt.ArrayLike, segment: npt.ArrayLike | None
 
 def _summed(values: FloatArray, edges: IntArray, stretch: int) -> tuple[FloatArray, IntArray]:
     """Return sums over batches of rows, without the incomplete batch of each segment; and their number by segment."""
-    lengths = np.diff(edges) // stretch
-    within = np.arange(len(values)) - np.repeat(edges[:-1], np.diff(edges))
-    whole = within < np.repeat(lengths * stretch, np.diff(edges))
+    lengths, incomplete = np.diff(edges) // stretch, np.diff(edges) % stretch
+    whole = np.ones(len(values), dtype=np.bool_)
+    within = np.arange(incomplete.sum()) - np.repeat(np.cumsum(incomplete) - incomplete, incomplete)
+    whole[np.repeat(edges[1:] - incomplete, incomplete) + within] = False
     return np.asarray(values[whole].reshape(-1, stretch).sum(axis=1)), lengths
 
 
@@ -154,7 +154,9 @@ def _autocorrelation(values: FloatArray, lengths: IntArray) -> FloatArray:
             for row, start, length in zip(padded, starts[some], lengths[some], strict=True):
                 row[:length] = values[start : start + length]
             spectrum = np.fft.rfft(padded)
-            power = np.sum(spectrum.real**2 + spectrum.imag**2, axis=0)
+            del padded  # of a million rows each of these arrays is 17 MB
+            power = np.einsum("ij,ij->j", spectrum.real, spectrum.real)
+            power += np.einsum("ij,ij->j", spectrum.imag, spectrum.imag)
             lags = lengths[some].max()
             sums[:lags] += np.fft.irfft(power, size)[:lags]
     return sums

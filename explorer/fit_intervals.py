@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from tirefmu.symbolic.bounded_file import read_bounded
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.errors import TirefmuError, nearest
 from tirefmu.tires import TireLike, tire_from
 
 #: Upper limit of the file, bytes.
@@ -46,5 +46,5 @@ def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
         what = f"unknown or missing entry {error}" if isinstance(error, KeyError) else str(error)
         raise TirefmuError(f"{path}: not the JSON result of a fit of this tire's model ({what})") from error
     if unknown := sorted(intervals.keys() - declared.keys()):
-        raise TirefmuError(f"{path}: {unknown[0]} is no coefficient of the tire's model")
+        raise TirefmuError(f"{path}: {unknown[0]} is no coefficient of the tire's model{nearest(unknown[0], declared)}")
     return intervals

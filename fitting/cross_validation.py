@@ -20,7 +20,7 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from .fit import NOMINAL, fit
-from .problem.weighted_residuals import Rows
+from .problem.rows import Rows
 from .results.fit_result import FitResult
 from .results.records import HeldOut
 

@@ -12,7 +12,9 @@ from pathlib import Path
 import pandas as pd
 
 from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.measurements import TableLike, check_convention, recordings_from
+from tirefmu.measurements import TableLike, check_convention
+from tirefmu.measurements.excerpts import IN_MEMORY, STREAM_FROM, excerpts_from
+from tirefmu.measurements.large_table import LargeTable
 from tirefmu.measurements.provenance import table_digest
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import FitError, TirError, UnknownName, WrongType, no_single_text
@@ -43,7 +45,7 @@ FEATURES = "features"
 
 
 def fit(
-    tables: TableLike | Iterable[TableLike],
+    tables: TableLike | LargeTable | Iterable[TableLike | LargeTable],
     model: str | None = None,
     *,
     start: TireLike | None = None,
@@ -64,12 +66,13 @@ def fit(
     without_constraints: Collection[str] = (),
     checkpoint: str | Path | None = None,
     resume: bool = False,
+    stream_from: int = STREAM_FROM,
 ) -> FitResult:
     """Fit a tire to recordings of a test bench.
 
     Parameters
     ----------
-    tables : path, DataFrame or Recording, or a sequence of them
+    tables : path, DataFrame, Recording or LargeTable, or a sequence of them
         The data of one fit; recordings may have different sign conventions.
     model : str, optional
         By default the model of the start tire; without a start tire "mf61".
@@ -109,7 +112,8 @@ def fit(
         Weight of the slip stiffness that is read from the data at each load, as a number of independent rows; 0: it is
         not fitted (`docs/stiffness.md`).
     progress : callable, optional
-        Called with stage, iteration and cost.
+        Called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first stage
+        with the names of the stages and their work (rows times coefficients).
     constraints, without_constraints : collection of str
         Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
@@ -117,6 +121,9 @@ def fit(
         File in which completed stages are saved; it is removed when the fit is complete.
     resume : bool
         Continue after the stages in that file.
+    stream_from : int
+        Number of rows from which on a Parquet table stays in its file (`docs/many_tires.md`): the stages with all rows,
+        intervals and goodness of fit read it part by part; all else uses random rows, or an excerpt of 200,000 rows.
 
     Returns
     -------
@@ -159,13 +166,17 @@ def fit(
         raise FitError(f"loss {loss} is for method ipopt: {method} minimizes squares")
     if plan.scales and tire_given is None:
         raise FitError(f"recipe {plan.name} scales a given tire: a start tire is required (--start)")
-    recordings = recordings_from(tables, signs=signs)
+    recordings, large = excerpts_from(tables, signs=signs, stream_from=stream_from)
     if not recordings:
         raise FitError("no table to fit")
-    for recording in recordings:
-        check_convention(recording)
+    for i in range(len(recordings)):
+        check_convention(recordings[i])
     present = _effects(book, tire_given, effects, without)
-    data = prepare(recordings, book, screening=screening, rows=rows)
+    if large and (states := book.states_of(present)):
+        raise FitError(f"the course of {', '.join(states)} needs all rows in memory ({IN_MEMORY})")
+    data = prepare(recordings, book, screening=screening, rows=rows, large=large)
+    names = [recording.source for recording in recordings]
+    del recordings  # much memory, if the caller has no reference
     notes = list(data.notes)
     tire = _starting_tire(book, present, tire_given, data.fitted, nominal or {}, notes)
     read = starts_from(tire, data.fitted, notes) if features else {}
@@ -185,12 +196,13 @@ def fit(
             solver=solver, given=tire_given is not None, read=read, constraints=chosen, loss=loss,
             stiffness_weight=stiffness_weight, assumed=_assumed(tire, tire_given, nominal or {}),
         )  # fmt: skip
+        del data
         if resume and saved:
             run.restore(saved.load(), str(saved.path))
         run.run(saved)
     interruption.raise_failure()
     with one_blas_thread():
-        result = replace(run.result(recordings, time.perf_counter() - began), method=method).in_signs("iso")
+        result = replace(run.result(names, time.perf_counter() - began), method=method).in_signs("iso")
     if saved and not result.interrupted:
         saved.remove()
     return result
@@ -215,6 +227,7 @@ def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str
     return {
         "version of tirefmu": version("tirefmu"),
         "data": table_digest(data.table.drop(columns=["included", "weight"])),
+        "rows in files": ",".join(str(each.table.rows) for each in data.stored.values()),
         "model": tire.model,
         "effects": ",".join(sorted(tire.has)),
         "recipe": repr(plan),

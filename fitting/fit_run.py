@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.measurements import Recording
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.model import Model
@@ -19,7 +18,7 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.property_file.names import assumed_lines, in_written_order
 from tirefmu.tires.tire import Tire
 
-from .constraints.physical import Constraint, chosen_constraints, operating_range
+from .constraints.physical import Constraint, chosen_constraints
 from .constraints.verification import VerifiedConstraints
 from .data.fit_data import FitData
 from .data.simulated_states import with_states
@@ -29,15 +28,9 @@ from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
 from .problem.loss import loss_named
 from .problem.recipe import Freed, Recipe, Stage
-from .problem.weighted_residuals import (
-    Problem,
-    Rows,
-    coefficients_by_output,
-    emphasis,
-    equal_weights,
-    limits_of,
-    noise_weights,
-)
+from .problem.rows import Rows
+from .problem.weighted_residuals import Problem, coefficients_by_output
+from .problem.weights import emphasis, equal_weights, limits_of, noise_weights
 from .results.checkpoint import Checkpoint, Ended, Release, State
 from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
@@ -46,6 +39,7 @@ from .results.solved_stage import SolvedStage
 from .solvers.interruption import Interruption
 from .solvers.restarts import best_end
 from .solvers.selection import Solver
+from .stage_rows import ranges_of, rows_of_stage, selected
 from .stage_solution import StageSolver
 from .stiffness_targets import StiffnessTargets
 
@@ -88,7 +82,7 @@ class FitRun:
         self._interruption = interruption
         self._notes, self._solver = notes, solver
         self._emphasis = emphasis(self._data, tire.outputs)
-        self._ranges = operating_range(self._data, tire.inputs)
+        self._ranges = ranges_of(data, tire.inputs)
         self._constraints = VerifiedConstraints(
             tire, chosen_constraints(book.name) if constraints is None else constraints, self._ranges
         )
@@ -100,10 +94,17 @@ class FitRun:
         measured = self._data.notna().any()
         self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
         self._every: tuple[pd.DataFrame, Rows] | None = None  # the data, and the rows of all of them
+        if not tire.states:  # simulated states are inputs, which change
+            rows = Rows.of(self._data, tire, self._fitted)
+            self._data = rows.in_table(self._data, tire)
+            self._every = self._data, rows
+            if len(data.table) == len(rows):
+                self._fit_data = replace(data, table=self._data)  # its columns share no memory with these
         self._done = 0  # completed stages of the recipe
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
         """Solve the stages until a stop is requested; save each completed stage to the checkpoint."""
+        self._interruption.plan(self._work)
         for stage in self._plan.stages[self._done :]:
             if self._stop():
                 break
@@ -113,6 +114,11 @@ class FitRun:
             self._done += 1
             if checkpoint:
                 checkpoint.save(self.state())
+
+    def _work(self) -> list[tuple[str, float]]:
+        """Return the names and the work of the stages to come: rows times coefficients."""
+        sizes = [(one, len(self._table(one)[0]), len(self._candidates(one))) for one in self._plan.stages[self._done :]]
+        return [(one.name, float(min(rows, one.rows or rows) * free)) for one, rows, free in sizes if rows]
 
     def _stop(self) -> bool:
         return self._interruption.requested
@@ -132,8 +138,8 @@ class FitRun:
             stage = self._plan.stages[end.stage]
             table, channels = self._table(stage)
             tire = replace(self._tire, values=end.values)
-            rows = Rows.of(table, tire, channels)
-            self._ends.append((end, self._problem_of(stage, tire, rows.sample(stage.rows or len(rows)), end.free)))
+            rows = rows_of_stage(stage, Rows.of(table, tire, channels), self._fit_data, tire, channels)
+            self._ends.append((end, self._problem_of(stage, tire, rows, end.free)))
         self._tire = replace(self._tire, values=state.values)
         self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
 
@@ -152,11 +158,7 @@ class FitRun:
     def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
         """Return all rows of a stage, and its channels."""
         channels = self._channels_of(stage)
-        table = stage.select(self._data)
-        if not channels:
-            return table[:0], channels
-        present = table[channels].notna().any(axis=1)
-        return (table if present.all() else table[present]), channels
+        return selected(stage, self._data, channels), channels
 
     def _rows_of(self, table: pd.DataFrame, channels: Sequence[str]) -> Rows:
         """Return the rows of a table; those of all data have the inputs of one object."""
@@ -179,7 +181,7 @@ class FitRun:
         rows = self._rows_of(table, channels)
         self._set_initial_values(stage)
         bounds = {name: self._bounds(name, stage) for name in self._candidates(stage)}
-        part = rows.sample(stage.rows) if stage.rows else rows
+        part = rows_of_stage(stage, rows, self._fit_data, self._tire, channels)
         free = self._determined(bounds, part, stage)
         if not free:
             self._notes.append(f"stage {stage.name!r} skipped: its rows determine none of its coefficients")
@@ -190,7 +192,7 @@ class FitRun:
             del self._stages[solved:], self._ends[ended:]
             self._simulate_states(free)
             rows = self._rows_of(self._table(stage)[0], channels)
-            part = rows.sample(stage.rows) if stage.rows else rows
+            part = rows_of_stage(stage, rows, self._fit_data, self._tire, channels)
             self._solve(stage, part, {name: self._bounds(name, stage) for name in free}, channels)
 
     def _simulate_states(self, free: Collection[str]) -> None:
@@ -269,7 +271,8 @@ class FitRun:
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
-        if stage.rows is None or len(rows) < stage.rows:  # a random sample has no correlation in time
+        if stage.rows is None or (len(rows) < stage.rows and not self._fit_data.stored):
+            # A random sample has no correlation in time.
             self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))
         self._stages.append(
             StageFit(
@@ -317,21 +320,21 @@ class FitRun:
         )
 
     def _stage_r2(self, rows: Rows) -> float:
-        computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T
-        present = np.isfinite(rows.measured)
-        weighted = np.where(present, computed - rows.measured, 0.0) ** 2 * rows.weight[:, None]
-        squares = np.sum(weighted, axis=0) * equal_weights(rows)[0]
-        return 1 - float(np.mean(squares[present.any(axis=0)]))
+        squares, present = np.zeros(rows.measured.shape[1]), np.isfinite(rows.measured).any(axis=0)
+        for block in rows.blocks():
+            computed = fastest_code(self._tire.book).forces(block.inputs, self._tire.parameters()).T
+            weighted = np.where(np.isfinite(block.measured), computed - block.measured, 0.0) ** 2
+            squares += block.weight @ weighted
+        return 1 - float(np.mean((squares * equal_weights(rows)[0])[present]))
 
-    def result(self, recordings: Sequence[Recording], seconds: float) -> FitResult:
-        """Return the result, with coefficients in adapted SAE."""
+    def result(self, recordings: Sequence[str], seconds: float) -> FitResult:
+        """Return the result of a fit to recordings with these names, with coefficients in adapted SAE."""
         if not self._stages and self._stop():
             raise KeyboardInterrupt  # no values to return yet
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
-        names = ", ".join(recording.source for recording in recordings)
-        about = {**self._tire.about, "recipe": self._plan.name, "data": names}
+        about = {**self._tire.about, "recipe": self._plan.name, "data": ", ".join(recordings)}
         declarations = self._book.coefficients
         values = {
             name: value
@@ -354,7 +357,7 @@ class FitRun:
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
-        sources = distinct([recording.source for recording in recordings])
+        sources = distinct(recordings)
         channels = channel_fits(self._fit_data, tire, sources, self._fitted, effective)
         table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(
@@ -365,7 +368,7 @@ class FitRun:
             evidence=Residuals(table, tuple(sources), self._tire, self._tire.signs),
             covariance=covariance,
             prediction_covariance=complete,
-            solved=tuple(self._solved(end, problem) for end, problem in self._ends),
+            solved=tuple(self._solved(*end) for end in self._ends) if not self._fit_data.stored else (),
         )  # fmt: skip
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:

@@ -54,7 +54,7 @@ _DECLARATIONS = (
     ),
     Channel(
         "alpha", "slip angle", "rad", "angle", "input", ("SA",),
-        ("slip_angle", "side_slip", "lateral_slip"), (-1.6, 1.6), radians(0.5),
+        ("slip_angle", "side_slip", "lateral_slip", "alfa"), (-1.6, 1.6), radians(0.5),
     ),
     Channel(
         "gamma", "inclination (camber) angle", "rad", "angle", "input", ("IA",),

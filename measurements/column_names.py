@@ -131,14 +131,15 @@ def check_names(names: Iterable[str], source: str, required: Collection[str] = I
     >>> check_names(["SlipAngle", "Fz"], "a.csv")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: column 'SlipAngle' is not a channel: did you mean alpha?
+    tirefmu.symbolic.errors.DataError: a.csv: column 'SlipAngle' is not a channel: did you mean alpha? ...
     """
     given = list(names)
     for name in given:
         intended = None if name in CHANNELS else intended_channel(name)
         if intended in required and intended not in given:
             meant = _suggestion(name, str(intended))
-            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {meant}?")
+            known = ", ".join(CHANNELS)
+            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {meant}? Channels are {known}")
 
 
 def unread_columns(names: Iterable[str]) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.symbolic.errors import DataError
@@ -102,7 +103,7 @@ class Recording:
         >>> Recording(pd.DataFrame({"Fz": [900.0], "FX": [1.0]}), "iso", "a.csv").measured()
         Traceback (most recent call last):
         ...
-        tirefmu.symbolic.errors.DataError: a.csv: column 'FX' is not a channel: did you mean Fx?
+        tirefmu.symbolic.errors.DataError: a.csv: column 'FX' is not a channel: did you mean Fx? ...
         """
         check_names(map(str, self.table.columns), self.source, OUTPUTS)
         found = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())
@@ -137,6 +138,21 @@ class Recording:
         cuts = np.flatnonzero((steps > LOGGING_GAP * median) | (steps < 0.0)) + 1
         edges = [0, *cuts.tolist(), len(self)]
         return [slice(start, stop) for start, stop in pairwise(edges)]
+
+    def segment_numbers(self) -> npt.NDArray[np.int64]:
+        """Return the number of the segment (`segments`) of each row, counted from 0.
+
+        Returns
+        -------
+        ndarray of int, shape (n,)
+
+        Examples
+        --------
+        >>> Recording(pd.DataFrame({"t": [0.0, 0.01, 0.02, 20.0, 20.01]}), "iso", "run.csv").segment_numbers().tolist()
+        [0, 0, 0, 1, 1]
+        """
+        pieces = self.segments()
+        return np.repeat(np.arange(len(pieces)), [piece.stop - piece.start for piece in pieces])
 
 
 def distinct(names: Sequence[str]) -> list[str]:

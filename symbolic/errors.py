@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 import reprlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -54,8 +54,8 @@ class UnknownName(TirefmuError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind, self.name, self.known = kind, name, tuple(known)
-        near = nearest(str(name), self.known)
-        super().__init__(f"unknown {kind} {name!r}{near}{_others(str(name), kind, self.known, near)}")
+        command = next((text for what, text in LISTED_BY.items() if kind.startswith(what)), "")
+        super().__init__(f"unknown {kind} {name!r}{nearest(str(name), self.known, command)}")
 
 
 class WrongType(TirefmuError, TypeError):
@@ -128,33 +128,25 @@ class FmuError(TirefmuError):
 
 
 #: Largest number of known names that a message lists; of more it has the nearest ones.
-FEW, NEAREST = 12, 4
-#: What lists many names of a kind.
+FEW, NEAREST = 18, 4
+#: What lists many names of a kind: the first one with which the kind begins.
 LISTED_BY = {
     "effect": "tirefmu effects",
     "coefficient": "tirefmu info TIRE --all",
     "published tire": "tirefmu published",
+    "unit": "docs/conventions.md",
 }
 
 
-def _others(name: str, kind: str, known: Sequence[str], near: str) -> str:
-    """Return what follows the nearest name in a message: all known ones, or more that are near and what lists all."""
-    if len(known) <= FEW:
-        return f" Known are {', '.join(known)}" if near.endswith("?") and len(known) > 1 else ""
-    original = {each.casefold(): each for each in known}
-    more = difflib.get_close_matches(name.casefold(), original, n=NEAREST, cutoff=0.5)
-    parts = [f"also near: {', '.join(original[each] for each in more[1:])}"] if len(more) > 1 else []
-    parts += [f"{command} lists all {len(known)}" for what, command in LISTED_BY.items() if kind.startswith(what)]
-    return f"{'' if near else ':'} {'; '.join(parts)}" if parts else ""
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return ': did you mean X?' for the nearest known name, or the list of a few, or ''.
+def nearest(name: str, known: Iterable[str], listed_by: str = "") -> str:
+    """Return the end of a message on an unknown name: the nearest known one, and all of a few or how many there are.
 
     Parameters
     ----------
     name : str
     known : iterable of str
+    listed_by : str
+        Command that lists all known names; a message needs it if there are many.
 
     Returns
     -------
@@ -164,16 +156,26 @@ def nearest(name: str, known: Iterable[str]) -> str:
     Examples
     --------
     >>> nearest("gama", ["gamma", "alpha"])
-    ': did you mean gamma?'
+    ': did you mean gamma? Known are gamma, alpha'
+    >>> nearest("gama", ["gamma"]), nearest("X", ["gamma", "alpha"])
+    (': did you mean gamma?', ': known are gamma, alpha')
+    >>> nearest("PDYI", [f"PDY{i}" for i in range(20)], "tirefmu info")
+    ': did you mean PDY9? Also near: PDY8, PDY7, PDY6; tirefmu info lists all 20'
     """
-    names = list(known)
+    names = list(dict.fromkeys(known))
     folded = {candidate.casefold(): candidate for candidate in names}
-    hits = difflib.get_close_matches(name.casefold(), folded, n=1, cutoff=0.5)
-    if hits:
-        return f": did you mean {folded[hits[0]]}?"
-    if names and len(names) <= FEW:
-        return f": known are {', '.join(names)}"
-    return ""
+    near = [folded[each] for each in difflib.get_close_matches(name.casefold(), folded, n=NEAREST, cutoff=0.5)]
+    meant = [f"did you mean {near[0]}?"] if near else []
+    if len(names) <= FEW:
+        others = [f"known are {', '.join(names)}"] if len(names) > len(near[:1]) else []
+    else:
+        few = near[1:] or names[:FEW] * (not near and not listed_by)
+        others = [f"{'also near' if near else 'known are'}: {', '.join(few)}".replace("are:", "are")] if few else []
+        others += [f"{listed_by} lists all {len(names)}" if listed_by else f"{len(names)} are known"]
+    if not meant:
+        return f": {'; '.join(others)}" if others else ""
+    end = "; ".join(others)
+    return f": {meant[0]} {end[:1].upper()}{end[1:]}".rstrip()
 
 
 def path_from(value: Any, parameter: str = "path") -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from difflib import get_close_matches
 from importlib.resources import files
 from math import isfinite
 from pathlib import Path
@@ -105,7 +106,16 @@ def check_input_paths(*paths: Path) -> None:
     """
     for path in paths:
         if path.suffix and not path.exists():
-            raise TirefmuError(f"{path}: no such file")
+            near = get_close_matches(path.name, _neighbors(path), n=1)
+            raise TirefmuError(f"{path}: no such file{f': did you mean {near[0]}?' if near else ''}")
+
+
+def _neighbors(path: Path) -> list[str]:
+    """Return the names of the files in the folder of a path; none if it cannot be read."""
+    try:
+        return sorted(each.name for each in path.absolute().parent.iterdir())
+    except OSError:
+        return []
 
 
 def check_output_paths(*files: Path | None, folder: Path | None = None) -> None:

@@ -184,7 +184,7 @@ def check(
         with terminal.working(simulating):
             result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
-    terminal.print(*str(result).split("\n"))
+    terminal.print(f"verdict: {result.verdict}", result.agreement, *str(result).split("\n"))
     if figures:
         from tirefmu.fmu.comparison.figures import draw_check
 
@@ -345,13 +345,22 @@ def main(arguments: list[str] | None = None) -> int:
     except TirefmuError as error:
         return _invalid(str(error))
     except click.ClickException as error:
-        return _invalid(" ".join(error.format_message().split()))
+        return _invalid(_usage(error))
     except OSError as error:  # a name that is too long, a disk that is full
         return _invalid(f"{excerpt(error.filename, 200)}: {error.strerror}" if error.filename else str(error))
     except (click.Abort, KeyboardInterrupt):
         print("tirefmu: interrupted", file=sys.stderr)
         return 130
     return int(status or 0)
+
+
+def _usage(error: click.ClickException) -> str:
+    """Return the message of an error in the command line; of an unknown name with the command that lists all."""
+    message = " ".join(error.format_message().split())
+    unknown = {"No such option": "options", "No such command": "commands"}
+    listed = next((kind for start, kind in unknown.items() if message.startswith(start)), "")
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    return f"{message} {context.command_path} --help lists all {listed}." if listed and context else message
 
 
 def _invalid(message: str) -> int:

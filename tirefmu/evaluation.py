@@ -11,11 +11,11 @@ import pandas as pd
 from tirefmu.measurements.channels import OUTPUTS
 from tirefmu.measurements.column_names import check_names
 from tirefmu.measurements.files.writing import write_tables
-from tirefmu.measurements.large_table import LargeTable
+from tirefmu.measurements.large_table import PART, LargeTable
 from tirefmu.measurements.recording import Recording
 from tirefmu.tires import Tire, TireLike, tire_from
 
-#: Rows that are evaluated at a time: every named quantity of more would fill the memory.
+#: Rows that are evaluated at a time if they depend on earlier ones: every named quantity of them needs 200 MB.
 ROWS_AT_A_TIME = 250_000
 
 
@@ -66,8 +66,9 @@ def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:
         rows.
     """
     pieces = []
-    for start in range(0, len(recording), ROWS_AT_A_TIME):
-        rows = recording.table.iloc[start : start + ROWS_AT_A_TIME].reset_index(drop=True)
+    most = ROWS_AT_A_TIME if tire.lags or tire.states or "distance" in tire.inputs else PART
+    for start in range(0, len(recording), most):
+        rows = recording.table.iloc[start : start + most].reset_index(drop=True)
         outputs = tire.evaluate(rows, signs=recording.signs)
         pieces.append(outputs[[name for name in OUTPUTS if name in tire.outputs]])
     return pd.concat(pieces, ignore_index=True)

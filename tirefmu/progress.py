@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
@@ -10,128 +10,188 @@ from rich.console import Console
 
 from tirefmu.symbolic.escaping import visible
 
+from .forecast import Forecast, left_text, seconds_left
+
 #: Shares of a counted computation that have a line where there is no terminal.
 REPORTED = (0.25, 0.5, 0.75, 1.0)
+#: What a fit does before its first stage and after its last one.
+PREPARING, EVIDENCE = "preparing the fit", "evidence and intervals"
 
 
-class StageLines:
-    """Prints each stage when it has ended, with its seconds; nothing of a stage that raises.
+class Stages:
+    """Shows stages of a computation, their number and the time left, if their work is known.
 
     Parameters
     ----------
-    write : callable
-        Takes a line.
+    ended : callable
+        Takes a line for a stage that has ended; nothing of a stage that raises.
+    update : callable
+        Takes the text of the present activity.
+    found : callable
+        Takes a line about something that was found within a stage.
     clock : callable
         Returns seconds.
 
     Examples
     --------
     >>> seconds = iter([0.0, 1.5, 4.0])
-    >>> lines = StageLines(print, lambda: next(seconds))
-    >>> lines.begin("Fx")
-    >>> lines.begin("Fy")
-    Fx: 1.5 s
-    >>> lines.end("12 iterations")
-    Fy: 12 iterations, 2.5 s
+    >>> stages = Stages(print, lambda text: None, print, lambda: next(seconds))
+    >>> stages.plan([("Fx", 1.0), ("Fy", 2.0)])
+    >>> stages.begin("Fx")
+    >>> stages.begin("Fy")
+    Fx: 1.5 s; stage 1 of 2, about 3 s left
+    >>> stages.end("12 iterations")
+    Fy: 12 iterations, 2.5 s; stage 2 of 2
     """
 
-    def __init__(self, write: Callable[[str], None], clock: Callable[[], float] = monotonic) -> None:
-        self._write, self._clock = write, clock
-        self._stage, self._began = "", 0.0
+    def __init__(
+        self,
+        ended: Callable[[str], None],
+        update: Callable[[str], None],
+        found: Callable[[str], None],
+        clock: Callable[[], float] = monotonic,
+    ) -> None:
+        self._ended, self._update, self._found, self._clock = ended, update, found, clock
+        self._forecast = Forecast(())
+        self._stage, self._detail = "", ""
+        self._began = self._latest = 0.0
 
-    def begin(self, stage: str, detail: str = "") -> None:
-        """Begin a stage; the one before, with a detail, has ended."""
-        now = self._end(detail) if self._stage else self._clock()
-        self._stage, self._began = stage, now
+    def plan(self, stages: Sequence[tuple[str, float]]) -> None:
+        """Announce the names and the work of the stages that follow."""
+        self._forecast = Forecast(stages)
+
+    def begin(self, stage: str, *, since_latest: bool = False) -> None:
+        """Begin a stage; the one before has ended, now or with its latest report."""
+        now = self._latest if since_latest else self._clock()
+        if self._stage:
+            self._end(now)
+        self._forecast.begin(stage)
+        self._stage, self._detail, self._began, self._latest = stage, "", now, now
+        self._show(now)
+
+    def report(self, detail: str) -> None:
+        """Report a detail of the stage."""
+        self._detail, self._latest = detail, self._clock()
+        self._show(self._latest)
 
     def end(self, detail: str = "") -> None:
         """End the last stage."""
-        self._end(detail)
+        self._detail = detail or self._detail
+        self._end(self._clock())
         self._stage = ""
 
-    def _end(self, detail: str) -> float:
-        now = self._clock()
-        self._write(f"{self._stage}: {f'{detail}, ' if detail else ''}{now - self._began:.1f} s")
-        return now
+    def event(self, sentence: str) -> None:
+        """Report something that was found within the stage."""
+        self._found(f"{visible(self._stage)}: {visible(sentence)}")
 
+    def _end(self, now: float) -> None:
+        self._forecast.end(now - self._began)
+        detail = f"{self._detail}, " if self._detail else ""
+        self._ended(f"{visible(self._stage)}: {detail}{now - self._began:.1f} s{self._remaining('; ', 0.0)}")
 
-def time_left(finished: int, parts: int, seconds: float) -> str:
-    """Return the time that the other parts of a computation will take, as a text.
+    def _show(self, now: float) -> None:
+        detail = f": {self._detail}" if self._detail else ""
+        self._update(f"{visible(self._stage)}{detail}{self._remaining(', ', now - self._began)}")
 
-    Examples
-    --------
-    >>> time_left(50, 200, 20.0), time_left(100, 200, 600.0), time_left(200, 200, 80.0)
-    ('about 60 s left', 'about 10 min left', '80.0 s')
-    """
-    if finished >= parts:
-        return f"{seconds:.1f} s"
-    left = seconds * (parts - finished) / finished
-    return f"about {left:.0f} s left" if left < 120.0 else f"about {left / 60.0:.0f} min left"
+    def _remaining(self, separator: str, running: float) -> str:
+        parts = [text for text in (self._forecast.place, left_text(self._forecast.left(running))) if text]
+        return separator + ", ".join(parts) if parts else ""
 
 
 @contextmanager
-def showing(console: Console, what: str) -> Iterator[Callable[[str], None]]:
-    """Show one activity until it ends; yield what changes the text on a terminal."""
+def showing_stages(console: Console, stages: Sequence[tuple[str, float]] = ()) -> Iterator[Stages]:
+    """Show stages until the last one has ended; `stages` has the names and the work of those that are known."""
     if console.is_terminal:
-        with console.status(visible(what)) as status:
-            yield lambda text: status.update(visible(text))
-    else:
-        lines = StageLines(console.print)
-        lines.begin(visible(what))
-        yield lambda text: None
-        lines.end()
+        with console.status("") as status:
+            # Lines of stages that have ended are for logs; on a terminal only what was found remains.
+            shown = Stages(lambda line: None, status.update, console.print)
+            shown.plan(stages)
+            yield shown
+        return
+    shown = Stages(console.print, lambda text: None, console.print)
+    shown.plan(stages)
+    yield shown
+    shown.end()
 
 
 @contextmanager
-def counting(console: Console, what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show how many parts of a computation are finished, and the time left; yield what reports them."""
-    began, passed = monotonic(), 0.0
+def showing(console: Console, what: str) -> Iterator[None]:
+    """Show one activity until it ends."""
+    with showing_stages(console) as stages:
+        stages.begin(what)
+        yield
+
+
+class FitProgress:
+    """What a fit reports its stages to: `fit` calls it, and first `planned`.
+
+    Parameters
+    ----------
+    stages : Stages
+    """
+
+    def __init__(self, stages: Stages) -> None:
+        self._stages, self._stage = stages, ""
+        stages.begin(PREPARING)
+
+    def planned(self, work: Sequence[tuple[str, float]]) -> None:
+        """Announce the work of the stages; that of the evidence is similar to that of the last stage."""
+        self._stages.plan([*work, *[(EVIDENCE, work[-1][1])][: len(work)]])
+
+    def __call__(self, stage: str, iteration: int, cost: float) -> None:
+        """Report an iteration of a stage."""
+        if stage != self._stage:
+            self._stage = stage
+            self._stages.begin(stage)
+        self._stages.report(f"iteration {iteration}, cost {cost:.6g}")
+
+    def finish(self) -> None:
+        """Begin what follows the last stage, since its latest report."""
+        self._stages.begin(EVIDENCE, since_latest=True)
+
+
+@contextmanager
+def fitting(console: Console) -> Iterator[FitProgress]:
+    """Show stage, iteration and cost of a running fit, and the time left."""
+    with showing_stages(console) as stages:
+        progress = FitProgress(stages)
+        yield progress
+        progress.finish()
+
+
+@contextmanager
+def counting(
+    console: Console, what: str, *, singly: bool = False, expected: tuple[int, float] | None = None
+) -> Iterator[Callable[[int, int], None]]:
+    """Show how many parts of a computation are finished, and the time left; yield what reports them.
+
+    Parameters
+    ----------
+    console : Console
+    what : str
+    singly : bool
+        Each part is reported: parts that are finished before the first report belong to an earlier run.
+    expected : (int, float), optional
+        Number of parts and seconds of all of them, if they are known in advance.
+    """
+    began, passed, kept = monotonic(), 0.0, -1
     with console.status(visible(what)) as status:
 
-        def report(finished: int, parts: int) -> None:
-            nonlocal passed
-            text = f"{visible(what)}: {finished} of {parts}, {time_left(finished, parts, monotonic() - began)}"
+        def show(text: str, line: bool) -> None:
             if console.is_terminal:
                 status.update(text)
-            reached = max((share for share in REPORTED if finished >= share * parts), default=0.0)
-            if not console.is_terminal and reached > passed:
-                passed = reached
+            elif line:
                 console.print(text)
 
+        def report(finished: int, parts: int) -> None:
+            nonlocal passed, kept
+            kept = (finished - 1 if singly else 0) if kept < 0 else kept
+            seconds = monotonic() - began
+            left = left_text(seconds_left(finished - kept, parts - kept, seconds)) or f"{seconds:.1f} s"
+            reached = max((share for share in REPORTED if finished >= share * parts), default=0.0)
+            show(f"{visible(what)}: {finished} of {parts}, {left}", reached > passed)
+            passed = max(passed, reached)
+
+        if expected is not None:
+            show(f"{visible(what)}: 0 of {expected[0]}, {left_text(expected[1])}", line=True)
         yield report
-
-
-@contextmanager
-def fitting(console: Console) -> Iterator[Callable[[str, int, float], None]]:
-    """Show stage, iteration and cost of a running fit; yield what reports them."""
-    with showing_stages(console, "preparing the fit", "evidence and intervals") as report:
-
-        def progress(stage: str, iteration: int, cost: float) -> None:
-            report(stage, f"iteration {iteration}, cost {cost:.6g}")
-
-        yield progress
-
-
-@contextmanager
-def showing_stages(console: Console, first: str, last: str) -> Iterator[Callable[[str, str], None]]:
-    """Show stages whose names come with reports of their progress; `last` is what follows the latest report."""
-    if console.is_terminal:
-        with console.status(first) as status:
-            yield lambda stage, detail: status.update(f"{visible(stage)}: {detail}")
-        return
-    # Begun and ended by the clock of the reports: what follows the last one is no part of its stage.
-    times = [monotonic()]
-    lines = StageLines(console.print, lambda: times[-1])
-    lines.begin(first)
-    latest = [first, ""]
-
-    def report(stage: str, detail: str) -> None:
-        times.append(monotonic())
-        if stage != latest[0]:
-            lines.begin(visible(stage), latest[1])
-        latest[:] = [stage, detail]
-
-    yield report
-    lines.begin(last, latest[1])
-    times.append(monotonic())
-    lines.end()

@@ -20,7 +20,6 @@ from .fit_tables import fit_lines, plain_table, verdict_lines
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
-    from tirefmu.fitting.solvers.interruption import Progress
     from tirefmu.measurements import Finding, Recording
 
 
@@ -46,7 +45,7 @@ class Terminal:
         width = None if sys.stdout.isatty() else 140
         console = partial(Console, quiet=quiet, highlight=False, markup=False, emoji=False)
         self._out = console(soft_wrap=True, width=width)
-        self._status = console(stderr=True)
+        self._status = console(stderr=True, soft_wrap=True)
 
     def print(self, *lines: str) -> None:
         """Print lines literally."""
@@ -61,13 +60,19 @@ class Terminal:
         """Show the current activity until it ends."""
         return progress.showing(self._status, what)
 
-    def counting(self, what: str) -> AbstractContextManager[Callable[[int, int], None]]:
-        """Show how many parts of a computation are finished, and the time left."""
-        return progress.counting(self._status, what)
+    def counting(
+        self, what: str, *, singly: bool = False, expected: tuple[int, float] | None = None
+    ) -> AbstractContextManager[Callable[[int, int], None]]:
+        """Show how many parts of a computation are finished, and the time left (`progress.counting`)."""
+        return progress.counting(self._status, what, singly=singly, expected=expected)
 
-    def fitting(self) -> AbstractContextManager[Progress]:
-        """Show stage, iteration and cost of a running fit."""
+    def fitting(self) -> AbstractContextManager[progress.FitProgress]:
+        """Show stage, iteration and cost of a running fit, and the time left."""
         return progress.fitting(self._status)
+
+    def stages(self, stages: Sequence[tuple[str, float]]) -> AbstractContextManager[progress.Stages]:
+        """Show stages whose names and work are known, and the time left."""
+        return progress.showing_stages(self._status, stages)
 
     def selection(self, *recordings: Recording) -> None:
         """Print how many rows of each recording were selected, if rows were selected."""

@@ -177,7 +177,7 @@ def residual_map(
 def _usable_rows(tire: Tire, recording: Recording, channel: str, over: tuple[str, str]) -> pd.DataFrame:
     if channel not in tire.outputs:
         hint = nearest(channel, tire.outputs)
-        raise DataError(f"residual map: {tire.model} computes {', '.join(tire.outputs)}, not {channel!r}{hint}")
+        raise DataError(f"residual map: {tire.model} does not compute {channel!r}{hint}")
     if len(set(over)) != 2:
         raise DataError(f"residual map: two different channels are required, not {' and '.join(over)}")
     table = recording.table

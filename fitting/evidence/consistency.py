@@ -18,7 +18,7 @@ from scipy.ndimage import uniform_filter1d
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.measurements.operating_conditions.held_levels import held_levels
 
-from ..problem.weighted_residuals import OWN_SLIP
+from ..problem.weights import OWN_SLIP
 from .residuals import Residuals
 
 FloatArray = npt.NDArray[np.float64]

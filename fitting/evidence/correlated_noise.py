@@ -83,7 +83,7 @@ class NoiseCorrelation:
         array([[4.]])
         """
         sums = CorrelatedSums(self, len(weights))
-        sums.add(np.array(weights, dtype=np.float64), segment, None)
+        sums.add(np.array(weights, dtype=np.float64), segment)
         return sums.covariance
 
 
@@ -91,47 +91,47 @@ class CorrelatedSums:
     """The covariance of weighted sums of noise of variance 1, of which the rows are added a part at a time.
 
     The correlation matrix of autoregressive noise is A^-T D A^-1; A has 1 on its diagonal and -decay above it. So each
-    weight is added to the next one, reduced by the decay, and what has been added up is squared.
+    weight is added to the next one, reduced by the decay, and what has been added up is squared. The share of the last
+    row in the covariance depends on the next one: whether both are in one segment.
 
     Parameters
     ----------
     noise : NoiseCorrelation
     n : int
         Number of sums.
-
-    Attributes
-    ----------
-    covariance : ndarray, shape (n, n)
-        Of the rows so far.
     """
 
     def __init__(self, noise: NoiseCorrelation, n: int) -> None:
         self._noise, self._last = noise, np.zeros(n)
-        self._joined = False  # whether the last row and the next one are in one segment
-        self.covariance = np.zeros((n, n))
+        self._segment: int | None = None  # of the last row
+        self._before = np.zeros((n, n))  # without the last row
 
-    def add(self, weights: FloatArray, segment: IntArray, following: int | None) -> None:
-        """Add rows.
+    @property
+    def covariance(self) -> FloatArray:
+        """The covariance of the rows so far, shape (n, n)."""
+        return self._before + self._noise.share * np.outer(self._last, self._last)
+
+    def add(self, weights: FloatArray, segment: IntArray) -> None:
+        """Add the next rows.
 
         Parameters
         ----------
         weights : ndarray, shape (n_sums, n)
             By rows; it is overwritten.
         segment : ndarray of int, shape (n,)
-        following : int, optional
-            Segment of the row that will be added next; None after the last one.
         """
         share, n = self._noise.share, weights.shape[1]
         if not n:
             return
-        self.covariance += (1.0 - share) * (weights @ weights.T)
+        self._before += (1.0 - share) * (weights @ weights.T)
         if share == 0.0:
             return
-        decay = np.where(np.append(segment[1:] == segment[:-1], segment[-1] == following), self._noise.decay, 0.0)
-        if self._joined:
-            weights[:, 0] += self._noise.decay * self._last
+        joined = self._noise.decay if self._segment == segment[0] else 0.0
+        self._before += share * (1.0 - joined**2) * np.outer(self._last, self._last)
+        weights[:, 0] += joined * self._last
+        decay = np.append(np.where(segment[1:] == segment[:-1], self._noise.decay, 0.0), 0.0)
         bands = np.stack([np.ones(n), -decay])
         added = np.asarray(dtbtrs(bands, weights.T, uplo="L", diag="U", overwrite_b=1)[0]).T
-        self._last, self._joined = added[:, -1].copy(), bool(decay[-1])
+        self._last, self._segment = added[:, -1].copy(), int(segment[-1])
         added *= np.sqrt(1.0 - decay**2)
-        self.covariance += share * (added @ added.T)
+        self._before += share * (added[:, :-1] @ added[:, :-1].T)

@@ -17,7 +17,7 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
-from ..problem.weighted_residuals import Rows
+from ..problem.rows import BLOCK, Rows
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -57,9 +57,15 @@ class Residuals:
     @cached_property
     def computed(self) -> Mapping[str, FloatArray]:
         """The tire's channels at every row, each of shape (n,)."""
-        rows = Rows.of(self.table, self.tire, ())
-        forces = fastest_code(self.tire.book).forces(self.tire.effective_inputs(rows.inputs), self.tire.parameters())
-        return {name: forces[self.tire.outputs.index(name)] for name in self.channels}
+        found = {name: np.empty(len(self.table)) for name in self.channels}
+        code, parameters = fastest_code(self.tire.book), self.tire.parameters()
+        for start in range(0, len(self.table), BLOCK):  # few rows at a time: all inputs and outputs are much memory
+            rows = slice(start, start + BLOCK)
+            inputs = Rows.of(self.table.iloc[rows], self.tire, ()).inputs
+            forces = code.forces(self.tire.effective_inputs(inputs), parameters)
+            for name, values in found.items():
+                values[rows] = forces[self.tire.outputs.index(name)]
+        return found
 
     @cached_property
     def measured_minus_computed(self) -> Mapping[str, FloatArray]:

@@ -9,8 +9,8 @@ from math import nan
 import numpy as np
 import numpy.typing as npt
 
+from ..problem.rows import Rows
 from ..problem.slope_targets import SlopeTarget
-from ..problem.weighted_residuals import Rows
 from .residuals import Residuals
 from .slope import SLOPE_WINDOW, Slope, read_slope
 
@@ -169,12 +169,13 @@ def slope_targets(residuals: Residuals) -> tuple[SlopeTarget, ...]:
     -------
     tuple of SlopeTarget
     """
-    inputs = residuals.tire.effective_inputs(Rows.of(residuals.table, residuals.tire, ()).inputs)
+    tire, table = residuals.tire, residuals.table
     return tuple(
         SlopeTarget(
-            each.recording, residuals.tire.outputs.index(each.channel), np.ascontiguousarray(inputs[:, each.rows]),
-            each.influence, residuals.table[each.channel].to_numpy(dtype=float)[each.rows],
-            residuals.table.index.to_numpy()[each.rows], each.value, each.error,
+            each.recording, tire.outputs.index(each.channel),
+            np.ascontiguousarray(tire.effective_inputs(Rows.of(table.iloc[each.rows], tire, ()).inputs)),
+            each.influence, table[each.channel].to_numpy(dtype=float)[each.rows],
+            table.index.to_numpy()[each.rows], each.value, each.error,
             float(np.hypot(each.error, MODEL_ERROR * each.value)),
         )
         for each in read_stiffnesses(residuals)

@@ -230,7 +230,7 @@ def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, F
                 over = np.abs(own) / problem.limits[group, channel]
                 own, slope = own * problem.loss.weight(over), float(np.mean(problem.loss.slope(over)))
             length, variance = correlation_length(own, rows.segment[present[channel]]), float(np.mean(own**2))
-            effective[group, channel] = len(own) / length
+            effective[group, channel] = len(own) * rows.represented[group] / length
             curvature[np.ix_(free, free)] += slope * squares
             noise[channel] = variance, NoiseCorrelation.of(own, rows.segment[present[channel]], length)
             noise_of_rows[group, channel] = length * variance * problem.weights[group, channel]
@@ -249,38 +249,26 @@ def _of_recording(problem: Problem, group: int) -> Problem:
 
     It has the Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
     """
-    own = problem.rows.group == group
-    rows = problem.rows if own.all() else problem.rows.take(np.flatnonzero(own))  # a copy is much memory
-    return replace(problem, rows=rows, loss=LOSSES["squares"], limits=None, targets=())
+    return replace(problem, rows=problem.rows.of_recording(group), loss=LOSSES["squares"], limits=None, targets=())
 
 
 def _add_scores(
     middle: FloatArray, part: Problem, x: FloatArray, noise: Mapping[int, tuple[float, NoiseCorrelation]]
 ) -> None:
     """Add s^2 J^T W R W J of the channels of one recording to the middle of the sandwich."""
-    weights = {channel: part.root[channel] ** 2 for channel in noise}
-    ahead = {channel: _segments_ahead(part.rows.segment, weight) for channel, weight in weights.items()}
     sums: dict[int, tuple[npt.NDArray[np.int64], CorrelatedSums]] = {}
-    for chunk, outputs in part.jacobian_chunks(x, CHUNK):
+    for segments, root, outputs in part.jacobian_chunks(x, CHUNK):
         for channel, (free, jacobian) in outputs.items():
-            weight, segment = weights[channel][chunk], part.rows.segment[chunk]
+            weight, segment = root[channel] ** 2, segments
             jacobian *= weight
             if not weight.all():
                 here = np.flatnonzero(weight)
                 jacobian, segment = np.ascontiguousarray(jacobian[:, here]), segment[here]
             if channel not in sums:
                 sums[channel] = free, CorrelatedSums(noise[channel][1], len(free))
-            sums[channel][1].add(jacobian, segment, ahead[channel].get(chunk.stop))
+            sums[channel][1].add(jacobian, segment)
     for channel, (free, each) in sums.items():
         middle[np.ix_(free, free)] += noise[channel][0] * each.covariance
-
-
-def _segments_ahead(segment: npt.NDArray[np.int64], weight: FloatArray) -> dict[int, int]:
-    """Return the segment of the next row with a weight from each end of a chunk on; none after the last one."""
-    present = np.flatnonzero(weight)
-    ends = np.arange(CHUNK, len(segment), CHUNK)
-    following = np.searchsorted(present, ends)
-    return {int(end): int(segment[present[i]]) for end, i in zip(ends, following, strict=True) if i < len(present)}
 
 
 def _members(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
-from ..problem.weighted_residuals import LEAST_NOISE, OWN_SLIP
+from ..problem.weights import LEAST_NOISE, OWN_SLIP
 from .residuals import Residuals
 from .uncertainty import LARGEST_SD
 

@@ -10,7 +10,7 @@ from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.tires.code import CHUNK, fastest_code
 from tirefmu.tires.tire import Tire
 
-from .weighted_residuals import Rows
+from .rows import Rows
 
 
 def generic(declaration: Coefficient) -> float:

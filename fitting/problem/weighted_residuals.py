@@ -1,119 +1,46 @@
 """The least-squares problem: measured rows, weights, free coefficients; cost, gradient, Gauss-Newton matrix.
 
-All signs are adapted SAE, the convention of the bounds in declarations and recipes.
+All signs are adapted SAE, the convention of the bounds in declarations and recipes. Rows are gone through in blocks, so
+that many of them need little memory beyond their own, and rows in files no more than a block.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
 from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 
-from tirefmu.measurements.operating_conditions.held_levels import held_levels
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.code import CHUNK, Code, WeightedRows, fastest_code, forces_of_each, normal_equations
 from tirefmu.tires.tire import Tire
 
-from .loss import LOSSES, Loss, robust_scale
+from .loss import LOSSES, Loss
+from .rows import BLOCK, Rows
 from .slope_targets import SlopeTarget, slope_jacobian, slope_residuals
 
 FloatArray = npt.NDArray[np.float64]
-
-#: Least noise of a channel, relative to its root mean square.
-LEAST_NOISE = 1e-4
-#: The slip of each channel, and the weight factor of recordings that sweep it.
-OWN_SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha"}
-SWEPT = 1.75
+IntArray = npt.NDArray[np.int64]
+#: The contribution of an output: its index, its free coefficients, gradient and Gauss-Newton matrix.
+Part = tuple[int, IntArray, FloatArray, FloatArray]
 
 
-@dataclass(frozen=True)
-class Rows:
-    """Measured rows.
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Some rows as the kernels take them; arrays by force have the shape (n_forces, n).
 
-    Attributes
-    ----------
-    inputs : ndarray, shape (n_inputs, n)
-        In the model's order, SI units.
-    measured : ndarray, shape (n, n_forces)
-        NaN if a channel was not measured or is not fitted.
-    group : ndarray of int, shape (n,)
-        Number of the recording of each row.
-    segment : ndarray of int, shape (n,)
-        Number of the segment without gaps of each row; by default each recording is one segment.
-    weight : ndarray, shape (n,)
-        Weight of each row within its recording; by default 1.
+    `present` are the outputs with a weight, `without` all outputs with their rows that have none.
     """
 
     inputs: FloatArray
     measured: FloatArray
-    group: npt.NDArray[np.int64]
-    segment: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    weight: FloatArray = field(default_factory=lambda: np.zeros(0))
-
-    def __post_init__(self) -> None:
-        if len(self.segment) != len(self.group):
-            object.__setattr__(self, "segment", self.group)
-        if len(self.weight) != len(self.group):
-            object.__setattr__(self, "weight", np.ones(len(self.group)))
-
-    @classmethod
-    def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
-        """Return the rows of a table; only the given channels are fitted."""
-        absent = pd.Series(np.nan, table.index)
-        inputs = [table.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs]
-        measured = [table.get(name, absent) if name in channels else absent for name in tire.outputs]
-        group = table["recording"] if "recording" in table else pd.Series(0, table.index)
-        segment, weight = table.get("segment", group), table.get("weight", pd.Series(1.0, table.index))
-        return cls(
-            np.stack([column.to_numpy(dtype=float) for column in inputs]),
-            np.stack([column.to_numpy(dtype=float) for column in measured]).T,
-            np.asarray(group, dtype=np.int64),
-            np.asarray(segment, dtype=np.int64),
-            np.asarray(weight, dtype=float),
-        )
-
-    def __len__(self) -> int:
-        return len(self.measured)
-
-    def only(self, fitted: Sequence[bool]) -> Rows:
-        """Return the rows with some of their forces, and NaN instead of the others; all else is shared."""
-        dropped = ~np.array(fitted, dtype=np.bool_) & ~np.isnan(self.measured).all(axis=0)
-        if not dropped.any():
-            return self
-        measured = self.measured.copy(order="K")
-        measured[:, dropped] = np.nan
-        return replace(self, measured=measured)
-
-    def sample(self, n: int, seed: int = 0) -> Rows:
-        """Return n random rows, in their order; all rows if there are no more.
-
-        Every k-th row would alias with sweeps. Rows are drawn from the recordings in the order of their size, so the
-        sample does not depend on the order in which they are given.
-        """
-        if n >= len(self):
-            return self
-        groups, sizes = np.unique(self.group, return_counts=True)
-        equal = np.isin(
-            sizes, [size for size, times in zip(*np.unique(sizes, return_counts=True), strict=True) if times > 1]
-        )
-        contents = [
-            self.measured[self.group == group].tobytes() if tied else b""
-            for group, tied in zip(groups, equal, strict=True)
-        ]
-        order = sorted(range(len(groups)), key=lambda i: (sizes[i], contents[i]))
-        rows = np.concatenate([np.flatnonzero(self.group == groups[i]) for i in order])
-        return self.take(np.sort(np.random.default_rng(seed).choice(rows, n, replace=False)))
-
-    def take(self, chosen: npt.NDArray[np.int64]) -> Rows:
-        """Return some of the rows."""
-        return Rows(
-            self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen],
-            self.weight[chosen],
-        )  # fmt: skip
+    root: FloatArray
+    group: IntArray
+    segment: IntArray
+    present: list[int]
+    without: list[tuple[int, slice | IntArray]]
 
 
 @dataclass
@@ -172,14 +99,11 @@ class Problem:
             (chosen, freed[chosen])
             for chosen in (np.flatnonzero((force == i) & (freed >= 0)) for i in range(len(self.tire.outputs)))
         ]
-        self._inputs = np.ascontiguousarray(self.tire.effective_inputs(self.rows.inputs))
         self._parameters = self.tire.parameters()
-        self._measured = np.ascontiguousarray(self.rows.measured.T)
-        self._applied: FloatArray | None = None  # the weights of the next two attributes
-        self._root = np.zeros_like(self._measured)
-        self._present: list[int] = []  # outputs with a weight
-        self._without: list[tuple[int, slice | npt.NDArray[np.int64]]] = []  # outputs, and their rows without weight
-        self._latest: tuple[FloatArray, float, FloatArray, FloatArray] | None = None
+        self._applied: FloatArray | None = None  # the weights of the next attributes
+        self._only: _Block | None = None  # all rows, if they are few
+        self._latest: tuple[FloatArray, float, tuple[FloatArray, FloatArray] | None] | None = None
+        self._equations: tuple[FloatArray, list[Part]] | None = None
 
     def __reduce__(self) -> tuple[type[Problem], tuple[object, ...]]:
         """Let other processes build the problem from its arguments: compiled code cannot be sent."""
@@ -194,7 +118,7 @@ class Problem:
     def cost(self, x: FloatArray) -> float:
         """Return half the weighted sum of squares, or of the loss."""
         residual = self._target_residual(self.parameters(x))
-        return self._at(x)[0] + 0.5 * float(residual @ residual)
+        return self._cost_of_rows(x) + 0.5 * float(residual @ residual)
 
     def costs(self, population: FloatArray, limits: FloatArray) -> FloatArray:
         """Return the costs of many points; the computation of a point stops when it exceeds its limit.
@@ -209,19 +133,17 @@ class Problem:
         ndarray, shape (n_points,)
             The cost, or a part of it above the limit; infinite if it is not finite.
         """
-        self._apply_weights()
         parameters = np.repeat(self._parameters[None, :], len(population), axis=0)
         parameters[:, self.columns] = population * self.reach
         costs, remaining = np.zeros(len(population)), np.arange(len(population))
         if self.targets:
             costs += [0.5 * float(np.sum(self._target_residual(each) ** 2)) for each in parameters]
-        for start in range(0, len(self.rows), CHUNK):
-            chunk = slice(start, start + CHUNK)
-            forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[remaining])
-            for output in self._present:
-                root = self._root[output, chunk]
+        for block, chunk in ((b, slice(i, i + CHUNK)) for b in self._blocks() for i in range(0, len(b.group), CHUNK)):
+            forces = forces_of_each(self._code, block.inputs[:, chunk], parameters[remaining])
+            for output in block.present:
+                root = block.root[output, chunk]
                 with np.errstate(over="ignore", invalid="ignore"):
-                    residual = np.where(root > 0, (forces[:, output] - self._measured[output, chunk]) * root, 0.0)
+                    residual = np.where(root > 0, (forces[:, output] - block.measured[output, chunk]) * root, 0.0)
                     costs[remaining] += 0.5 * np.einsum("ij,ij->i", residual, residual)
             remaining = remaining[costs[remaining] <= limits[remaining]]
             if not remaining.size:
@@ -255,78 +177,137 @@ class Problem:
         """Roots of the weights of squared residuals of the targets."""
         return np.asarray(np.sqrt(self.target_weight) / np.array([each.deviation for each in self.targets]))
 
-    def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
+    def by_output(self, x: FloatArray) -> list[Part]:
         """Return the contribution of each weighted output: its index, its free coefficients, gradient and matrix."""
-        _, root, residual = self._at(x)
-        rows = WeightedRows(self._inputs, [entries for entries, _ in self._entries], root, residual)
-        parts = []
-        equations = normal_equations(self._code, rows, self.parameters(x))
-        for output, ((entries, free), (gradient, matrix)) in enumerate(zip(self._entries, equations, strict=True)):
-            if output in self._present and entries.size:
-                reach = self.reach[free]
-                parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
+        self._follow_weights()
+        if self._equations is not None and np.array_equal(self._equations[0], x):
+            return self._equations[1]
+        parameters, entries = self.parameters(x), [entries for entries, _ in self._entries]
+        cost, sums = 0.0, dict[int, tuple[FloatArray, FloatArray]]()
+        for block, own_cost, root, residual in self._residuals(x):
+            cost += own_cost
+            equations = normal_equations(self._code, WeightedRows(block.inputs, entries, root, residual), parameters)
+            for output in block.present:
+                if entries[output].size:
+                    (gradient, matrix), earlier = equations[output], sums.get(output)
+                    sums[output] = (gradient + earlier[0], matrix + earlier[1]) if earlier else (gradient, matrix)
+        parts: list[Part] = []
+        for output in sorted(sums):
+            gradient, matrix = sums[output]
+            free = self._entries[output][1]
+            reach = self.reach[free]
+            parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
+        if not self._kept(x):
+            self._latest = x.copy(), cost, None
+        if not self.rows.whole:
+            self._equations = x.copy(), parts
         return parts
 
     def jacobian_chunks(
         self, x: FloatArray, size: int
-    ) -> Iterator[tuple[slice, dict[int, tuple[npt.NDArray[np.int64], FloatArray]]]]:
-        """Go through the rows, `size` at a time: which they are, and the derivatives of each weighted output by x.
+    ) -> Iterator[tuple[IntArray, FloatArray, dict[int, tuple[IntArray, FloatArray]]]]:
+        """Go through the rows, `size` at a time: segments, roots of weights, derivatives of each weighted output by x.
 
-        The derivatives are by output: its free coefficients, and an array of shape (n_free_of_output, size).
+        The derivatives are by output: its free coefficients, and an array of shape (n_free_of_output, size). Roots have
+        the shape (n_forces, size), and are 0 if a channel was not measured.
         """
-        self._apply_weights()
-        used = [(output, *self._entries[output]) for output in self._present if self._entries[output][0].size]
-        for chunk, entries in self._code.jacobian_chunks(self._inputs, self.parameters(x), size):
-            chosen = {output: (free, entries[own]) for output, own, free in used}
-            for free, jacobian in chosen.values():
-                jacobian *= self.reach[free, None]
-            yield chunk, chosen
-
-    @property
-    def root(self) -> FloatArray:
-        """Roots of the weights of squared residuals, shape (n_forces, n); 0 if a channel was not measured."""
-        self._apply_weights()
-        return self._root
+        parameters = self.parameters(x)
+        for block in self._blocks():
+            used = [(output, *self._entries[output]) for output in block.present if self._entries[output][0].size]
+            for chunk, entries in self._code.jacobian_chunks(block.inputs, parameters, size):
+                chosen = {output: (free, entries[own]) for output, own, free in used}
+                for free, jacobian in chosen.values():
+                    jacobian *= self.reach[free, None]
+                yield block.segment[chunk], block.root[:, chunk], chosen
 
     def residual(self, x: FloatArray) -> FloatArray:
-        """Return computed minus measured, shape (n_forces, n); 0 if a channel was not measured or has no weight."""
-        self._apply_weights()
-        residual = self._code.forces(self._inputs, self.parameters(x))
-        residual -= self._measured
-        for output, rows in self._without:
+        """Return computed minus measured of the rows in memory, shape (n_forces, n).
+
+        It is 0 if a channel was not measured or has no weight.
+        """
+        parameters, found = self.parameters(x), np.zeros(self.rows.measured.T.shape)
+        start = 0
+        for block in self._blocks(self.rows.slices()):
+            stop = start + len(block.group)
+            residual = self._residual(block, parameters)
+            for output in block.present:  # zeros that nobody writes need no memory
+                found[output, start:stop] = residual[output]
+            start = stop
+        return found
+
+    def _cost_of_rows(self, x: FloatArray) -> float:
+        self._follow_weights()
+        if not self.rows.whole:
+            self.by_output(x)  # to read the rows takes longer than their derivatives
+        if not self._kept(x):
+            cost = sum(own for _, own, _, _ in self._residuals(x))
+            if not self._kept(x):
+                self._latest = x.copy(), cost, None
+        assert self._latest is not None
+        return self._latest[1]
+
+    def _kept(self, x: FloatArray) -> bool:
+        """Return whether the latest cost is that of x."""
+        return self._latest is not None and np.array_equal(self._latest[0], x)
+
+    def _residuals(self, x: FloatArray) -> Iterator[tuple[_Block, float, FloatArray, FloatArray]]:
+        """Go through the blocks: rows, cost, roots of weights and weighted residuals; those of few rows are kept."""
+        parameters = self.parameters(x)
+        for block in self._blocks():
+            if self._latest is not None and self._latest[2] is not None and self._kept(x):
+                yield block, self._latest[1], *self._latest[2]
+                continue
+            cost, root, weighted = self._weighted(block, parameters)
+            if block is self._only:
+                self._latest = x.copy(), cost, (root, weighted)
+            yield block, cost, root, weighted
+
+    def _weighted(self, block: _Block, parameters: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, roots of weights and weighted residuals of a block."""
+        residual, root = self._residual(block, parameters), block.root
+        if self.limits is None:
+            residual *= root
+            return 0.5 * float(np.vdot(residual, residual)), root, residual
+        limits = self.limits[block.group].T
+        over = np.abs(residual) / limits
+        cost = 0.5 * float(np.sum((root * limits) ** 2 * self.loss.value(over)))
+        root = root * np.sqrt(self.loss.weight(over))
+        return cost, root, root * residual
+
+    def _residual(self, block: _Block, parameters: FloatArray) -> FloatArray:
+        residual = self._code.forces(block.inputs, parameters)
+        residual -= block.measured
+        for output, rows in block.without:
             residual[output, rows] = 0.0
         return residual
 
-    def _at(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-        """Return cost, roots of weights and weighted residuals, cached for repeated calls at one point."""
-        self._apply_weights()
-        if self._latest is None or not np.array_equal(self._latest[0], x):
-            residual, root = self.residual(x), self._root
-            if self.limits is None:
-                weighted = residual
-                weighted *= root
-                cost = 0.5 * float(np.vdot(weighted, weighted))
-            else:
-                limits = self.limits[self.rows.group].T
-                over = np.abs(residual) / limits
-                cost = 0.5 * float(np.sum((root * limits) ** 2 * self.loss.value(over)))
-                root = root * np.sqrt(self.loss.weight(over))
-                weighted = root * residual
-            self._latest = x.copy(), cost, root, weighted
-        return self._latest[1:]
+    def _follow_weights(self) -> None:
+        """Forget what was computed with earlier `weights`."""
+        if self._applied is not self.weights:
+            self._applied, self._only, self._latest, self._equations = self.weights, None, None, None
 
-    def _apply_weights(self) -> None:
-        """Compute the weight of each row and output from `weights`."""
-        if self._applied is self.weights:
+    def _blocks(self, blocks: Iterator[Rows] | None = None) -> Iterator[_Block]:
+        """Go through blocks of rows, by default of all; few rows are one block, which is made once."""
+        self._follow_weights()
+        if not self.rows.whole or len(self.rows) > BLOCK:
+            yield from map(self._block, self.rows.blocks() if blocks is None else blocks)
             return
-        root = np.sqrt(self.weights[self.rows.group].T * self.rows.weight)
-        self._root = np.ascontiguousarray(np.where(np.isfinite(self.rows.measured.T), root, 0.0))
-        self._present = [output for output, channel in enumerate(self._root) if channel.any()]
-        self._without = [
-            (output, np.flatnonzero(channel == 0.0) if output in self._present else slice(None))
-            for output, channel in enumerate(self._root)
+        if self._only is None:
+            self._only = self._block(self.rows)
+        yield self._only
+
+    def _block(self, rows: Rows) -> _Block:
+        """Return rows with the weight of each row and output from `weights`."""
+        root = np.sqrt(self.weights[rows.group].T * rows.weight)
+        root = np.ascontiguousarray(np.where(np.isfinite(rows.measured.T), root, 0.0))
+        present = [output for output, channel in enumerate(root) if channel.any()]
+        without: list[tuple[int, slice | IntArray]] = [
+            (output, np.flatnonzero(channel == 0.0) if output in present else slice(None))
+            for output, channel in enumerate(root)
         ]
-        self._applied, self._latest = self.weights, None
+        inputs = np.ascontiguousarray(self.tire.effective_inputs(rows.inputs))
+        measured = np.ascontiguousarray(rows.measured.T)
+        return _Block(inputs, measured, root, rows.group, rows.segment, present, without)
 
 
 @lru_cache(maxsize=16)
@@ -335,74 +316,3 @@ def coefficients_by_output(book: Model, *, straight: bool = False) -> dict[str, 
     names = [output.name for output in book.outputs]
     read = {name: book.structure.straight[name] if straight else book.reached([name]) for name in names}
     return {name: frozenset(read[name]) & book.coefficients.keys() for name in names}
-
-
-def equal_weights(rows: Rows) -> FloatArray:
-    """Return weights for the cost of the Trento report: half the sum of 1 - R2 (uncentred) over the channels."""
-    squares = np.nansum(rows.measured**2 * rows.weight[:, None], axis=0)
-    groups = int(rows.group.max(initial=0)) + 1
-    return np.broadcast_to(1.0 / np.where(squares > 0, squares, 1.0), (groups, rows.measured.shape[1])).copy()
-
-
-def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
-    """Return weight factors by recording and channel: more than 1 if the slip of the channel is swept.
-
-    If recordings are inconsistent, a sweep contains more information on a force than rows at a few held slips. So the
-    cornering test determines the pure side force, and the drive and brake test its reduction by longitudinal slip.
-
-    Parameters
-    ----------
-    data : pandas.DataFrame
-        With the column ``recording``.
-    outputs : sequence of str
-
-    Returns
-    -------
-    ndarray, shape (n_recordings, n_outputs)
-    """
-    factors = np.ones((int(data["recording"].max()) + 1, len(outputs)))
-    for number in range(len(factors)):
-        table = data[data["recording"] == number]
-        for column, output in enumerate(outputs):
-            slip = OWN_SLIP.get(output)
-            if slip in table and np.ptp(table[slip]) > 0 and not held_levels(table[slip]):
-                factors[number, column] = SWEPT
-    return factors
-
-
-def limits_of(problem: Problem, x: FloatArray) -> FloatArray | None:
-    """Return the limits of the loss from the noise of each channel of a recording at x; None for squares."""
-    if not np.isfinite(problem.loss.constant):
-        return None
-    limits = np.ones_like(problem.weights)
-    for group, channel, residual, least in _by_channel(problem, x):
-        limits[group, channel] = problem.loss.constant * max(robust_scale(residual), least)
-    return limits
-
-
-def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = None) -> FloatArray:
-    """Return weights by the residual variance of each channel of a recording at x.
-
-    The noise is assumed to be at least `LEAST_NOISE` of the signal: residuals of exact data are rounding errors. For
-    robust losses the variance is estimated without outliers. The factors, shape (n_groups, n_forces), multiply the
-    weights.
-    """
-    weights, robust = np.zeros_like(problem.weights), np.isfinite(problem.loss.constant)
-    weighted_rows = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
-    for group, channel, residual, least in _by_channel(problem, x):
-        deviation = robust_scale(residual) if robust else float(np.sqrt(np.mean(residual**2)))
-        weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * np.sum(weighted_rows))
-    return weights if factors is None else weights * factors[: len(weights)]
-
-
-def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, FloatArray, float]]:
-    """Yield recording, channel, residuals, and least noise of everything that has a weight and is not 0 everywhere.
-
-    The rows of a stage may contain only zeros of a channel: there is no scale for its noise.
-    """
-    residual, measured = problem.residual(x), problem.rows.measured.T
-    for group, channel in np.argwhere(problem.weights > 0):
-        present = (problem.rows.group == group) & np.isfinite(measured[channel])
-        least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, present] ** 2))) if present.any() else 0.0
-        if least > 0.0:
-            yield int(group), int(channel), residual[channel, present], least

@@ -53,6 +53,7 @@ def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitR
     ]
     shown: list[Family] = []
     draws: list[Callable[[Axes], None]] = []
+    held_constant = False
     for channel, slip, stiffness, slope in kinds:
         families = comparison.pure(channel, slip)
         if not families:
@@ -61,8 +62,8 @@ def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitR
         known = comparison.curve(family.groups[0], slip)
         if stiffness in known:
             draws.append(partial(_draw_stiffness, comparison, family, stiffness, truth, fitted))
-        if slope in known:
-            draws.append(partial(_draw_slopes, comparison, family, slope, truth))
+        draws.append(partial(_draw_slopes, comparison, family, slope, truth))
+        held_constant |= slope in known
         shown.append(family)
     if not draws:
         return None
@@ -72,7 +73,7 @@ def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitR
     window = f"±{np.degrees(SLOPE_WINDOW['alpha']):g} deg or ±{SLOPE_WINDOW['kappa']:g}"
     note = (
         f"points: slope of the data at zero slip, read without a tire (robust local cubic within {window}); "
-        f"slope over slip: of the pure curve, E held constant, positive at zero"
+        f"slope over slip: of the pure curve{', E held constant' * held_constant}, positive at zero"
     )
     note += BANDS * (fitted is not None)
     dashed = ["black, dashed: the true tire"] if truth is not None else []
@@ -114,18 +115,27 @@ def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: T
     scale = per_si(family.slip)
     for group, style in zip(family.groups, level_styles(len(family.groups), "Fz"), strict=True):
         curve = comparison.curve(group, family.slip)
-        x, slope = curve[family.slip].to_numpy(), curve[quantity].to_numpy()
+        x, slope = curve[family.slip].to_numpy(), _slopes(curve, family, quantity)
         # Positive where the force grows in magnitude with the slip, in every convention.
         sign = np.sign(slope[np.abs(x).argmin()])
         draw_line(ax, x * scale, sign * slope / scale, style, level_text("Fz", group.level))
         if truth is not None:
-            true = comparison.curve(group, family.slip, truth)[quantity].to_numpy()
+            true = _slopes(comparison.curve(group, family.slip, truth), family, quantity)
             ax.plot(x * scale, sign * true / scale, "k--", lw=0.8, zorder=4)
     force, slip = LETTER[family.channel].strip("$"), LETTER[family.slip].strip("$")
     held = held_text(comparison.signs, family.held)
     ax.set_title(f"slope over {LETTER[family.slip]} per load, {held}", fontsize=TITLE_SIZE)
     finish(ax, family.slip, rf"$\partial {force} / \partial {slip}$ ({stiffness_unit(family.slip)})")
     place_legend(ax, f"load {letter(comparison.signs, 'Fz')}")
+
+
+def _slopes(curve: pd.DataFrame, family: Family, quantity: str) -> FloatArray:
+    """Return the slope of a curve: the model's quantity, or the derivative by differences if the model has none."""
+    if quantity in curve:
+        return curve[quantity].to_numpy(dtype=np.float64)
+    force, slip = (curve[name].to_numpy(dtype=np.float64) for name in (family.channel, family.slip))
+    slopes: FloatArray = np.gradient(force, slip)
+    return slopes
 
 
 def _loads(measured: Sequence[float], points: int) -> FloatArray:

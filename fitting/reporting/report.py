@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tirefmu.measurements import TableLike, recordings_from
+from tirefmu.measurements import Finding, TableLike, recordings_from
 from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import FitError, path_from
 from tirefmu.tires.drawing.page import page_text, write_page
@@ -41,6 +41,7 @@ def write_report(
     path: str | Path,
     figures: Sequence[ShownFigure] | None = None,
     *,
+    findings: Sequence[Finding] = (),
     command: str = "",
 ) -> None:
     """Write the report of a fit.
@@ -53,6 +54,8 @@ def write_report(
     path : str or Path
     figures : sequence of ShownFigure, optional
         The rendered `figures_of` them; otherwise they are drawn, which takes seconds.
+    findings : sequence of Finding
+        About the data, and about what the tire leaves in the residual.
     command : str
         The command line, for the provenance.
 
@@ -65,12 +68,15 @@ def write_report(
     given = recordings_from(recordings)
     images = shown_figures(figures_of(result, given)) if figures is None else figures
     try:
-        write_page(report_page(result, images, provenance(given, command)), path)
+        write_page(report_page(result, images, provenance(given, command), findings), path)
     except OSError as error:
         raise FitError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
-def report_page(result: FitResult, images: Sequence[ShownFigure], origin: Sequence[tuple[str, str]] = ()) -> str:
+def report_page(
+    result: FitResult, images: Sequence[ShownFigure], origin: Sequence[tuple[str, str]] = (),
+    findings: Sequence[Finding] = (),
+) -> str:  # fmt: skip
     """Return the page's text.
 
     Parameters
@@ -79,6 +85,7 @@ def report_page(result: FitResult, images: Sequence[ShownFigure], origin: Sequen
     images : sequence of ShownFigure
     origin : sequence of (str, str)
         The provenance.
+    findings : sequence of Finding
 
     Returns
     -------
@@ -94,7 +101,7 @@ def report_page(result: FitResult, images: Sequence[ShownFigure], origin: Sequen
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
     largest = [each for each in errors if each[2]]
     return page_text(
-        "tirefmu.fitting.reporting", filters, result=result, images=images, largest=largest,
+        "tirefmu.fitting.reporting", filters, result=result, images=images, largest=largest, findings=findings,
         differences=significant_differences(result), significant=SIGNIFICANT,
         intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
         bootstrap=bootstrap_summary(result.bootstrap) if result.bootstrap else "",

@@ -39,17 +39,17 @@ def interval_text(half: float) -> str:
 
 
 def bootstrap_text(result: FitResult, name: str) -> str:
-    """Return the interval of a coefficient from a bootstrap; empty if it has none."""
+    """Return the percentile interval of a coefficient; empty if it has none."""
     found = result.bootstrap.interval(name) if result.bootstrap else None
     return f"{found.lower:.5g} to {found.upper:.5g}" if found and isfinite(found.lower) else ""
 
 
 def bootstrap_summary(bootstrap: Bootstrap) -> str:
-    """Return how the intervals of a bootstrap were computed, in one sentence."""
+    """Return how the percentile intervals were computed, in one sentence."""
     failed = f"; {bootstrap.failed} more did not converge" if bootstrap.failed else ""
     return (
         f"bootstrap: percentiles 2.5 and 97.5 of {bootstrap.replicates} fits with random weights of "
-        f"{bootstrap.sweeps} sweeps, corrected by the jackknife; seed {bootstrap.seed}{failed}"
+        f"{bootstrap.sweeps} sweeps, expanded for sweeps that the fit follows, seed {bootstrap.seed}{failed}"
     )
 
 
@@ -70,7 +70,8 @@ def profile_text(result: FitResult, name: str) -> str:
 def worst_text(result: FitResult, recording: str, channel: str) -> str:
     """Return the largest error of a channel and its operating condition; empty for a single operating condition."""
     worst = result.findings.worst(recording, channel)
-    return f"{worst.rmse:.3g} at {condition_text(worst.at)}" if worst else ""
+    unit = next((c.unit for c in result.channels if (c.recording, c.channel) == (recording, channel)), "")
+    return f"{worst.rmse:.3g} {unit} at {condition_text(worst.at)}" if worst else ""
 
 
 def constraint_rows(margins: Sequence[Margin]) -> list[ConstraintRow]:

@@ -5,8 +5,7 @@ operating condition, and then several coefficients are not determined. Therefore
 of a random count: exponentially distributed with mean 1 (Rubin, The Bayesian bootstrap, 1981; Xu et al., Applications
 of the fractional-random-weight bootstrap, 2020). Its variance is that of the counts of a draw, so the replicates have
 the same covariance to first order: the sandwich estimator with sweeps as clusters. It assumes no correlation length.
-Since the fit follows each sweep in part, the percentiles are too close to the fit; their distances from it are
-multiplied by the ratios of `sweep_leverage`.
+The percentiles are expanded for sweeps that the fit follows, and for few sweeps (`leverage`).
 
 Each replicate starts at the solution of the fit. The weights of channels, the bounds and the points at which physical
 constraints are imposed are those of the fit, and so are the states of effects. A stage takes the coefficients of
@@ -17,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -29,21 +27,16 @@ from tirefmu.symbolic.errors import FitError
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.slope_targets import SlopeTarget
 from ..results.fit_result import FitResult
-from ..results.records import FittedCoefficient
 from ..results.resampled import Bootstrap, BootstrapInterval
 from ..results.solved_stage import SolvedStage
 from ..solvers.convergence import STEP_TOLERANCE
+from .leverage import Correction, corrections
 from .near_solution import cost_of_a_row, solve_near
-from .sweep_leverage import standard_error_ratios
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 #: Fewest sweeps, and fewest replicates: with fewer, percentiles 2.5 and 97.5 are the extremes or beyond.
 FEWEST_SWEEPS, FEWEST_REPLICATES = 10, 40
-#: Percentile q of B replicates is the value number q (B + 1) in their order, because the B + 1 intervals between them
-#: are equally probable (Davison and Hinkley, Bootstrap Methods and their Application, 1997, section 5.2). Interpolation
-#: from the first to the last replicate would contain 90.4 % of the distribution with 40 replicates, 94.1 % with 200.
-PERCENTILES: Literal["weibull"] = "weibull"
 #: Replicates of a task: starting it takes less time than they do.
 REPLICATES_OF_TASK = 10
 
@@ -196,28 +189,32 @@ def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: 
     if len(converged) < FEWEST_REPLICATES:
         raise FitError(f"bootstrap: {len(converged)} of {len(replicates)} replicates converged: too few for intervals")
     stages, sweeps = tasks[0].stages, tasks[0].sweeps
-    percentiles = np.percentile(converged, [2.5, 97.5], axis=0, method=PERCENTILES)
-    deviation = converged.std(axis=0, ddof=1)
-    adapted = result.in_signs("adapted-sae")
-    fitted = {one.name: one for one in adapted.coefficients}
-    ratios = {name: ratio for stage in stages for name, ratio in standard_error_ratios(stage, sweeps).items()}
+    names = coefficient_names(stages)
+    free = {one.name for one in result.coefficients if not np.isinf(one.interval)}
+    known = {name: (each, stage) for stage in stages for name, each in corrections(stage, sweeps).items()}
     intervals = tuple(
-        _widened(fitted[name], low, high, sd, ratios[name])
-        for name, low, high, sd in zip(
-            coefficient_names(stages), *percentiles.tolist(), deviation.tolist(), strict=True
-        )
-    )
+        _interval(name, column, *known.get(name, (None, None))) if name in free
+        else BootstrapInterval(name, np.nan, np.nan, np.nan)
+        for name, column in zip(names, converged.T, strict=True)
+    )  # fmt: skip
     failed = len(replicates) - len(converged)
     found = Bootstrap(len(converged), failed, _weighted(stages, sweeps), tasks[0].seed, intervals)
-    return replace(adapted, bootstrap=found).in_signs(result.signs)
+    return replace(result.in_signs("adapted-sae"), bootstrap=found).in_signs(result.signs)
 
 
-def _widened(fitted: FittedCoefficient, low: float, high: float, deviation: float, ratio: float) -> BootstrapInterval:
-    """Return the interval with distances from the fitted value that are multiplied by a ratio, within the bounds."""
-    if np.isinf(fitted.interval):  # not identifiable
-        return BootstrapInterval(fitted.name, *(np.nan,) * 3)
-    lower, upper = (fitted.value + ratio * (end - fitted.value) for end in (low, high))
-    return BootstrapInterval(fitted.name, max(lower, fitted.lower), min(upper, fitted.upper), ratio * deviation)
+def _interval(
+    name: str, replicates: FloatArray, correction: Correction | None, stage: SolvedStage | None
+) -> BootstrapInterval:
+    """Return the percentiles of a coefficient, expanded around its value within its bounds; plain ones at a bound."""
+    # Between the smallest and the largest of N replicates are (N - 1) / (N + 1) of all: Hyndman and Fan, 1996, type 6.
+    low, high = np.percentile(replicates, [2.5, 97.5], method="weibull").tolist()
+    deviation = float(replicates.std(ddof=1))
+    if correction is None or stage is None:
+        return BootstrapInterval(name, low, high, deviation)
+    i = stage.problem.free.index(name)
+    value, least, most = (float(x[i] * stage.problem.scale[i]) for x in (stage.x, stage.lower, stage.upper))
+    lower, upper = (value + correction.expansion * (end - value) for end in (low, high))
+    return BootstrapInterval(name, max(lower, least), min(upper, most), correction.leverage * deviation)
 
 
 def _weighted(stages: Sequence[SolvedStage], sweeps: IntArray) -> int:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 
-from tirefmu.estimation.noise_floor import noise_floor
+from tirefmu.estimation.noise_floor import NoiseFloor, noise_floor
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from ..data.fit_data import FitData
-from ..problem.weighted_residuals import Rows
-from .records import ChannelFit, quality
+from ..problem.rows import BLOCK, Rows
+from .records import ChannelFit, Moments
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -38,20 +39,41 @@ def channel_fits(
     units = {quantity.name: quantity.unit for quantity in tire.book.outputs}
     found = []
     for number, name in enumerate(sources):
-        table = data.table[data.table["recording"] == number]
-        rows = Rows.of(table, tire, fitted)
-        computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
-        floors = noise_floor(
-            table, dict(zip(tire.outputs, rows.measured.T - computed, strict=True)), with_history=False
-        )
-        included = table["included"].to_numpy()
+        every, included = _moments(data.parts(number), tire, fitted)
+        table = data.table if len(sources) == 1 else data.table[data.table["recording"] == number]
+        floors = _floors(table, tire, fitted)
         for index, channel in enumerate(tire.outputs):
-            measured = rows.measured[:, index]
-            n, rmse, r2, uncentred = quality(measured, computed[index])
+            n, rmse, r2, uncentred = every[index].quality
             if n:
                 floor, effective_rows = floors[channel].floor, float(effective[number, index])
-                own = quality(measured[included], computed[index][included])[:3]
+                own = included[index].quality[:3]
                 found.append(
                     ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, effective_rows, *own)
                 )
     return tuple(found)
+
+
+def _moments(parts: Iterable[pd.DataFrame], tire: Tire, fitted: Sequence[str]) -> tuple[list[Moments], list[Moments]]:
+    """Return the sums of each output over all rows, and over the included ones."""
+    every = [Moments() for _ in tire.outputs]
+    included = list(every)
+    for part in parts:
+        rows, own = Rows.of(part, tire, fitted), part["included"].to_numpy()
+        computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
+        for index, measured in enumerate(rows.measured.T):
+            every[index] += Moments.of(measured, computed[index])
+            included[index] += Moments.of(measured[own], computed[index][own])
+    return every, included
+
+
+def _floors(table: pd.DataFrame, tire: Tire, fitted: Sequence[str]) -> dict[str, NoiseFloor]:
+    """Return the noise floor of each channel that was fitted."""
+    residuals = {channel: np.empty(len(table)) for channel in fitted}
+    for start in range(0, len(table), BLOCK):
+        chunk = slice(start, start + BLOCK)
+        rows = Rows.of(table.iloc[chunk], tire, fitted)
+        computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
+        for channel, residual in residuals.items():
+            index = tire.outputs.index(channel)
+            residual[chunk] = rows.measured[:, index] - computed[index]
+    return noise_floor(table, residuals, with_history=False)

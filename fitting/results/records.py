@@ -157,11 +157,61 @@ def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, flo
     >>> quality(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0]))[2]
     0.5
     """
-    measured_rows = np.isfinite(measured)
-    y, residual = measured[measured_rows], (computed - measured)[measured_rows]
-    if not len(y):
-        return 0, float("nan"), float("nan"), float("nan")
-    squares, about, total = (float(np.sum(v**2)) for v in (residual, y - y.mean(), y))
-    centred = 1 - squares / about if about > 0 else float("nan")
-    uncentred = 1 - squares / total if total > 0 else float("nan")
-    return len(y), (squares / len(y)) ** 0.5, centred, uncentred
+    return Moments.of(measured, computed).quality
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Sums over measured and computed values, from which the goodness of fit of parts of the rows together follows.
+
+    Attributes
+    ----------
+    n : int
+        Number of measured rows.
+    mean : float
+        Of the measured values.
+    squares, about, total : float
+        Sums of squares: of the residuals, of the measured values about their mean, and of the measured values.
+
+    Examples
+    --------
+    >>> measured, computed = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0])
+    >>> (Moments.of(measured[:1], computed[:1]) + Moments.of(measured[1:], computed[1:])).quality[2]
+    0.5
+    """
+
+    n: int = 0
+    mean: float = 0.0
+    squares: float = 0.0
+    about: float = 0.0
+    total: float = 0.0
+
+    @classmethod
+    def of(cls, measured: FloatArray, computed: FloatArray) -> Moments:
+        """Return the sums of rows, shape (n,) each; NaN is not measured."""
+        rows = np.isfinite(measured)
+        y, residual = measured[rows], (computed - measured)[rows]
+        if not len(y):
+            return cls()
+        mean = float(y.mean())
+        return cls(len(y), mean, *(float(np.sum(values**2)) for values in (residual, y - y.mean(), y)))
+
+    def __add__(self, other: Moments) -> Moments:
+        """Return the sums of both parts (Chan, Golub and LeVeque, 1983)."""
+        n = self.n + other.n
+        if not self.n or not other.n:
+            return self if self.n else other
+        between = other.mean - self.mean
+        return Moments(
+            n, self.mean + between * other.n / n, self.squares + other.squares,
+            self.about + other.about + between**2 * self.n * other.n / n, self.total + other.total,
+        )  # fmt: skip
+
+    @property
+    def quality(self) -> tuple[int, float, float, float]:
+        """Measured rows, RMSE, centred and uncentred R2; see `quality`."""
+        if not self.n:
+            return 0, float("nan"), float("nan"), float("nan")
+        centred = 1 - self.squares / self.about if self.about > 0 else float("nan")
+        uncentred = 1 - self.squares / self.total if self.total > 0 else float("nan")
+        return self.n, (self.squares / self.n) ** 0.5, centred, uncentred

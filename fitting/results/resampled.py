@@ -9,17 +9,17 @@ from typing import Any
 
 @dataclass(frozen=True)
 class BootstrapInterval:
-    """The 95 % interval of a coefficient from a bootstrap, in the signs of `FitResult.signs`.
+    """The 95 % percentile interval of a coefficient, in the signs of `FitResult.signs`.
 
     Attributes
     ----------
     name : str
     lower, upper : float
-        Percentiles 2.5 and 97.5 of the replicates, with distances from the fitted value that are corrected for the
-        residuals of the sweeps that the fit follows, within the bounds. NaN if the coefficient is not identifiable,
-        because the regularization then determines its replicates.
+        Percentiles 2.5 and 97.5 of the replicates, expanded around the value for sweeps that the fit follows and for
+        few sweeps (`tirefmu.fitting.resampling.leverage`), within the bounds; NaN if the coefficient is not
+        identifiable, because the regularization then determines its replicates.
     deviation : float
-        Standard deviation of the replicates with the same correction.
+        Standard deviation of the replicates, times the factor for sweeps that the fit follows.
     """
 
     name: str

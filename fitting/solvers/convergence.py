@@ -21,7 +21,8 @@ from tirefmu.estimation.gauss_newton import Damping, minimize, restore
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
-from ..problem.weighted_residuals import LEAST_NOISE, Problem
+from ..problem.weighted_residuals import Problem
+from ..problem.weights import LEAST_NOISE
 
 FloatArray = npt.NDArray[np.float64]
 #: Largest step of a converged fit, in standard errors.
@@ -72,13 +73,13 @@ def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
     least : float
     effective_rows : float
     """
-    residual, signal, effective = problem.residual(x), 0.0, 0.0
+    residual, signal, effective, represented = problem.residual(x), 0.0, 0.0, problem.rows.represented
     for group, channel in np.argwhere(problem.weights > 0):
         rows = (problem.rows.group == group) & np.isfinite(problem.rows.measured[:, channel])
         if rows.any():
-            measured, weight = problem.rows.measured[rows, channel], problem.rows.weight[rows]
-            signal += 0.5 * float(problem.weights[group, channel] * np.sum(weight * measured**2))
-            effective += effective_sample_size(residual[channel, rows], problem.rows.segment[rows])
+            squares = np.sum(problem.rows.weight[rows] * problem.rows.measured[rows, channel] ** 2)
+            signal += 0.5 * float(problem.weights[group, channel] * squares) * represented[group]
+            effective += effective_sample_size(residual[channel, rows], problem.rows.segment[rows]) * represented[group]
     return LEAST_NOISE**2 * signal, effective
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import FrameType, TracebackType
 from typing import Any
 
@@ -23,7 +23,8 @@ class Interruption:
     Parameters
     ----------
     progress : callable, optional
-        Called with stage, iteration and cost.
+        Called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first stage
+        with name and work of each stage.
 
     Examples
     --------
@@ -68,13 +69,22 @@ class Interruption:
         stage, iteration = self._latest
         return f"stage {stage!r}, iteration {iteration}" if stage else "before the first stage"
 
+    def plan(self, work: Callable[[], Sequence[tuple[str, float]]]) -> None:
+        """Report the work of the stages that follow, if the callback takes it."""
+        planned = getattr(self._progress, "planned", None)
+        if planned is not None:
+            self._call(planned, work())
+
     def report(self, stage: str, iteration: int, cost: float) -> None:
         """Report the progress."""
         self._latest = (stage, iteration)
-        if self._progress is None or self.requested:
+        self._call(self._progress, stage, iteration, cost)
+
+    def _call(self, callback: Callable[..., None] | None, *arguments: Any) -> None:
+        if callback is None or self.requested:
             return
         try:
-            self._progress(stage, iteration, cost)
+            callback(*arguments)
         except KeyboardInterrupt:
             self.requested = True
         except Exception as error:  # raised later by `raise_failure`

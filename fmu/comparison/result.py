@@ -10,10 +10,13 @@ from typing import Any
 import pandas as pd
 
 from tirefmu.symbolic.escaping import visible
+from tirefmu.tires.drawing.drawn_units import drawn_unit, per_si
 from tirefmu.tires.notebook import html_summary, html_table
 
 #: Largest |FMU - direct| / (1 + |direct|) between the FMU and direct evaluation of its tire.
 EVALUATION_TOLERANCE = 1e-9
+#: Coefficient of determination from which a channel counts as described. It is judgement, and fails no check.
+GOOD_R2 = 0.9
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,29 @@ class CheckResult:
         within_tolerance = self.tolerance is None or all(c.relative_rmse <= self.tolerance for c in self.channels)
         return not self.problems and accurate and within_tolerance
 
+    @property
+    def verdict(self) -> str:
+        """What was checked of the FMU, in one line; how well its tire describes the data is `agreement`."""
+        if not self.ok:
+            return "check failed"
+        equal = "" if self.evaluation_difference is None else " and computes its tire as direct evaluation does"
+        within = "" if self.tolerance is None else f"; every error is within {self.tolerance:.3g} of the largest value"
+        return f"check passed: the FMU is valid{equal}{within}"
+
+    @property
+    def poorly_described(self) -> tuple[str, ...]:
+        """The channels with an R2 below `GOOD_R2`, or without one."""
+        return tuple(channel.name for channel in self.channels if not channel.r2 >= GOOD_R2)
+
+    @property
+    def agreement(self) -> str:
+        """How well the tire of the FMU describes the data, in one line."""
+        described = [channel for channel in self.channels if channel.name not in self.poorly_described]
+        poor = [channel for channel in self.channels if channel.name in self.poorly_described]
+        good, bad = (", ".join(f"{each.name} {each.r2:.3f}" for each in some) for some in (described, poor))
+        below = f"below {GOOD_R2}: {bad} (poorly described, or hardly varies here)" if bad else ""
+        return f"agreement with the data, R2: {'; '.join(filter(None, (good, below)))}"
+
     def to_json(self) -> dict[str, Any]:
         """Return the result as plain values for json.dump; NaN and infinity become None."""
         return {
@@ -155,7 +181,7 @@ class CheckResult:
         ]
         for channel in self.channels:
             worst = channel.worst
-            at = ", ".join(f"{name} {value:.4g}" for name, value in worst.condition.items())
+            at = ", ".join(_drawn(name, value) for name, value in worst.condition.items())
             lines.append(
                 f"{channel.name:<8}{channel.measured:>8}{channel.rmse:>10.4g} {channel.unit:<3}"
                 f"{channel.relative_rmse:>10.2%}{channel.r2:>10.4f}{channel.r2_uncentred:>14.4f}"
@@ -166,6 +192,12 @@ class CheckResult:
         lines += [f"invalid: {problem}" for problem in self.problems] or ["fmpy validation: no problems"]
         lines += [f"warning: {each}" for each in self.warnings]
         return "\n".join(visible(line) for line in lines)
+
+
+def _drawn(name: str, value: float) -> str:
+    """Return a value with the unit in which it is drawn: degrees, kPa."""
+    unit = drawn_unit(name)
+    return f"{name} {value * per_si(name):.4g}{'' if unit == '-' else f' {unit}'}"
 
 
 def _channel_json(channel: Channel) -> dict[str, Any]:

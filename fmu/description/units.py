@@ -56,7 +56,7 @@ def base_unit(unit: str) -> dict[str, int | float]:
     >>> base_unit("Nm")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.FmuError: unit 'Nm': unknown factor 'Nm': did you mean N?
+    tirefmu.symbolic.errors.FmuError: unit 'Nm': unknown factor 'Nm': did you mean N? ...
     """
     if unit in SHIFTED:
         return dict(SHIFTED[unit])

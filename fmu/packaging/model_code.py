@@ -69,12 +69,11 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
 def _chosen(model: str, name: str, found: dict[str, str]) -> list[str]:
     """Return a routine and the variants that it calls; empty for a routine that the model lacks.
 
-    The general variant, for turn slip and options, is half as large if calls of elementary functions are not expanded.
+    The code is a third smaller if calls of elementary functions are not expanded. Groups of such calls are.
     """
     parts = ["is_straight"] if name == FAST[0] else []
     parts += [f"{name}_general", f"{model}_{name}_straight", f"{model}_{name}"]
-    general = {part: calling_functions(text) for part, text in found.items() if part.endswith("_general")}
-    return [{**found, **general}[part] for part in parts if part in found]
+    return [calling_functions(found[part]) for part in parts if part in found]
 
 
 def _general(model: str, name: str, found: dict[str, str]) -> str:

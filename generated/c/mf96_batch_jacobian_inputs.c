@@ -11,6 +11,48 @@
 #define N_INPUTS MF96_N_INPUTS
 #define N_RESULTS 12
 
+/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
+   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
+   the compiler is allowed to fuse multiplications. */
+#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
+#define VECTORS 1
+typedef double two __attribute__((vector_size(16)));
+typedef uint64_t two_bits __attribute__((vector_size(16)));
+#define TWO(a, b) ((two){a, b})
+#define TWO_AT(x, i) ((x)[i])
+#ifdef __AVX__
+typedef double four __attribute__((vector_size(32)));
+typedef uint64_t four_bits __attribute__((vector_size(32)));
+#define FOUR(a, b, c, d) ((four){a, b, c, d})
+#define FOUR_AT(x, i) ((x)[i])
+#else
+typedef struct { two half[2]; } four;
+#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
+#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
+#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
+#define FOUR_BY_PAIRS(function_of_two, x, y) \
+    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
+#endif
+#else
+#define VECTORS 0
+typedef double one;
+typedef uint64_t one_bits;
+typedef struct { double at[2]; } two;
+typedef struct { double at[4]; } four;
+#define TWO(a, b) ((two){{a, b}})
+#define TWO_AT(x, i) ((x).at[i])
+#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
+#define FOUR_AT(x, i) ((x).at[i])
+#endif
+#define TWO_COUNT 2
+#define FOUR_COUNT 4
+#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
+#define FOUR_ALL(x, condition) \
+    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
+/* No less than the size of any of the numbers, or NaN. */
+#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
+#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
+
 static inline double square(double x) { return x*x; }
 
 /* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
@@ -93,13 +135,19 @@ static inline lanes lanes_checked_angle(lanes angle)
     return angle + 0.0*(angle*1e301);
 }
 
+/* The fixed factor of an arcus tangent: of an angle of such a product the sine needs no check. */
+static inline double limited(double factor)
+{
+    return factor + 0.0*(factor*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes r = LANES_WITHOUT(angle, n, 1.0);
     const lanes z = r*r;
     const lanes series = -0.16666666666666666 + z*(0.008333333333333316 + z*(-0.00019841269841254955
         + z*(2.755731921915843e-06 + z*(-2.5052107616384595e-08 + z*(1.6058977272815506e-10
@@ -109,10 +157,20 @@ static inline lanes lanes_shifted_sin(lanes angle, double shift)
 
 static inline lanes lanes_sin(lanes x)
 {
-    return lanes_shifted_sin(x, 0.0);
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.0);
 }
 
 static inline lanes lanes_cos(lanes x)
+{
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.5);
+}
+
+static inline lanes lanes_limited_sin(lanes x)
+{
+    return lanes_shifted_sin(x, 0.0);
+}
+
+static inline lanes lanes_limited_cos(lanes x)
 {
     return lanes_shifted_sin(x, 0.5);
 }
@@ -122,14 +180,15 @@ static inline lanes lanes_cos(lanes x)
 static inline lanes lanes_atan(lanes x)
 {
     const lanes a = lanes_absolute(x);
-    const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
-    const lanes eighths = (shifted + 1.0) - near;
+    const lane_bits beyond = a > 0.41421356237309503, within = a <= 2.414213562373095;
+    const lanes shifted = one_where(beyond), near = one_where(within);
+    const lanes base = choose(within, (lanes)((lane_bits)each(0.7853981633974483) & beyond), each(1.5707963267948966));
     const lanes t = (a*near - shifted)/(a*shifted + near);
     const lanes z = t*t;
     const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
         + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
         + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
-    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
+    return with_sign_of(base + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)
@@ -385,10 +444,10 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes sign_alpha_y_part1 = 1e-06 + lanes_square(alpha_y);
         const lanes B_y_part2 = 1.0/D_y;
         const lanes alpha_teq_part1 = 1e-06 + lanes_square(alpha_t);
-        const lanes S_Vyk_part3 = RVY5*S_Vyk_part2;
+        const lanes S_Vyk_part3 = limited(RVY5)*S_Vyk_part2;
         const lanes B_xalpha_part3 = 1.0/B_xalpha_part2;
         const lanes D_Vyk_part3 = 1.0/D_Vyk_part2;
-        const lanes S_Vyk_part4 = lanes_sin(S_Vyk_part3);
+        const lanes S_Vyk_part4 = lanes_limited_sin(S_Vyk_part3);
         const lanes B_ykappa_part4 = 1.0/B_ykappa_part3;
         const lanes sign_gamma = gamma_s*sign_gamma_part3; /* [Trento] smoothed sign */
         const lanes sign_kappa_x_part2 = lanes_sqrt(sign_kappa_x_part1);
@@ -403,7 +462,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes D_Vyk = D_Vyk_part3*D_Vyk_part4*F_z*mu_y; /* [4.E67] peak of S_Vyk */
         const lanes B_t = (B_t_part1*LKY)*B_t_part2*B_t_part3; /* [4.E40] stiffness factor of the trail */
         const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
-        const lanes K_yalpha_part2 = lanes_sin(K_yalpha_w);
+        const lanes K_yalpha_part2 = lanes_limited_sin(K_yalpha_w);
         const lanes G_xa_w_part2 = B_xalpha*G_xa_w_part1;
         const lanes G_xa_w0_part1 = B_xalpha*RHX1;
         const lanes B_ykappa = (LYK*RBY1)*B_ykappa_part4; /* [4.E62] stiffness of G_yk */
@@ -428,33 +487,33 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes K_yalpha = (F_z01*LFZ0*LKA*PKY1)*K_yalpha_part1*K_yalpha_part2; /* [4.E25] cornering stiffness */
         const lanes F_x0_v_part2 = F_x0_u - F_x0_v_part1;
         const lanes B_y = B_y_part1*B_y_part2*K_yalpha; /* [4.E26] stiffness factor */
-        const lanes G_xa_w = G_xa_w_part3*RCX1; /* [4.E51] angle of the weighting function */
-        const lanes G_xa_w0 = G_xa_w0_part2*RCX1; /* [4.E52] the same at zero slip */
+        const lanes G_xa_w = limited(RCX1)*G_xa_w_part3; /* [4.E51] angle of the weighting function */
+        const lanes G_xa_w0 = limited(RCX1)*G_xa_w0_part2; /* [4.E52] the same at zero slip */
         const lanes S_Hf_part1 = 1.0/K_yalpha;
         const lanes E_t_part4 = 1.0 + E_t_part1*E_t_part3;
         const lanes kappa_share_part1 = 1.0/K_yalpha;
         const lanes F_x0_v = F_x0_u - E_x*F_x0_v_part2; /* [4.1] B x bent by E */
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
-        const lanes G_xa_part1 = lanes_cos(G_xa_w0);
-        const lanes G_xa_part3 = lanes_cos(G_xa_w);
-        const lanes G_yk_w = G_yk_w_part3*RCY1; /* [4.E59] angle of the weighting function */
-        const lanes G_yk_w0 = G_yk_w0_part2*RCY1; /* [4.E60] the same at zero slip */
+        const lanes G_xa_part1 = lanes_limited_cos(G_xa_w0);
+        const lanes G_xa_part3 = lanes_limited_cos(G_xa_w);
+        const lanes G_yk_w = limited(RCY1)*G_yk_w_part3; /* [4.E59] angle of the weighting function */
+        const lanes G_yk_w0 = limited(RCY1)*G_yk_w0_part2; /* [4.E60] the same at zero slip */
         const lanes E_t = E_t_part4*E_t_part5; /* [4.E44] curvature factor of the trail */
         const lanes B_r = B_r_part1*LKY*QBZ9 + (C_y*QBZ10)*B_y; /* [4.E45] stiffness factor of the residual moment */
         const lanes F_x0_w_part1 = lanes_atan(F_x0_v);
         const lanes F_y0_v_part1 = lanes_atan(F_y0_u);
-        const lanes G_yk_part1 = lanes_cos(G_yk_w0);
-        const lanes G_yk_part3 = lanes_cos(G_yk_w);
+        const lanes G_yk_part1 = lanes_limited_cos(G_yk_w0);
+        const lanes G_yk_part3 = lanes_limited_cos(G_yk_w);
         const lanes S_Hf = S_Hy + S_Hf_part1*S_Vy; /* [4.E38] shift of the residual moment */
         const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)*lanes_square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
         const lanes alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
         const lanes alpha_req_part1 = 1e-06 + lanes_square(alpha_r);
         const lanes G_xa_part2 = 1.0/G_xa_part1;
         const lanes alpha_req_part2 = 1.0/alpha_req_part1;
-        const lanes F_x0_w = C_x*F_x0_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes F_x0_w = limited(C_x)*F_x0_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes F_y0_v_part2 = F_y0_u - F_y0_v_part1;
         const lanes G_yk_part2 = 1.0/G_yk_part1;
-        const lanes F_x0_part1 = lanes_sin(F_x0_w);
+        const lanes F_x0_part1 = lanes_limited_sin(F_x0_w);
         const lanes F_y0_v = F_y0_u - E_y*F_y0_v_part2; /* [4.1] B x bent by E */
         const lanes F_y0_w_part1 = lanes_atan(F_y0_v);
         const lanes G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
@@ -469,9 +528,9 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes M_zr_part1 = 1.0 + lanes_square(B_r)*lanes_square(alpha_req);
         const lanes F_x0 = S_Vx + D_x*F_x0_part1; /* [4.E9] longitudinal force in pure slip */
         const lanes trail_v_part1 = lanes_atan(trail_u);
-        const lanes F_y0_w = C_y*F_y0_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes F_y0_w = limited(C_y)*F_y0_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes Fx_part1 = F_x0*G_xa;
-        const lanes F_y0_part1 = lanes_sin(F_y0_w);
+        const lanes F_y0_part1 = lanes_limited_sin(F_y0_w);
         const lanes Fx = choose(Fz <= 1e-06, each(0.0), Fx_part1); /* [4.E50] longitudinal force */
         const lanes M_zr_part2 = lanes_sqrt(M_zr_part1);
         const lanes trail_v_part2 = trail_u - trail_v_part1;
@@ -484,8 +543,8 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes s_part3 = SSZ1 + gamma_s*s_part1 + (SSZ2*s_part2)*Fy;
         const lanes Mz_part1 = Fy - S_Vyk;
         const lanes s = (LS*UNLOADED_RADIUS)*s_part3; /* [4.E76] moment arm of Fx */
-        const lanes trail_w = C_t*trail_w_part1; /* [4.1] angle of the Magic Formula */
-        const lanes trail_part2 = lanes_cos(trail_w);
+        const lanes trail_w = limited(C_t)*trail_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes trail_part2 = lanes_limited_cos(trail_w);
         const lanes trail = D_t*trail_part1*trail_part2; /* [4.E73] pneumatic trail */
 
         /* Partial derivatives of each line */
@@ -516,7 +575,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes S_Vx_by_S_Vx_part1 = LVX*S_Vx_shared2;
         const lanes F_x0_v_part1_by_F_x0_u = 1.0/(1.0 + lanes_square(F_x0_u));
         const lanes F_x0_w_part1_by_F_x0_v = 1.0/(1.0 + lanes_square(F_x0_v));
-        const lanes F_x0_part1_by_F_x0_w = lanes_cos(F_x0_w);
+        const lanes F_x0_part1_by_F_x0_w = lanes_limited_cos(F_x0_w);
         const lanes S_Vy_shared1 = LVY*S_Vy_part2;
         const lanes S_Vy_shared2 = F_z*LMUY;
         const lanes S_Vy_by_F_z = LMUY*S_Vy_shared1;
@@ -532,7 +591,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes K_yalpha_w_part4_by_K_yalpha_w_part3 = 1.0/(1.0 + lanes_square(K_yalpha_w_part3));
         const lanes K_yalpha_shared1 = (LFZ0*LKA*PKY1)*K_yalpha_part2;
         const lanes K_yalpha_shared2 = (F_z01*LKA*PKY1)*K_yalpha_part1;
-        const lanes K_yalpha_part2_by_K_yalpha_w = lanes_cos(K_yalpha_w);
+        const lanes K_yalpha_part2_by_K_yalpha_w = lanes_limited_cos(K_yalpha_w);
         const lanes K_yalpha_by_K_yalpha_part1 = F_z01*K_yalpha_shared1;
         const lanes K_yalpha_by_K_yalpha_part2 = K_yalpha_shared2*LFZ0;
         const lanes B_y_part2_by_D_y = -lanes_square(B_y_part2);
@@ -540,23 +599,23 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes B_y_by_K_yalpha = B_y_part1*B_y_part2;
         const lanes F_y0_v_part1_by_F_y0_u = 1.0/(1.0 + lanes_square(F_y0_u));
         const lanes F_y0_w_part1_by_F_y0_v = 1.0/(1.0 + lanes_square(F_y0_v));
-        const lanes F_y0_part1_by_F_y0_w = lanes_cos(F_y0_w);
+        const lanes F_y0_part1_by_F_y0_w = lanes_limited_cos(F_y0_w);
         const lanes B_xalpha_part1_by_kappa = (2.0*square(RBX2))*kappa;
         const lanes B_xalpha_part2_by_B_xalpha_part1 = 0.5/B_xalpha_part2;
         const lanes B_xalpha_part3_by_B_xalpha_part2 = -lanes_square(B_xalpha_part3);
         const lanes G_xa_w_part3_by_G_xa_w_part2 = 1.0/(1.0 + lanes_square(G_xa_w_part2));
         const lanes G_xa_w0_part2_by_G_xa_w0_part1 = 1.0/(1.0 + lanes_square(G_xa_w0_part1));
-        const lanes G_xa_part1_by_G_xa_w0 = -lanes_sin(G_xa_w0);
+        const lanes G_xa_part1_by_G_xa_w0 = -lanes_limited_sin(G_xa_w0);
         const lanes G_xa_part2_by_G_xa_part1 = -lanes_square(G_xa_part2);
-        const lanes G_xa_part3_by_G_xa_w = -lanes_sin(G_xa_w);
+        const lanes G_xa_part3_by_G_xa_w = -lanes_limited_sin(G_xa_w);
         const lanes B_ykappa_part2_by_B_ykappa_part1 = (2.0*square(RBY2))*B_ykappa_part1;
         const lanes B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3;
         const lanes B_ykappa_part4_by_B_ykappa_part3 = -lanes_square(B_ykappa_part4);
         const lanes G_yk_w_part3_by_G_yk_w_part2 = 1.0/(1.0 + lanes_square(G_yk_w_part2));
         const lanes G_yk_w0_part2_by_G_yk_w0_part1 = 1.0/(1.0 + lanes_square(G_yk_w0_part1));
-        const lanes G_yk_part1_by_G_yk_w0 = -lanes_sin(G_yk_w0);
+        const lanes G_yk_part1_by_G_yk_w0 = -lanes_limited_sin(G_yk_w0);
         const lanes G_yk_part2_by_G_yk_part1 = -lanes_square(G_yk_part2);
-        const lanes G_yk_part3_by_G_yk_w = -lanes_sin(G_yk_w);
+        const lanes G_yk_part3_by_G_yk_w = -lanes_limited_sin(G_yk_w);
         const lanes D_Vyk_shared1 = F_z*mu_y;
         const lanes D_Vyk_shared2 = D_Vyk_part3*D_Vyk_part4;
         const lanes D_Vyk_part1_by_alpha = (2.0*square(RVY4))*alpha;
@@ -567,7 +626,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes D_Vyk_by_F_z = D_Vyk_shared2*mu_y;
         const lanes D_Vyk_by_mu_y = D_Vyk_shared2*F_z;
         const lanes S_Vyk_part2_by_S_Vyk_part1 = 1.0/(1.0 + lanes_square(S_Vyk_part1));
-        const lanes S_Vyk_part4_by_S_Vyk_part3 = lanes_cos(S_Vyk_part3);
+        const lanes S_Vyk_part4_by_S_Vyk_part3 = lanes_limited_cos(S_Vyk_part3);
         const lanes S_Vyk_by_D_Vyk = LVYK*S_Vyk_part4;
         const lanes S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYK;
         const lanes Fx_by_Fx_part1 = choose(Fz <= 1e-06, each(0.0), each(1.0));
@@ -606,7 +665,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes trail_v_part1_by_trail_u = 1.0/(1.0 + lanes_square(trail_u));
         const lanes trail_w_part1_by_trail_v = 1.0/(1.0 + lanes_square(trail_v));
         const lanes trail_part1_by_alpha = -lanes_sin(alpha);
-        const lanes trail_part2_by_trail_w = -lanes_sin(trail_w);
+        const lanes trail_part2_by_trail_w = -lanes_limited_sin(trail_w);
         const lanes trail_by_D_t = trail_part1*trail_part2;
         const lanes trail_by_trail_part1 = D_t*trail_part2;
         const lanes trail_by_trail_part2 = D_t*trail_part1;
@@ -718,7 +777,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dM_zr_part1_dalpha_r = M_zr_part1_by_alpha_req*dalpha_req_dalpha_r;
         const lanes dD_t_ddfz = D_t_by_D_t_part2*QDZ2;
         const lanes dD_t_dgamma_s = D_t_by_D_t_part3*D_t_part3_by_gamma_s;
-        const lanes dE_t_part4_dgamma_s = E_t_part3*QEZ5;
+        const lanes dE_t_part4_dgamma_s = limited(QEZ5)*E_t_part3;
         const lanes dE_t_part4_dB_t = E_t_part2_by_B_t*dE_t_part4_dE_t_part2;
         const lanes dE_t_part4_dalpha_t = E_t_part2_by_alpha_t*dE_t_part4_dE_t_part2;
         const lanes dtrail_v_dE_t_part4 = -E_t_part5*trail_v_part2;

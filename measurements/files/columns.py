@@ -92,7 +92,7 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     >>> parse_header(["kappa", "Alpha"], "a.csv")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha?
+    tirefmu.symbolic.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha? ...
     """
     if len(headers) > MOST_COLUMNS:
         raise DataError(f"{source}: {len(headers)} columns: at most {MOST_COLUMNS} are read")

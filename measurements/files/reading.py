@@ -7,7 +7,7 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from tirefmu.symbolic.errors import DataError, path_from
+from tirefmu.symbolic.errors import DataError, nearest, path_from
 from tirefmu.tires.signs import reversed_columns
 
 from ..quality.incomplete_rows import without_incomplete_rows
@@ -67,7 +67,7 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     """
     file = path_from(path)
     if file.suffix.lower() not in READERS:
-        raise DataError(f"{file}: unknown kind of recording {file.suffix!r}: known are {', '.join(READERS)}")
+        raise DataError(f"{file}: unknown kind of recording {file.suffix!r}{nearest(file.suffix, READERS)}")
     reader, default_signs = READERS[file.suffix.lower()]
     chosen = default_signs if signs is None else signs
     reversed_columns(chosen, "iso")  # an unknown convention is an error before a long file is read

@@ -155,7 +155,8 @@ def _check_present(folded: Collection[str], fields: list[str], source: str) -> N
         intended = None if field.upper() in _BENCH_NAMES else intended_channel(field)
         names = CHANNELS[intended].bench_names if intended else ()
         if names and not any(name.casefold() in folded for name in names):
-            raise DataError(f"{source}: channel {field!r} is not one of a bench file: did you mean {names[0]}?")
+            known = f"Channels of one are {', '.join(sorted(_BENCH_NAMES))}"
+            raise DataError(f"{source}: channel {field!r} is not one of a bench file: did you mean {names[0]}? {known}")
 
 
 def _channel(

@@ -52,8 +52,12 @@ def verdict_on(findings: Sequence[Finding]) -> str:
     --------
     >>> verdict_on([]), verdict_on([Finding("two tires", "a.csv: two tires", serious=True)])
     ('ready for a fit', 'a fit of these data would be misleading')
+    >>> verdict_on([Finding("repeated rows", "a.csv: 5 of 90 rows occur twice")])
+    'ready for a fit, with 1 note'
     """
-    return "a fit of these data would be misleading" if any(each.serious for each in findings) else "ready for a fit"
+    if any(each.serious for each in findings):
+        return "a fit of these data would be misleading"
+    return "ready for a fit" + (f", with {len(findings)} note{'s'[: len(findings) != 1]}" if findings else "")
 
 
 def headline_first(findings: list[Finding]) -> list[Finding]:

@@ -82,7 +82,7 @@ def convention_notes(recording: Recording) -> list[str]:
     if fitting:
         advice = f"the data fit {' or '.join(fitting)} (--signs {fitting[0]})"
     else:
-        advice = f"no convention fits: reverse {', '.join(contradicting)}"
+        advice = f"no convention fits: multiply {' and '.join(contradicting)} in the file by -1"
     return [f"{recording.source}: {facts}: {advice}"]
 
 

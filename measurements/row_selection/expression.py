@@ -57,7 +57,7 @@ def parse_selection(expression: str) -> Rows:
     >>> parse_selection("t > 2 min and pressure > 70 kPa")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: where 't > 2 min and pressure > 70 kPa': unknown name 'pressure': did you mean p?
+    tirefmu.symbolic.errors.DataError: where 't > 2 min and pressure > 70 kPa': unknown name 'pressure': did you ...
     """
     parser = _Parser(expression)
     selection = parser.selection()
@@ -255,9 +255,8 @@ class _Parser:
             raise self._unexpected("a name")
         if token.text not in NAMES:
             meant = intended_channel(token.text)
-            hint = (
-                f": did you mean {meant}?" if meant else nearest(token.text, NAMES) or f": known are {', '.join(NAMES)}"
-            )
+            known = f"Known are {', '.join(NAMES)}"
+            hint = f": did you mean {meant}? {known}" if meant else nearest(token.text, NAMES)
             raise self._error(f"unknown name {quoted(token.text)}{hint}")
         self.at += 1
         if absolute:

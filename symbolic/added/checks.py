@@ -109,10 +109,10 @@ def _state_objections(states: Sequence[State], read: frozenset[str]) -> Iterator
         if reason := no_state(state.name):
             yield f"state {quoted(state.name)} {reason}"
         if state.kind not in (*KINDS, SPEED):
-            yield f"state {state.name}: unknown kind {quoted(state.kind)}"
+            yield f"state {state.name}: unknown kind {quoted(state.kind)}{nearest(state.kind, KINDS)}"
         for name in state.drive if state.follows_a_path else ():
             if name not in lags:
-                yield f"state {state.name}: drive {quoted(name)} is no lag of this effect{nearest(name, lags)}"
+                yield f"state {state.name}: drive {quoted(name)} is no lag of this effect{nearest(name, sorted(lags))}"
         used = read.union(*(other.reads for other in (*states[:i], *states[i + 1 :])))
         if state.name not in used and not (state.oscillates or state.kind == SPEED):
             yield f"state {state.name} is declared but not used"

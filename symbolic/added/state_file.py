@@ -58,15 +58,15 @@ def _state(name: str, table: object, location: str) -> State:
     known_keys(table, KEYS, location)
     kind = table.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
-        raise EffectError(f"{location}: kind is none of {', '.join(KINDS)}{nearest(str(kind), KINDS)}")
+        raise EffectError(f"{location}: unknown kind {quoted(str(kind))}{nearest(str(kind), KINDS)}")
     required, optional = KINDS[kind]
     article = "an" if kind[0] in "ao" else "a"
     for alternatives in required:
         if sum(key in table for key in alternatives) != 1:
             raise EffectError(f"{location}: {article} {kind} requires {' or '.join(alternatives)}")
     allowed = {"kind", "drive", "unit", "description", *optional, *(key for keys in required for key in keys)}
-    for key in table.keys() - allowed:
-        raise EffectError(f"{location}: {article} {kind} has no {key}")
+    for key in sorted(table.keys() - allowed):
+        raise EffectError(f"{location}: {article} {kind} has no {key}{nearest(key, sorted(allowed))}")
     if table.get("start") == FITTED and kind not in WITH_FITTED_START:
         raise EffectError(f"{location}: {article} {kind} has no fitted start")
     texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive"}}

@@ -62,7 +62,7 @@ def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
     """Print the loop over a block; what depends on parameters only is computed before it."""
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
-    printer = LanesPrinter(_varying(inputs, routine))
+    printer = LanesPrinter(_varying(inputs, routine), ((line.symbol, line.expression) for line in routine.body))
     fixed = [assignment for assignment in routine.body if not printer.varies(assignment.expression)]
     rows = [assignment for assignment in in_order(routine) if printer.varies(assignment.expression)]
     before = [*parameters_read(model, routine), *statements(fixed)]

@@ -16,12 +16,15 @@ from ..escaping import c_comment
 
 INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: The headers, in the order in which they are printed.
-PLAIN = ("arithmetic.h", "elementary.h")
+PLAIN = ("vectors.h", "arithmetic.h", "elementary.h")
 KERNEL = (*PLAIN, "lanes.h", "blocks.h", "normal_equations.h")
+
+#: Words of the headers that stand for several types: a paragraph with one is printed for each.
+WORDS = {"wide": ("one", "two", "four"), "many": ("two", "four")}
 
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _DEFINED = re.compile(r"^#define (\w+)|^typedef \w+ (\w+)|^static [^([]*?(\w+)[(\[]", re.MULTILINE)
-_CALL_OF_FAST = re.compile(r"\bfast_(sin|cos|tan|atan)\(")
+_CALL_OF_FAST = re.compile(r"\bfast_(sin|cos|tan|atan|exp|pow)\(")
 
 
 @dataclass(frozen=True)
@@ -71,21 +74,10 @@ def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
 
     Examples
     --------
-    >>> print(definitions("double f(double x) { return sgn1(x) + PI; }"))
+    >>> print(definitions("double f(double x) { return cubed_sqrt(x) + PI; }"))
     #define PI 3.14159265358979323846
     <BLANKLINE>
-    /* No branches, which are unpredictable here; NaN stays NaN (the second operand of a comparison that fails). */
-    static inline double sgn(double x)
-    {
-        const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
-        return 1.0 < above ? 1.0 : above;
-    }
-    <BLANKLINE>
-    static inline double sgn1(double x)
-    {
-        const double sign = sgn(x);
-        return sign + (double)(sign == 0.0);
-    }
+    static inline double cubed_sqrt(double x) { return x*sqrt(x); }
     """
     used, parts = set(_identifiers(code)), []
     for header in reversed(headers):
@@ -123,7 +115,15 @@ def calling_functions(code: str) -> str:
 @lru_cache(maxsize=8)
 def _paragraphs(header: str) -> tuple[Definition, ...]:
     text = (files(__package__) / header).read_text(encoding="ascii").strip()
-    return tuple(_definition(paragraph) for paragraph in text.split("\n\n"))
+    return tuple(_definition(each) for paragraph in text.split("\n\n") for each in _written_out(paragraph))
+
+
+def _written_out(paragraph: str) -> list[str]:
+    """Return a paragraph for each of the types for which its word stands."""
+    for word, types in WORDS.items():
+        if re.search(rf"\b{word}", paragraph):
+            return [paragraph.replace(word, name).replace(word.upper(), name.upper()) for name in types]
+    return [paragraph]
 
 
 def _definition(text: str) -> Definition:

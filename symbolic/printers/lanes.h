@@ -95,13 +95,19 @@ static inline lanes lanes_checked_angle(lanes angle)
     return angle + 0.0*(angle*1e301);
 }
 
+/* The fixed factor of an arcus tangent: of an angle of such a product the sine needs no check. */
+static inline double limited(double factor)
+{
+    return factor + 0.0*(factor*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes r = LANES_WITHOUT(angle, n, 1.0);
     const lanes z = r*r;
     const lanes series = -0.16666666666666666 + z*(0.008333333333333316 + z*(-0.00019841269841254955
         + z*(2.755731921915843e-06 + z*(-2.5052107616384595e-08 + z*(1.6058977272815506e-10
@@ -111,10 +117,20 @@ static inline lanes lanes_shifted_sin(lanes angle, double shift)
 
 static inline lanes lanes_sin(lanes x)
 {
-    return lanes_shifted_sin(x, 0.0);
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.0);
 }
 
 static inline lanes lanes_cos(lanes x)
+{
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.5);
+}
+
+static inline lanes lanes_limited_sin(lanes x)
+{
+    return lanes_shifted_sin(x, 0.0);
+}
+
+static inline lanes lanes_limited_cos(lanes x)
 {
     return lanes_shifted_sin(x, 0.5);
 }
@@ -138,14 +154,15 @@ static inline lanes lanes_tan(lanes x)
 static inline lanes lanes_atan(lanes x)
 {
     const lanes a = lanes_absolute(x);
-    const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
-    const lanes eighths = (shifted + 1.0) - near;
+    const lane_bits beyond = a > 0.41421356237309503, within = a <= 2.414213562373095;
+    const lanes shifted = one_where(beyond), near = one_where(within);
+    const lanes base = choose(within, (lanes)((lane_bits)each(0.7853981633974483) & beyond), each(1.5707963267948966));
     const lanes t = (a*near - shifted)/(a*shifted + near);
     const lanes z = t*t;
     const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
         + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
         + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
-    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
+    return with_sign_of(base + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)

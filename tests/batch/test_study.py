@@ -108,4 +108,6 @@ def test_a_run_that_fails_is_a_row_with_its_reason(fmu, folder, tmp_path, capsys
     table = pd.read_parquet(tmp_path / "study.parquet")
     assert table.loc[table["reason"] != "", "LKY"].tolist() == [1e200] * 3
     assert table.loc[table["reason"] == "", "Fy_max"].notna().all()
-    assert "6 runs, 3 failed" in capsys.readouterr().out
+    captured = capsys.readouterr()
+    assert captured.out.startswith("6 runs, 3 failed")
+    assert "simulating: 6 of 6, " in captured.err

@@ -14,7 +14,9 @@ import pytest
 
 import tirefmu
 from tirefmu.cli import cli, main
+from tirefmu.measurements.units import UNITS
 from tirefmu.project.project_file import SECTIONS
+from tirefmu.symbolic.errors import LISTED_BY
 from tirefmu.symbolic.models import MODELS
 
 ROOT = Path(__file__).parents[2]
@@ -160,3 +162,19 @@ def test_the_site_builds_without_warnings_and_loads_nothing_from_outside(tmp_pat
     for page in pages:
         loaded = re.findall(r"<(?:script|link|img|iframe)\b[^>]*>", page.read_text(encoding="utf-8"))
         assert not [tag for tag in loaded if re.search(r"""(src|href)=["']?(https?:)?//""", tag)], page
+
+
+def test_the_page_that_lists_the_units_of_headers_has_all():
+    """A message on an unknown unit names this page."""
+    page = LISTED_BY["unit"]
+    table = (ROOT / page).read_text(encoding="utf-8").split("| quantity | units, in any case |")[1].split("\n\n")[0]
+    listed = {row.split("|")[1].strip(): set(re.findall(r"`([^`]+)`", row)) for row in table.splitlines()[2:]}
+    known: dict[str, set[str]] = {}
+    for spelling, unit in UNITS.items():
+        known.setdefault(unit.quantity, set()).add(spelling)
+    assert listed == {quantity: spellings - {""} for quantity, spellings in known.items()}
+
+
+def test_every_command_that_a_message_names_exists():
+    for text in LISTED_BY.values():
+        assert text.startswith("docs/") or text.split()[1] in cli.commands

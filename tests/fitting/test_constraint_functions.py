@@ -9,7 +9,8 @@ import pytest
 
 from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions, measured_values
 from tirefmu.fitting.constraints.physical import Constraint, declared_constraints, grid
-from tirefmu.fitting.problem.weighted_residuals import Problem, Rows
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for

@@ -11,7 +11,9 @@ import pytest
 from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.constraints.physical import Constraint
 from tirefmu.fitting.problem.regularization import Ridge
-from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.convergence import last_steps
 from tirefmu.fitting.solvers.ipopt import solve
 

@@ -28,8 +28,7 @@ def test_the_parts_are_correlated_with_each_other(noise, size):
     sums = CorrelatedSums(noise, len(WEIGHTS))
     for start in range(0, len(SEGMENT), size):
         rows = slice(start, start + size)
-        following = int(SEGMENT[rows.stop]) if rows.stop < len(SEGMENT) else None
-        sums.add(WEIGHTS[:, rows].copy(), SEGMENT[rows], following)
+        sums.add(WEIGHTS[:, rows].copy(), SEGMENT[rows])
     np.testing.assert_allclose(sums.covariance, by_the_matrix(noise), rtol=1e-11, atol=1e-9)
 
 

@@ -10,7 +10,9 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import Constraint
-from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
 from tirefmu.fitting.solvers.selection import METHODS, solver_for

@@ -28,7 +28,7 @@ from tirefmu.measurements import (
 )
 from tirefmu.symbolic.errors import DataError, FitError
 from tirefmu.symbolic.escaping import figure_text
-from tirefmu.tires import SIGNS, published
+from tirefmu.tires import SIGNS, Tire, published
 from tirefmu.tires.drawing import style
 
 from ..hostile import HOSTILE
@@ -65,7 +65,7 @@ def trento():
 @pytest.fixture
 def unrendered(monkeypatch):
     """Do not render the figures: which are drawn is the same."""
-    monkeypatch.setattr("tirefmu.fitting.reporting.figures.png", lambda figure: b"")
+    monkeypatch.setattr("tirefmu.tires.drawing.shown_figure.png", lambda figure: b"")
 
 
 def test_every_figure_is_complete_and_reproducible(bench, tmp_path):
@@ -255,6 +255,24 @@ def test_no_slope_is_read_from_one_side_or_from_few_points():
     slip = np.linspace(0.0, 1.0, 100)
     assert np.isnan(read_slope(slip, slip, 1.0).value)
     assert np.isnan(read_slope(np.linspace(-1.0, 1.0, 11), np.ones(11), 1.0).value)
+
+
+@pytest.mark.parametrize("model", ["mf96", "mf61"])
+def test_slopes_over_slip_are_drawn_for_every_model(model):
+    """At zero slip they are the slip stiffness, also of a model that has no formula for the slope."""
+    tire = TIRE if model == "mf96" else Tire(model, {"FNOMIN": 700.0, "UNLOADED_RADIUS": 0.23})
+    loads = [400.0, 700.0]
+    program = concatenate([alpha_sweeps(loads, sample_rate=10.0), kappa_sweeps(loads, [0.0], sample_rate=10.0)])
+    comparison = compare(tire, [VirtualBench(tire, Noise.none()).run(program)])
+    over_load, over_slip, *lateral = stiffness_over_load(comparison, None, None).axes
+    for stiffness, slopes in ((over_load, over_slip), lateral):
+        tires = next(line for line in stiffness.get_lines() if line.get_label() == "tire")
+        for line in (line for line in slopes.get_lines() if line.get_label().endswith(" N")):
+            x, y = line.get_data()
+            load = float(line.get_label().removesuffix(" N"))
+            inside = np.isfinite(tires.get_ydata())
+            expected = np.interp(load, tires.get_xdata()[inside], tires.get_ydata()[inside])
+            assert np.interp(0.0, x, y) == pytest.approx(expected, rel=0.02)
 
 
 @pytest.mark.parametrize("drawn", ["stiffness", "friction"])

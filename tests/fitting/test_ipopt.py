@@ -9,7 +9,9 @@ import pytest
 from scipy.optimize import least_squares
 
 from tirefmu.fitting.constraints.physical import Constraint, declared_constraints, grid, operating_range
-from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.ipopt import solve
 from tirefmu.tires.code import code_for
 

@@ -9,13 +9,9 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.fitting.problem.loss import LOSSES, loss_named, robust_scale
-from tirefmu.fitting.problem.weighted_residuals import (
-    Problem,
-    Rows,
-    equal_weights,
-    limits_of,
-    noise_weights,
-)
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weights import equal_weights, limits_of, noise_weights
 from tirefmu.measurements import ChannelNoise, Noise, Recording
 from tirefmu.symbolic.errors import UnknownName
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.evidence.uncertainty import QUANTILE, sandwich
 from tirefmu.fitting.resampling.bootstrap import (
     FEWEST_SWEEPS,
@@ -19,10 +18,8 @@ from tirefmu.fitting.resampling.bootstrap import (
     replicates_of,
     sweeps_of,
 )
-from tirefmu.fitting.resampling.near_solution import cost_of_a_row, solve_near
+from tirefmu.fitting.resampling.leverage import corrections, corrections_of
 from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
-from tirefmu.fitting.resampling.sweep_leverage import standard_error_ratios
-from tirefmu.fitting.solvers.convergence import STEP_TOLERANCE
 from tirefmu.measurements import Noise
 from tirefmu.symbolic.errors import FitError, UnknownName
 
@@ -83,48 +80,36 @@ def test_a_replicate_depends_on_its_number_only(noisy, replicated):
     assert not np.array_equal(other, single)
 
 
-def test_the_jackknife_is_that_of_fits_without_each_sweep(noisy, replicated):
-    """The standard error by leaving out sweeps, relative to the sandwich, is the correction: here known by 12 fits.
-
-    The correction is of first order and without constraints, which change the fits of single coefficients.
-    """
-    tasks, _ = replicated
-    (stage,), sweeps = tasks[0].stages, tasks[0].sweeps
-    imposed = ConstraintFunctions(stage.problem, stage.constraints)
-    tolerance = STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage)
-    changes = []
-    for sweep in np.unique(sweeps):
-        rows = replace(stage.problem.rows, weight=np.where(sweeps[stage.rows] == sweep, 0.0, stage.problem.rows.weight))
-        x = solve_near(stage, replace(stage.problem, rows=rows, targets=()), imposed, stage.x, tolerance)
-        changes.append(x - stage.x)
-    left_out = np.sqrt(11 / 12 * np.sum(np.square(changes), axis=0))
-    curvature = sandwich(stage.problem, stage.x)[0] + stage.ridge * np.eye(len(stage.x))
-    gradients = []
-    for sweep in np.unique(sweeps):
-        rows = stage.problem.rows.take(np.flatnonzero(sweeps[stage.rows] == sweep))
-        gradients.append(replace(stage.problem, rows=rows, targets=()).derivatives(stage.x)[1])
-    weighted = np.sqrt(np.sum(np.linalg.solve(curvature, np.transpose(gradients)) ** 2, axis=1))
-    found = standard_error_ratios(stage, sweeps)
-    names = [one.name for one in noisy[0].coefficients if np.isfinite(one.interval)]
-    expected = dict(zip(stage.problem.free, left_out / weighted, strict=True))
-    assert len(names) > 8
-    assert min(found[name] for name in names) > 1.02  # a correction is necessary
-    assert np.median([found[name] / expected[name] for name in names]) == pytest.approx(1.0, abs=0.05)
+def test_deviations_are_those_of_fits_to_new_noise_if_multiplied_by_the_leverage():
+    """Exactly so for a linear problem with independent noise: a mean over many draws of noise, 1 % of it is random."""
+    rng = np.random.default_rng(0)
+    sweep = np.repeat(np.arange(12), 9)
+    # The last two coefficients are of three sweeps each: the fit follows these most.
+    own = [np.isin(sweep, some)[:, None] * rng.normal(size=(len(sweep), 1)) for some in ((0, 1, 2), (5, 6, 7))]
+    matrix = np.hstack([rng.normal(size=(len(sweep), 4)), *own])
+    blocks = [matrix[sweep == number] for number in range(12)]
+    inverse = np.linalg.inv(matrix.T @ matrix)
+    noise = rng.normal(size=(20_000, len(sweep)))
+    residual = noise - noise @ matrix @ inverse @ matrix.T
+    scores = [residual[:, sweep == number] @ block @ inverse for number, block in enumerate(blocks)]
+    estimated = np.mean(np.sum(np.square(scores), axis=0), axis=0)
+    leverage, freedom = corrections_of(matrix.T @ matrix, [block.T @ block for block in blocks])
+    np.testing.assert_allclose(estimated * leverage**2, np.diag(inverse), rtol=0.03)
+    assert (leverage[4:] ** 2 > 1.2).all()
+    np.testing.assert_allclose(freedom[4:], 3.0, atol=0.5)
+    assert (freedom[:4] > 5.0).all()
 
 
-def test_percentiles_contain_their_share_of_few_replicates(noisy, replicated):
-    """39 replicates have 40 intervals of equal probability between them: the first and the last one are 5 %."""
-    result, tasks, values = noisy[0], *replicated
-    ratio = standard_error_ratios(tasks[0].stages[0], tasks[0].sweeps)["PDY1"]
-    some = values[:40]
-    value = next(one.value for one in result.in_signs("adapted-sae").coefficients if one.name == "PDY1")
-    interval = bootstrap_of(result, tasks, some).in_signs("adapted-sae").bootstrap.interval("PDY1")
-    column = np.sort(some[:, tasks[0].stages[0].problem.free.index("PDY1")])
-    first = column[0] + 0.025 * (column[1] - column[0])  # number 41 / 40
-    assert interval.lower == pytest.approx(value + ratio * (first - value), rel=1e-9)
+def test_a_coefficient_at_a_bound_has_no_correction(replicated):
+    stage = replicated[0][0].stages[0]
+    fixed = stage.problem.free.index("PKY1")
+    lower = np.where(np.arange(len(stage.x)) == fixed, stage.x, stage.lower)
+    found = corrections(replace(stage, lower=lower), replicated[0][0].sweeps)
+    assert "PKY1" not in found
+    assert found.keys() == corrections(stage, replicated[0][0].sweeps).keys() - {"PKY1"}
 
 
-def test_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_result(noisy, replicated):
+def test_expanded_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_result(noisy, replicated):
     result, tasks, values = noisy[0], *replicated
     values = values.copy()
     values[7] = np.nan
@@ -133,10 +118,13 @@ def test_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_resul
     free = tasks[0].stages[0].problem.free
     column = np.delete(values[:, free.index("PKY1")], 7)  # adapted SAE, where the stiffness is positive
     interval = found.bootstrap.interval("PKY1")
-    value = next(one.value for one in result.in_signs("adapted-sae").coefficients if one.name == "PKY1")
-    ratio = standard_error_ratios(tasks[0].stages[0], tasks[0].sweeps)["PKY1"]
-    percentiles = np.percentile(column, [2.5, 97.5], method="weibull")
-    np.testing.assert_allclose([-interval.upper, -interval.lower], value + ratio * (percentiles - value))
+    stage = tasks[0].stages[0]
+    value = stage.x[free.index("PKY1")] * stage.problem.scale[free.index("PKY1")]
+    correction = corrections(stage, tasks[0].sweeps)["PKY1"]
+    assert correction.expansion > correction.leverage > 1.0
+    expected = value + correction.expansion * (np.percentile(column, [2.5, 97.5], method="weibull") - value)
+    np.testing.assert_allclose([-interval.upper, -interval.lower], expected)
+    np.testing.assert_allclose(interval.deviation, correction.leverage * column.std(ddof=1))
     assert found.in_signs("adapted-sae").bootstrap.interval("PKY1").lower == -interval.upper
     assert found.to_json()["bootstrap"]["intervals"][0].keys() == {"name", "lower", "upper", "deviation"}
     values[10:] = np.nan

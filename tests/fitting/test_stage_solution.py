@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import stage_solution
-from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.ipopt import Solution, solve
 from tirefmu.fitting.solvers.selection import solver_for
 from tirefmu.fitting.stage_solution import StageSolver, sampled

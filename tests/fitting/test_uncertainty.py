@@ -10,7 +10,8 @@ import pytest
 from scipy.signal import lfilter
 
 from tirefmu.fitting.evidence.uncertainty import uncertainty
-from tirefmu.fitting.problem.weighted_residuals import Problem, Rows
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.tires import Tire
 
 N, SEGMENTS = 12_000, 6

@@ -11,15 +11,9 @@ import pytest
 
 from tirefmu.fitting.problem import weighted_residuals as module
 from tirefmu.fitting.problem.loss import LOSSES
-from tirefmu.fitting.problem.weighted_residuals import (
-    LEAST_NOISE,
-    Problem,
-    Rows,
-    emphasis,
-    equal_weights,
-    limits_of,
-    noise_weights,
-)
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weights import LEAST_NOISE, emphasis, equal_weights, limits_of, noise_weights
 from tirefmu.tires.code import code_for, fastest_code
 from tirefmu.tires.code.normal_equations import equations_by_chunks
 

@@ -23,7 +23,7 @@ RANGES = {
     "exp": ("exponents", mpmath.exp),
     "log": ("positive", mpmath.log),
 }
-SCALAR = ("sin", "cos", "tan", "atan")
+SCALAR = ("sin", "cos", "tan", "atan", "exp")
 CASES = [("fast", name) for name in SCALAR] + [("lanes", name) for name in RANGES]
 FUNCTION = """
 void {kind}_all_{name}(const double x[], double y[], int n)

@@ -60,5 +60,5 @@ def test_without_a_clock_one_segment_and_without_rows_none():
 def test_measured_outputs():
     table = pd.DataFrame({"Fz": [1.0], "Fx": [np.nan], "Mz": [0.0]})
     assert Recording(table, "iso", "a.csv").measured() == ("Mz",)
-    with pytest.raises(DataError, match=r"a.csv: column 'FY' is not a channel: did you mean Fy\?$"):
+    with pytest.raises(DataError, match=r"a.csv: column 'FY' is not a channel: did you mean Fy\? "):
         Recording(pd.DataFrame({"FY": [1.0], "Fx": [np.nan]}), "iso", "a.csv").measured()

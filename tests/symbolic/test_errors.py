@@ -2,24 +2,43 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tirefmu.symbolic import errors
 from tirefmu.symbolic.errors import TirefmuError, UnknownName, nearest
+
+MANY = [f"name_{number:02d}" for number in range(30)]
 
 
 @pytest.mark.parametrize(
     ("name", "known", "end"),
     [
-        ("PDYI", ["PDY1", "PKX1"], ": did you mean PDY1?"),
-        ("fz", ["Fx", "Fz"], ": did you mean Fz?"),
+        ("PDYI", ["PDY1", "PKX1"], ": did you mean PDY1? Known are PDY1, PKX1"),
+        ("fz", ["Fx", "Fz"], ": did you mean Fz? Known are Fx, Fz"),
+        ("fz", ["Fz"], ": did you mean Fz?"),
         ("nothing like it", ["a", "b"], ": known are a, b"),
-        ("zz", [f"name_{i}" for i in range(13)], ""),
+        ("zz", MANY, f": known are {', '.join(MANY[: errors.FEW])}; 30 are known"),
         ("anything", [], ""),
     ],
 )
 def test_nearest_names(name, known, end):
     assert nearest(name, known) == end
+
+
+@given(name=st.text(max_size=12), known=st.lists(st.from_regex(r"[a-z]{1,8}", fullmatch=True), unique=True))
+def test_a_message_has_every_known_name_or_their_number(name, known):
+    for listed_by in ("", "tirefmu list"):
+        end = nearest(name, known, listed_by)
+        if len(known) <= errors.FEW:
+            assert all(re.search(rf"\b{each}\b", end) for each in known)
+        else:
+            assert str(len(known)) in end
+            assert listed_by in end
+    assert len(nearest(name, [each * 3 for each in known] * 2)) < 40 * (errors.FEW + 2)
 
 
 def test_an_unknown_name_has_its_attributes():

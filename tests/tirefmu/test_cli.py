@@ -34,7 +34,7 @@ def strict(text):
 
 
 #: What standard error has without a terminal: a line for each stage that has ended.
-PROGRESS = re.compile(r".+: (.+, )?\d+\.\d s")
+PROGRESS = re.compile(r".+: (.+, )?\d+\.\d s(; stage \d+ of \d+(, .+ left)?)?")
 
 
 # ------------------------------------------------------------------ the full workflow

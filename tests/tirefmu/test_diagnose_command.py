@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.cli import main
+from tirefmu.diagnosis.diagnose import SEARCH
 from tirefmu.tires import Tire, read_tir
 
 EFFECTS = ("load_friction", "load_stiffness")
@@ -37,12 +38,19 @@ def recording(tmp_path_factory):
     return path
 
 
-def test_a_hidden_effect_is_identified_and_written(recording, tmp_path):
+def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
     folder = tmp_path / "answer"
     arguments = ["diagnose", str(recording), "--signs", "adapted-sae", "--effects", ",".join(EFFECTS), "--nominal",
-                 "Fz0=3000,R0=0.3,p0=200000,V0=16.7", "-o", str(folder), "--no-fmu", "--quiet"]  # fmt: skip
+                 "Fz0=3000,R0=0.3,p0=200000,V0=16.7", "-o", str(folder), "--no-fmu"]  # fmt: skip
     assert main(arguments) == 0
     reported = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
+    captured = capsys.readouterr()
+    assert captured.out.startswith(reported["verdict"])  # progress is on standard error
+    lines = captured.err.splitlines()
+    assert [line.split("; ")[-1].split(",")[0] for line in lines if "; stage " in line] == [
+        f"stage {number} of 4" for number in range(1, 5)
+    ]
+    assert any(line.startswith(f"{SEARCH}: identified: camber_thrust (gain ") for line in lines)
     assert reported["found"][0]["effect"] == "camber_thrust"
     assert reported["gap"]["holdout"]["Fy"]["after"] < 0.6 * reported["gap"]["holdout"]["Fy"]["before"]
     improved, base = read_tir(folder / reported["tire"]), read_tir(folder / reported["base_tire"])

@@ -243,6 +243,32 @@ def test_measured_rows_are_crosses_on_the_curves(small, signs):
     assert len(crosses) == 3
 
 
+def test_crosses_are_at_the_pressure_of_the_curves(small):
+    """Rows at another pressure belong to other curves; without one near, the footnote states that no row is drawn."""
+    nominal = small.nominal("p")
+    points = pd.DataFrame({"kappa": [0.1, 0.2, 0.3], "alpha": 0.0, "Fz": 110.0, "Fx": 1.0, "Fy": 1.0})
+    points["p"] = [nominal, nominal + 1e3, nominal - 2e4]
+    assert drawing.sketched(small, [110.0], "iso", points).measured(110.0, "Fx")["kappa"].tolist() == [0.1, 0.2]
+    other = drawing.sketched(small, [110.0], "iso", points[2:])
+    assert any(note.startswith("no row was measured upright within 10%") for note in other.footnotes())
+    rigid = generic("mf96")  # its curves do not depend on the pressure
+    assert len(drawing.sketched(rigid, [110.0], "iso", points).measured(110.0, "Fx")) == 3
+
+
+@pytest.mark.parametrize("given", [(1.0, -1.0), (0.0, 0.0), (-1.0,), (-1.0, 1.0, 2.0), (-11.0, 1.0), (nan, 1.0)])
+def test_a_range_of_kappa_is_two_ascending_numbers(small, given):
+    with pytest.raises(TirefmuError, match=r"range of kappa .*: two numbers from -10 to 10, ascending"):
+        drawing.sketched(small, [110.0], "iso", kappa=given)
+
+
+def test_what_is_beyond_the_range_of_the_tire_is_stated(small):
+    low, high = small.ranges["kappa"]
+    inside = drawing.sketched(small, [110.0], "iso", kappa=(low, high))
+    beyond = drawing.sketched(small, [110.0], "iso", kappa=(low - 0.1, high))
+    assert [any("extrapolated" in note for note in each.footnotes()) for each in (inside, beyond)] == [False, True]
+    assert beyond.span("kappa") == (low - 0.1, high)
+
+
 def test_the_command_draws_at_the_loads_of_a_table(small, command, tmp_path, monkeypatch):
     drawn = {}
     monkeypatch.setattr(files, "draw", lambda tire, folder, **options: drawn.update(options) or [])

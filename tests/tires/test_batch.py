@@ -246,3 +246,18 @@ def test_flags_that_the_compiler_rejects_are_omitted(monkeypatch, tmp_path, para
     results, undone = built(rows, parameters)
     assert not undone.any()
     assert_same(model, results, code_for(model, "numpy").forces(rows, parameters))
+
+
+@pytest.mark.parametrize("factor", [3e6, 1e9, -1e9, 1e300])
+def test_factors_of_an_arcus_tangent_are_limited_as_angles_are(factor):
+    """The kernels check the factor instead of the angle: rows beyond it are computed one by one."""
+    book = MODELS["mf61"]
+    given = {name: declared.generic or 0.01 for name, declared in book.coefficients.items()}
+    given |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "PCX1": factor, "RCY1": factor}
+    parameters = np.array([given.get(name, 0.0) for name in book.parameters])
+    rows = rows_of("mf61", 100)
+    batch, one_by_one = (code_for(book, language).forces(rows, parameters) for language in ("batch", "c"))
+    assert np.array_equal(batch, one_by_one, equal_nan=True) == (abs(factor) > 1.8e7)
+    # At 3e6 the angles are known to 1e-9.
+    difference = np.abs(batch - one_by_one).max(axis=1)
+    assert (difference <= 1e-8 * np.abs(one_by_one).max(axis=1)).all()

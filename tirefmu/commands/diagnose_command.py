@@ -24,6 +24,10 @@ from ..arguments import (
     write_json,
 )
 
+#: What follows the steps of the diagnosis, and its time relative to their first one.
+FMUS, REPORT = "building both FMUs and simulating them", "writing the report"
+FURTHER = {FMUS: 8.0, REPORT: 18.0}
+
 
 @click.command()
 @click.argument("tables", type=FILE, nargs=-1, required=True)
@@ -83,6 +87,7 @@ def diagnose(
     check_input_paths(table)
     from tirefmu.diagnosis import diagnose as run
     from tirefmu.diagnosis import export_and_simulate, write_report
+    from tirefmu.diagnosis.diagnose import STEPS
     from tirefmu.estimation.turn_slip import with_turn_slip
     from tirefmu.measurements import check_convention, data_findings, recordings_from
     from tirefmu.tires import tire_from
@@ -102,18 +107,24 @@ def diagnose(
     baseline = tire_from(tire) if tire else None
     user_effects = [user_effect(path) for path in user_files]
     tested = [*user_effects, *(candidates or ())] or None
-    with terminal.working("diagnosing"):
+    steps = {**STEPS, **{step: work for step, work in FURTHER.items() if fmus or step != FMUS}}
+    with terminal.stages(list(steps.items())) as stages:
+
+        def progress(sentence: str) -> None:
+            (stages.begin if sentence in steps else stages.event)(sentence)
+
         result = run(
             recording, model=model or DEFAULT_MODEL, effects=effects or (), nominal=nominal, tire=baseline,
-            candidates=tested, progress=terminal.print,
+            candidates=tested, progress=progress,
         )  # fmt: skip
         path = result.save(output)
         written = {"tire": "improved.tir", "base_tire": "base.tir"}
         simulated: dict[str, Any] = {}
         if fmus:
-            terminal.print("building both FMUs and simulating them")
+            stages.begin(FMUS)
             simulated = export_and_simulate(result, recording, output, further)
             written |= {"fmu": "improved.fmu", "base_fmu": "base.fmu"}
+        stages.begin(REPORT)
         summary = {**result.to_json(**written), "simulated": simulated}
         write_json(path, summary)
         write_report(result, recording, output / "report.html", simulated, command=command_line())
@@ -139,9 +150,10 @@ def _diagnose_many(
 
     def progress(one: DiagnosisResult, finished: int, recordings: int) -> None:
         text = one.verdict if one.complete else "; ".join((one.status, *one.reasons))
-        terminal.print(f"{finished} of {recordings}  {one.name}: {text}")
+        terminal.print(f"{one.name}: {text}")
+        counted(finished, recordings)
 
-    with terminal.working("diagnosing"):
+    with terminal.counting("diagnosing", singly=True) as counted:
         results = diagnose_many(tables, output, progress=progress, **options)
     complete = all(one.complete for one in results)
     write_json(json_file, {"ok": complete, "results": [one.to_json() for one in results]})

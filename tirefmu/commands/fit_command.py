@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ from ..arguments import (
 
 if TYPE_CHECKING:
     from tirefmu.measurements import Finding, Recording
+    from tirefmu.measurements.large_table import LargeTable
     from tirefmu.tires import Tire
 
 
@@ -72,6 +74,9 @@ if TYPE_CHECKING:
 @click.option("--rows", default="condition", show_default=True,
               help="Weights of rows: condition (equal per operating condition), equal, independent (by effective "
                    "sample size), or load (errors relative to the load).")  # fmt: skip
+@click.option("--stream-from", type=click.IntRange(min=1), default=2_000_000, show_default=True, metavar="ROWS",
+              help="Number of rows from which on a Parquet table stays in its file and is read part by part; early "
+                   "stages, findings and figures are then of some of its rows.")  # fmt: skip
 @click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
               help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Continue an interrupted fit.")
@@ -94,7 +99,7 @@ def fit(
     without: tuple[str, ...], recipe: str | None, method: str, iterations: int | None, seed: int,
     constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, where: str | None, all_rows: bool,
-    rows: str, stiffness_weight: float, resume: bool, folds: int | None,
+    rows: str, stream_from: int, stiffness_weight: float, resume: bool, folds: int | None,
     replicates: int | None, profiled: tuple[str, ...], workers: int | None, scheduler: str | None,
     figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
@@ -111,11 +116,18 @@ def fit(
         raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
     check_input_paths(*tables)
     from tirefmu.measurements import check_convention, recordings_from
+    from tirefmu.measurements.excerpts import IN_MEMORY, excerpts_from
 
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    recordings = recordings_from(tables, signs=signs, where=where)
+    large: dict[int, LargeTable] = {}
+    if where is None:
+        recordings, large = excerpts_from(tables, signs=signs, stream_from=stream_from)
+    else:
+        recordings = recordings_from(tables, signs=signs, where=where)
+    if large and (folds or replicates or profiled):
+        raise TirefmuError(f"--cross-validate, --bootstrap and --profile need all rows in memory ({IN_MEMORY})")
     for recording in recordings:  # before the slower imports
         check_convention(recording)
     terminal.selection(*recordings)
@@ -136,14 +148,19 @@ def fit(
     }  # fmt: skip
     spread: dict[str, Any] = {"scheduler": scheduler, "workers": workers}
     with terminal.fitting() as progress:
-        result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
-        if folds and not result.interrupted and not any(spread.values()):
-            held_out = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
-            result = replace(result, held_out=held_out)
-    if folds and not result.interrupted and any(spread.values()):
-        with terminal.counting("cross-validation") as counted:
-            held_out = distributed(recordings, model, folds=folds, whole=result, progress=counted, **spread, **options)
-            result = replace(result, held_out=held_out)
+        given = [large.get(number, recording) for number, recording in enumerate(recordings)]
+        result = run(given, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
+    if folds and not result.interrupted:
+        # The fit of a fold has the other folds' rows.
+        expected = None if any(spread.values()) else (folds, (folds - 1) * result.seconds)
+        with terminal.counting("cross-validation", singly=True, expected=expected) as counted:
+            parts: dict[str, Any] = {"folds": folds, "whole": result, **options}
+            held_out = (
+                distributed(recordings, model, progress=counted, **spread, **parts)
+                if any(spread.values())
+                else cross_validate(recordings, model, compute=partial(_one_by_one, counted), **parts)
+            )
+        result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
     if replicates and not result.interrupted:
@@ -176,9 +193,18 @@ def fit(
         from tirefmu.fitting.reporting.report import write_report
 
         with terminal.working("writing the report"):
-            write_report(result, recordings, report, drawn, command=command_line())
+            write_report(result, recordings, report, drawn, findings=findings, command=command_line())
         terminal.print(f"report: {report}")
     return 0 if result.verdict.usable else 1
+
+
+def _one_by_one(
+    counted: Callable[[int, int], None], function: Callable[[Any], Any], tasks: Sequence[Any]
+) -> Iterator[Any]:
+    """Yield the result of each task, computed in this process."""
+    for number, task in enumerate(tasks, 1):
+        yield function(task)
+        counted(number, len(tasks))
 
 
 def _findings(tire: Tire, recordings: Sequence[Recording]) -> list[Finding]:

@@ -68,12 +68,13 @@ def fit_many(
 
     def progress(result: JobResult, finished: int, jobs: int) -> None:
         reason = f": {result.reasons[0]}" if result.reasons else ""
-        terminal.print(f"{finished} of {jobs}  {result.name}: {result.status}{reason}")
+        terminal.print(f"{result.name}: {result.status}{reason}")
+        counted(finished, jobs)
 
     given = {
         key: list(value) if isinstance(value, tuple) else value for key, value in options.items() if value is not None
     }
-    with terminal.working("fitting"):
+    with terminal.counting("fitting", singly=True) as counted:
         batch = run(jobs, output, scheduler=scheduler, workers=workers, resume=resume, progress=progress, **given)
     unusable = [one.name for one in batch.results if not one.usable]
     write_json(json_file, {"ok": not unusable, "results": [one.to_json() for one in batch.results]})
@@ -107,11 +108,8 @@ def study(
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    with terminal.working("simulating"):
-        table = run(
-            fmu, study_file, output, scheduler=scheduler, workers=workers,
-            progress=lambda finished, total: terminal.print(f"{finished} of {total} runs"),
-        )  # fmt: skip
+    with terminal.counting("simulating") as counted:
+        table = run(fmu, study_file, output, scheduler=scheduler, workers=workers, progress=counted)
     failed = table[table["reason"] != ""]
     write_json(json_file, {"ok": failed.empty, "runs": len(table), "failed": len(failed)})
     terminal.print(f"{len(table)} runs, {len(failed)} failed: {output}")

@@ -12,10 +12,13 @@ import numpy.typing as npt
 from tirefmu.symbolic.model import Model
 
 from .compiler import compiled_model
-from .interface import Code, chunks_of, jacobian_entries_of
+from .interface import Code, chunks_of, jacobian_entries_of, slices
 from .modules import c_folder, numpy_module
+from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
+#: Rows that are transposed at a time: inputs and forces of so many are in the second cache of a processor.
+ROWS_IN_CACHE = 4096
 
 
 @lru_cache(maxsize=64)
@@ -70,15 +73,19 @@ class _CCode:
         return compiled_model(self._model, self._folder, jacobians=True)
 
     def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        rows = np.ascontiguousarray(inputs.T)
         parameters = np.ascontiguousarray(parameters)
-        size = self._sizes[routine]
-        results = np.empty((len(rows), *size))
+        n, size = inputs.shape[1], self._sizes[routine]
+        results = RESULTS.empty((n, *size))
         library = self._jacobians if routine.startswith("jacobian_") else self._library
-        getattr(self._library, f"{self._model}_rows")(
-            ctypes.cast(getattr(library, f"{self._model}_{routine}"), ctypes.c_void_p),
-            ctypes.c_size_t(len(rows)),
-            ctypes.c_size_t(int(np.prod(size))),
-            *(array.ctypes.data_as(ctypes.c_void_p) for array in (rows, parameters, results)),
-        )
+        apply = getattr(self._library, f"{self._model}_rows")
+        function = ctypes.cast(getattr(library, f"{self._model}_{routine}"), ctypes.c_void_p)
+        taken = np.empty((min(n, ROWS_IN_CACHE), len(inputs)))
+        columns = [array.ctypes.data_as(ctypes.c_void_p) for array in (taken, parameters)]
+        for rows in slices(n, ROWS_IN_CACHE):
+            part, found = inputs[:, rows], results[rows]
+            taken[: part.shape[1]] = part.T
+            apply(
+                function, ctypes.c_size_t(part.shape[1]), ctypes.c_size_t(int(np.prod(size))), *columns,
+                found.ctypes.data_as(ctypes.c_void_p),
+            )  # fmt: skip
         return results

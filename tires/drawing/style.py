@@ -6,7 +6,7 @@ import textwrap
 import warnings
 from collections.abc import Mapping, Sequence
 from io import BytesIO
-from math import ceil, degrees
+from math import ceil
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import ArrayLike
 
-from tirefmu.symbolic import quantities
-from tirefmu.symbolic.declarations import Quantity
+from .drawn_units import drawn_unit as drawn_unit
+from .drawn_units import per_si as per_si
 
 RGB = tuple[float, float, float]
 
@@ -28,7 +28,7 @@ DPI = 120
 #: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
 LEGEND_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
 #: Dashes and markers of successive levels: curves and points differ in more than their color.
-DASHES = ("-", (0, (5.0, 1.2)), (0, (5.0, 1.2, 1.2, 1.2)), (0, (1.4, 1.0)), (0, (8.0, 1.2, 1.2, 1.2, 1.2, 1.2)))
+DASHES = ("-", "--", "-.", ":", (0, (8.0, 1.2, 1.2, 1.2, 1.2, 1.2)))
 MARKERS = ("o", "^", "s", "D", "v")
 HANDLE = 3.2  # length of a legend's lines: every dash is seen
 #: Smallest contrast of a level's color with the white page (WCAG 2.2, criterion 1.4.11).
@@ -39,26 +39,11 @@ LETTER |= {"t": "$t$", "p": "$p$", "V": "$V$", "T": "$T$", "phit": r"$\varphi_t$
 LETTER |= {"Fx": "$F_x$", "Fy": "$F_y$", "Mz": "$M_z$", "Mx": "$M_x$", "My": "$M_y$"}
 LEVEL = {"Fz": "load", "gamma": "camber", "p": "pressure", "V": "speed"}
 LEVEL |= {"alpha": "slip angle", "kappa": "longitudinal slip"}
-_UNITS = {"t": "s"} | {each.name: each.unit for each in vars(quantities).values() if isinstance(each, Quantity)}
-_WRITTEN = {"1": "-", "degC": "deg C"}
-_DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
 _CONVENTION = {
     "iso": r"ISO-W signs ($F_z$ > 0; $F_y$ < 0 at $\alpha$ > 0)",
     "adapted-sae": r"adapted SAE signs ($F_z$ > 0; $F_y$ > 0 at $\alpha$ > 0)",
     "sae": r"SAE signs ($F_z$ < 0; $F_y$ < 0 at $\alpha$ > 0)",
 }
-
-
-def drawn_unit(channel: str) -> str:
-    """Return the unit in which a channel is drawn: its SI unit, but degrees and kPa."""
-    unit = _UNITS[channel]
-    return _DRAWN[unit][0] if unit in _DRAWN else _WRITTEN.get(unit, unit)
-
-
-def per_si(channel: str) -> float:
-    """Return what turns a channel's SI value into the drawn one."""
-    unit = _UNITS[channel]
-    return _DRAWN[unit][1] if unit in _DRAWN else 1.0
 
 
 def stiffness_unit(slip: str) -> str:
@@ -153,7 +138,7 @@ def draw_points(ax: Axes, rows: pd.DataFrame, slip: str, channel: str, style: Le
     """Draw measured points, lighter than the line of their level."""
     rows = some_of(rows)
     red, green, blue = (0.55 * part + 0.45 for part in style.color)
-    size = 1.6 if len(rows) > 1000 else 2.6 if len(rows) > 200 else 3.6
+    size = 1.4 if len(rows) > 1000 else 2.2 if len(rows) > 200 else 3.4
     x = rows[slip] * per_si(slip)
     ax.plot(x, rows[channel], style.marker, color=(red, green, blue), ms=size, mew=0.0, zorder=1)
 

@@ -54,6 +54,8 @@ PURE = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
 MARKED = (-0.5, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.5)
 #: Measured rows are drawn at a load and as upright or in pure slip within these limits: a share, rad, 1.
 NEAR_LOAD, NEAR_ZERO = 0.1, {"gamma": radians(0.5), "alpha": radians(0.5), "kappa": 0.01}
+#: Measured rows are drawn within this distance of the pressure of the curves, Pa.
+NEAR_PRESSURE = 3000.0
 #: Crosses of a curve, because more would cover it; and their style.
 MOST_CROSSES = 400
 CROSS: dict[str, Any] = {"ms": 4.0, "mew": 0.8, "alpha": 0.7}
@@ -200,6 +202,8 @@ class Sketch:
         rows = self.points[(self.points["Fz"].abs() - load).abs() <= NEAR_LOAD * load]
         for name in ("gamma", *([zero] if zero else [])):
             rows = rows[rows[name].abs() <= NEAR_ZERO[name]] if name in rows else rows
+        if "p" in self.tire.inputs and "p" in rows:  # the pressure of the curves
+            rows = rows[(rows["p"] - self.tire.nominal("p")).abs() <= NEAR_PRESSURE]
         return some_of(rows.dropna(subset=["kappa", "alpha", *channels]), MOST_CROSSES)
 
     def footnotes(self, crosses: str = "at any slip") -> list[str]:
@@ -209,6 +213,7 @@ class Sketch:
         if self.points is not None:
             drawn = any(len(self.measured(load)) for load in self.loads)
             near = f"measured upright within {NEAR_LOAD:.0%} of the load"
+            near += f" and {NEAR_PRESSURE / 1000.0:g} kPa of the pressure" * bool(held)
             notes.append(f"crosses: {near}, {crosses}" if drawn else f"no row was {near}")
         for slip, (first, last) in self._requested.items():
             low, high = self.tire.ranges.get(slip, (first, last))

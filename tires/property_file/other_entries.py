@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterable
 from pathlib import Path
 
-from tirefmu.symbolic.errors import TirError
+from tirefmu.symbolic.errors import LISTED_BY, TirError
 from tirefmu.symbolic.model import Model
 
 from .names import HEADER, KEPT_UNITS, MOST_SEARCHED, OtherEntry, aliases, model_lines, near_miss, unit_of
@@ -91,7 +91,10 @@ def _notes_on_similar_keys(entries: Iterable[Entry], book: Model, path: Path) ->
             break
         near = near_miss(entry.key, book.coefficients)
         if near and (book.property_file.strict or entry.section.startswith("TIREFMU")):
-            raise TirError(f"{path}:{entry.line}: unknown key {entry.key} of {book.name}: did you mean {near}?")
+            raise TirError(
+                f"{path}:{entry.line}: unknown key {entry.key} of {book.name}: did you mean {near}? "
+                f"{LISTED_BY['coefficient']} lists all coefficients"
+            )
         if near:
             notes.append(f"line {entry.line}: unknown key {entry.key} (near {near}) is stored, not used")
     return notes

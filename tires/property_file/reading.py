@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tirefmu.symbolic.added import AddedEffect, library, read_effect
-from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest, path_from
+from tirefmu.symbolic.errors import LISTED_BY, TirefmuError, TirError, UnknownName, nearest, path_from
 from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 from tirefmu.symbolic.models import model, with_library
@@ -322,7 +322,7 @@ class _Reader:
             entry = self._take(ASSUMED, key)
             for name in listed(entry.value):
                 if name not in book.coefficients:
-                    known = nearest(name, book.coefficients)
+                    known = nearest(name, book.coefficients, LISTED_BY["coefficient"])
                     raise TirError(f"{self._line_of(entry)}: unknown coefficient {name} of {book.name}{known}")
                 names.add(name)
         return names
@@ -346,7 +346,8 @@ class _Reader:
         known = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in book.coefficients)]
         for key, entry in own.items():
             if key not in known:
-                raise TirError(f"{self._line_of(entry)}: unknown key {key} of {book.name}{nearest(key, known)}")
+                hint = nearest(key, known, LISTED_BY["coefficient"])
+                raise TirError(f"{self._line_of(entry)}: unknown key {key} of {book.name}{hint}")
 
 
 def _text(entry: Entry, path: Path) -> str:

@@ -11,6 +11,48 @@
 #define N_INPUTS MF61_N_INPUTS
 #define N_RESULTS 5
 
+/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
+   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
+   the compiler is allowed to fuse multiplications. */
+#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
+#define VECTORS 1
+typedef double two __attribute__((vector_size(16)));
+typedef uint64_t two_bits __attribute__((vector_size(16)));
+#define TWO(a, b) ((two){a, b})
+#define TWO_AT(x, i) ((x)[i])
+#ifdef __AVX__
+typedef double four __attribute__((vector_size(32)));
+typedef uint64_t four_bits __attribute__((vector_size(32)));
+#define FOUR(a, b, c, d) ((four){a, b, c, d})
+#define FOUR_AT(x, i) ((x)[i])
+#else
+typedef struct { two half[2]; } four;
+#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
+#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
+#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
+#define FOUR_BY_PAIRS(function_of_two, x, y) \
+    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
+#endif
+#else
+#define VECTORS 0
+typedef double one;
+typedef uint64_t one_bits;
+typedef struct { double at[2]; } two;
+typedef struct { double at[4]; } four;
+#define TWO(a, b) ((two){{a, b}})
+#define TWO_AT(x, i) ((x).at[i])
+#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
+#define FOUR_AT(x, i) ((x).at[i])
+#endif
+#define TWO_COUNT 2
+#define FOUR_COUNT 4
+#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
+#define FOUR_ALL(x, condition) \
+    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
+/* No less than the size of any of the numbers, or NaN. */
+#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
+#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
+
 #define PI 3.14159265358979323846
 
 static inline double square(double x) { return x*x; }
@@ -112,13 +154,19 @@ static inline lanes lanes_checked_angle(lanes angle)
     return angle + 0.0*(angle*1e301);
 }
 
+/* The fixed factor of an arcus tangent: of an angle of such a product the sine needs no check. */
+static inline double limited(double factor)
+{
+    return factor + 0.0*(factor*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes r = LANES_WITHOUT(angle, n, 1.0);
     const lanes z = r*r;
     const lanes series = -0.16666666666666666 + z*(0.008333333333333316 + z*(-0.00019841269841254955
         + z*(2.755731921915843e-06 + z*(-2.5052107616384595e-08 + z*(1.6058977272815506e-10
@@ -128,10 +176,20 @@ static inline lanes lanes_shifted_sin(lanes angle, double shift)
 
 static inline lanes lanes_sin(lanes x)
 {
-    return lanes_shifted_sin(x, 0.0);
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.0);
 }
 
 static inline lanes lanes_cos(lanes x)
+{
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.5);
+}
+
+static inline lanes lanes_limited_sin(lanes x)
+{
+    return lanes_shifted_sin(x, 0.0);
+}
+
+static inline lanes lanes_limited_cos(lanes x)
 {
     return lanes_shifted_sin(x, 0.5);
 }
@@ -155,14 +213,15 @@ static inline lanes lanes_tan(lanes x)
 static inline lanes lanes_atan(lanes x)
 {
     const lanes a = lanes_absolute(x);
-    const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
-    const lanes eighths = (shifted + 1.0) - near;
+    const lane_bits beyond = a > 0.41421356237309503, within = a <= 2.414213562373095;
+    const lanes shifted = one_where(beyond), near = one_where(within);
+    const lanes base = choose(within, (lanes)((lane_bits)each(0.7853981633974483) & beyond), each(1.5707963267948966));
     const lanes t = (a*near - shifted)/(a*shifted + near);
     const lanes z = t*t;
     const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
         + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
         + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
-    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
+    return with_sign_of(base + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)
@@ -461,7 +520,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes dfz = (1.0/F_z01)*(F_z - F_z01); /* [4.E2a] normalized change in load */
         const lanes F_zx = choose(FZMIN > F_z, (1.0/square(FZMIN))*lanes_cube(F_z), F_z); /* [MFeval] load of M_x */
         const lanes F_zy = choose(FZMIN > F_z, (1.0/FZMIN)*lanes_square(F_z), F_z); /* [MFeval] load of M_y */
-        const lanes K_yalpha_g0_without_heat_stiffness = (F_z01*LKY*PKY1)*(1.0 + PPY1*dpi)*lanes_sin(PKY4*lanes_atan((1.0/(F_z01*PKY2))*F_z/(1.0 + PPY2*dpi))); /* [4.E25] cornering stiffness */
+        const lanes K_yalpha_g0_without_heat_stiffness = (F_z01*LKY*PKY1)*(1.0 + PPY1*dpi)*lanes_limited_sin(limited(PKY4)*lanes_atan((1.0/(F_z01*PKY2))*F_z/(1.0 + PPY2*dpi))); /* [4.E25] cornering stiffness */
         const lanes S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
         const lanes mu_x_loaded_without_break_in = LMUX*(1.0 - PDX3*lanes_square(gamma))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*lanes_square(dpi)); /* [4.E13] peak friction */
         const lanes K_xkappa_without_heat_stiffness = F_z*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*lanes_square(dpi))*lanes_exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
@@ -478,7 +537,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
         const lanes E_x = LEX*(1.0 - PEX4*lanes_sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
         const lanes F_zy_share = choose(F_zy <= 0.0, each(1e-60), (1.0/FNOMIN)*F_zy); /* [MFeval] load of M_y in nominal loads, above 0 */
-        const lanes K_yalpha_without_heat_stiffness = (F_z01*LKY*PKY1)*(1.0 + PPY1*dpi)*(1.0 - PKY3*lanes_absolute(gamma_star))*lanes_sin(PKY4*lanes_atan((1.0/F_z01)*F_z/((1.0 + PPY2*dpi)*(PKY2 + PKY5*lanes_square(gamma_star))))); /* [4.E25] cornering stiffness */
+        const lanes K_yalpha_without_heat_stiffness = (F_z01*LKY*PKY1)*(1.0 + PPY1*dpi)*(1.0 - PKY3*lanes_absolute(gamma_star))*lanes_limited_sin(limited(PKY4)*lanes_atan((1.0/F_z01)*F_z/((1.0 + PPY2*dpi)*(PKY2 + PKY5*lanes_square(gamma_star))))); /* [4.E25] cornering stiffness */
         const lanes S_Vygamma = (LKYC*LMUY)*F_z*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
         const lanes mu_y_loaded_without_break_in = LMUY*(1.0 - PDY3*lanes_square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*lanes_square(dpi)); /* [4.E23] peak friction */
         const lanes mu_y_loaded_g0_without_heat_friction = mu_y_loaded_g0_without_break_in*(1.0 + BIMU*lanes_exp(-(1.0/BIWORK)*sliding_work)); /* [4.E23] peak friction */
@@ -512,8 +571,8 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes mu_y_loaded_g0_without_slip_history = mu_y_loaded_g0_without_load_lag*(1.0 + LLMU*(late_load - Fz)/lanes_sqrt(1.0 + lanes_square(Fz))); /* [4.E23] peak friction */
         const lanes mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + (VMU1/LONGVL)*(-LONGVL + lanes_absolute(V)))*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
         const lanes K_yalpha_g0_without_load_lag = K_yalpha_g0_without_heat_stiffness*lanes_exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
-        const lanes G_xa_w = C_xalpha*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_xa0_w = C_xalpha*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_xa_w = limited(C_xalpha)*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_xa0_w = limited(C_xalpha)*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
         const lanes G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
         const lanes G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
         const lanes mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*(1.0 + LLMU*(late_load - Fz)/lanes_sqrt(1.0 + lanes_square(Fz))); /* [4.E23] peak friction */
@@ -523,9 +582,9 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes K_yalpha_g0_without_slip_history = K_yalpha_g0_without_load_lag*(1.0 + LLK*(late_load - Fz)/lanes_sqrt(1.0 + lanes_square(Fz))); /* [4.E25] cornering stiffness */
         const lanes K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*lanes_exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
         const lanes mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + (VMU1/LONGVL)*(-LONGVL + lanes_absolute(V)))*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
-        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
-        const lanes G_yk_w = C_ykappa*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_yk0_w = C_ykappa*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_xa = lanes_limited_cos(G_xa_w)/lanes_limited_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
+        const lanes G_yk_w = limited(C_ykappa)*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_yk0_w = limited(C_ykappa)*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
         const lanes K_yalpha_g0 = K_yalpha_g0_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
         const lanes mu_x = choose(F_z <= 0.0, each(0.0), mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
         const lanes K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/lanes_sqrt(1.0 + lanes_square(Fz))); /* [4.E25] cornering stiffness */
@@ -534,7 +593,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes D_y_g0 = F_z*mu_y_loaded_g0; /* [4.E22] peak factor */
         const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
         const lanes B_y_g0 = K_yalpha_g0/(1e-06*lanes_sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
-        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
+        const lanes G_yk = lanes_limited_cos(G_yk_w)/lanes_limited_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
         const lanes K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
         const lanes F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
@@ -546,37 +605,37 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes B_y = K_yalpha/(1e-06*lanes_sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
         const lanes S_Hy = LHY*(PHY1 + PHY2*dfz) + (-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1; /* [4.E27] horizontal shift */
         const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
-        const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
+        const lanes F_x0_w = limited(C_x)*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
         const lanes B_r = (C_y*QBZ10)*B_y + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
         const lanes alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
         const lanes alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
         const lanes E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*lanes_square(gamma_star) - (PEY3 + PEY4*gamma_star)*lanes_sgn1(alpha_y)); /* [4.E24] curvature factor */
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
-        const lanes F_y0_g0_w = C_y_g0*lanes_atan(F_y0_g0_v); /* [4.1] angle of the Magic Formula */
-        const lanes S_Vyk = D_Vyk*LVYKA*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
+        const lanes F_y0_g0_w = limited(C_y_g0)*lanes_atan(F_y0_g0_v); /* [4.1] angle of the Magic Formula */
+        const lanes S_Vyk = D_Vyk*LVYKA*lanes_limited_sin(limited(RVY5)*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
         const lanes tan_alpha_req = lanes_tan(alpha_r); /* [4.E78] the same as a slip */
         const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
-        const lanes F_x0 = (S_Vx + D_x*lanes_sin(F_x0_w))*lanes_sgn1(V); /* [4.E9] longitudinal force in pure slip */
+        const lanes F_x0 = (S_Vx + D_x*lanes_limited_sin(F_x0_w))*lanes_sgn1(V); /* [4.E9] longitudinal force in pure slip */
         const lanes slip_alpha_teq = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
-        const lanes F_y0_g0 = (S_Vy_g0 + D_y_g0*lanes_sin(F_y0_g0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
+        const lanes F_y0_g0 = (S_Vy_g0 + D_y_g0*lanes_limited_sin(F_y0_g0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
         const lanes alpha_teq = lanes_atan(slip_alpha_teq)*lanes_sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
-        const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
+        const lanes F_y0_w = limited(C_y)*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
         const lanes Fx = choose(Fz < 1e-100, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
         const lanes slip_alpha_req = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
         const lanes M_y_speed = QSY1 + QSY3*lanes_absolute((1.0/LONGVL)*V) + (QSY2/FNOMIN)*Fx + (QSY4/fourth(LONGVL))*lanes_fourth(V); /* [4.E70] resistance by force and speed */
         const lanes F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
         const lanes alpha_req = lanes_atan(slip_alpha_req)*lanes_sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
-        const lanes F_y0 = (S_Vy + D_y*lanes_sin(F_y0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
+        const lanes F_y0 = (S_Vy + D_y*lanes_limited_sin(F_y0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
         const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
         const lanes M_y_full = -(FNOMIN*LMY*UNLOADED_RADIUS)*lanes_pow(F_zy_share, each(QSY7))*lanes_pow((1.0/NOMPRES)*p, each(QSY8))*(M_y_speed + lanes_square(gamma)*(QSY5 + F_zy_share*QSY6)); /* [4.E70] rolling resistance moment of the rolling wheel */
         const lanes M_zr = D_r/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
         const lanes Fy_without_hysteresis_force = choose(Fz < 1e-100, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-        const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
+        const lanes trail_w = limited(C_t)*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
         const lanes Fy = Fy_without_hysteresis_force + Fz*(HFPLAY*inner_play + HFY*inner_friction); /* [4.E58] side force */
         const lanes s = (LS*UNLOADED_RADIUS)*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + (SSZ2/FNOMIN)*Fy); /* [4.E76] moment arm of Fx */
-        const lanes M_x_hump = QSX4*lanes_cos(QSX5*lanes_atan((square(QSX6)/square(FNOMIN))*lanes_square(F_zx)))*lanes_sin(QSX7*gamma + QSX8*lanes_atan((QSX9/FNOMIN)*Fy)); /* [M] hump of M_x over load and side force */
-        const lanes trail = D_t*LFZO*cos_alpha*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
+        const lanes M_x_hump = QSX4*lanes_limited_cos(limited(QSX5)*lanes_atan((square(QSX6)/square(FNOMIN))*lanes_square(F_zx)))*lanes_sin(QSX7*gamma + limited(QSX8)*lanes_atan((QSX9/FNOMIN)*Fy)); /* [M] hump of M_x over load and side force */
+        const lanes trail = D_t*LFZO*cos_alpha*lanes_limited_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes M_y_rolling = choose(V == 0.0, each(0.0), M_y_full*M_y_taper*lanes_sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
         const lanes My = choose(Fz < 1e-100, each(0.0), M_y_rolling); /* [4.E70] rolling resistance moment */
         const lanes Mz_without_hysteresis_force = choose(Fz < 1e-100, each(0.0), M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */

@@ -11,6 +11,48 @@
 #define N_INPUTS MF62_N_INPUTS
 #define N_RESULTS 105
 
+/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
+   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
+   the compiler is allowed to fuse multiplications. */
+#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
+#define VECTORS 1
+typedef double two __attribute__((vector_size(16)));
+typedef uint64_t two_bits __attribute__((vector_size(16)));
+#define TWO(a, b) ((two){a, b})
+#define TWO_AT(x, i) ((x)[i])
+#ifdef __AVX__
+typedef double four __attribute__((vector_size(32)));
+typedef uint64_t four_bits __attribute__((vector_size(32)));
+#define FOUR(a, b, c, d) ((four){a, b, c, d})
+#define FOUR_AT(x, i) ((x)[i])
+#else
+typedef struct { two half[2]; } four;
+#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
+#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
+#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
+#define FOUR_BY_PAIRS(function_of_two, x, y) \
+    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
+#endif
+#else
+#define VECTORS 0
+typedef double one;
+typedef uint64_t one_bits;
+typedef struct { double at[2]; } two;
+typedef struct { double at[4]; } four;
+#define TWO(a, b) ((two){{a, b}})
+#define TWO_AT(x, i) ((x).at[i])
+#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
+#define FOUR_AT(x, i) ((x).at[i])
+#endif
+#define TWO_COUNT 2
+#define FOUR_COUNT 4
+#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
+#define FOUR_ALL(x, condition) \
+    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
+/* No less than the size of any of the numbers, or NaN. */
+#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
+#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
+
 #define PI 3.14159265358979323846
 
 static inline double square(double x) { return x*x; }
@@ -112,13 +154,19 @@ static inline lanes lanes_checked_angle(lanes angle)
     return angle + 0.0*(angle*1e301);
 }
 
+/* The fixed factor of an arcus tangent: of an angle of such a product the sine needs no check. */
+static inline double limited(double factor)
+{
+    return factor + 0.0*(factor*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes r = LANES_WITHOUT(angle, n, 1.0);
     const lanes z = r*r;
     const lanes series = -0.16666666666666666 + z*(0.008333333333333316 + z*(-0.00019841269841254955
         + z*(2.755731921915843e-06 + z*(-2.5052107616384595e-08 + z*(1.6058977272815506e-10
@@ -128,10 +176,20 @@ static inline lanes lanes_shifted_sin(lanes angle, double shift)
 
 static inline lanes lanes_sin(lanes x)
 {
-    return lanes_shifted_sin(x, 0.0);
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.0);
 }
 
 static inline lanes lanes_cos(lanes x)
+{
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.5);
+}
+
+static inline lanes lanes_limited_sin(lanes x)
+{
+    return lanes_shifted_sin(x, 0.0);
+}
+
+static inline lanes lanes_limited_cos(lanes x)
 {
     return lanes_shifted_sin(x, 0.5);
 }
@@ -155,14 +213,15 @@ static inline lanes lanes_tan(lanes x)
 static inline lanes lanes_atan(lanes x)
 {
     const lanes a = lanes_absolute(x);
-    const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
-    const lanes eighths = (shifted + 1.0) - near;
+    const lane_bits beyond = a > 0.41421356237309503, within = a <= 2.414213562373095;
+    const lanes shifted = one_where(beyond), near = one_where(within);
+    const lanes base = choose(within, (lanes)((lane_bits)each(0.7853981633974483) & beyond), each(1.5707963267948966));
     const lanes t = (a*near - shifted)/(a*shifted + near);
     const lanes z = t*t;
     const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
         + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
         + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
-    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
+    return with_sign_of(base + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)
@@ -686,7 +745,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes K_yalpha_without_heat_stiffness_part3 = 1.0 - K_yalpha_without_heat_stiffness_part2*PKY3;
         const lanes S_Hy_part3 = -S_Vygamma + K_ygamma0*gamma_star;
         const lanes S_Vy = S_Vygamma + (LMUY*LVY)*F_z*S_Vy_part1; /* [4.E29] vertical shift */
-        const lanes S_Vyk_part3 = RVY5*S_Vyk_part2;
+        const lanes S_Vyk_part3 = limited(RVY5)*S_Vyk_part2;
         const lanes B_t = (B_t_part1*LKY)*B_t_part3*B_t_part4; /* [4.E40] stiffness factor of the trail */
         const lanes D_r_part6 = D_r_part2*D_r_part3 + D_r_part4*D_r_part5;
         const lanes V_c_part1 = 1.0 + lanes_square(tan_alpha);
@@ -694,7 +753,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes E_x = E_x_part2*E_x_part3*LEX; /* [4.E14] curvature factor */
         const lanes K_yalpha_g0_without_heat_stiffness_part7 = lanes_atan(K_yalpha_g0_without_heat_stiffness_part6);
         const lanes B_xalpha_part3 = 1.0/B_xalpha_part2;
-        const lanes S_Vyk_part4 = lanes_sin(S_Vyk_part3);
+        const lanes S_Vyk_part4 = lanes_limited_sin(S_Vyk_part3);
         const lanes D_r_part7 = D_r_part1*LRES + D_r_part6*LKZC*gamma_star;
         const lanes alpha_star = alpha_star_without_carcass_2nd_order - CASIG*alpha_star_part3*carcass_deflection_speed; /* [4.E3] lateral slip alpha* */
         const lanes mu_x_loaded_without_heat_friction_part4 = 1.0 + BIMU*mu_x_loaded_without_heat_friction_part3;
@@ -760,12 +819,12 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes B_y_g0_part2 = 1e-06*B_y_g0_part1 + C_y_g0*D_y_g0;
         const lanes cos_alpha_part1 = 1e-06 + V_c;
         const lanes B_x_part3 = 1.0/B_x_part2;
-        const lanes K_yalpha_g0_without_heat_stiffness_part8 = K_yalpha_g0_without_heat_stiffness_part7*PKY4;
+        const lanes K_yalpha_g0_without_heat_stiffness_part8 = limited(PKY4)*K_yalpha_g0_without_heat_stiffness_part7;
         const lanes B_y_part2 = 1e-06*B_y_part1 + C_y*D_y;
         const lanes B_y_g0_part3 = 1.0/B_y_g0_part2;
         const lanes D_Vyk_part2 = lanes_sqrt(D_Vyk_part1);
         const lanes cos_alpha_part2 = 1.0/cos_alpha_part1;
-        const lanes K_yalpha_g0_without_heat_stiffness_part9 = lanes_sin(K_yalpha_g0_without_heat_stiffness_part8);
+        const lanes K_yalpha_g0_without_heat_stiffness_part9 = lanes_limited_sin(K_yalpha_g0_without_heat_stiffness_part8);
         const lanes B_y_part3 = 1.0/B_y_part2;
         const lanes B_ykappa_part3 = lanes_sqrt(B_ykappa_part2);
         const lanes D_r = (LMUY*UNLOADED_RADIUS)*D_r_part7*D_r_part8*D_r_part9*F_z; /* [4.E47] peak factor of the residual moment */
@@ -778,16 +837,16 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes F_x0_v_part1 = lanes_atan(F_x0_u);
         const lanes G_xa_v_part2 = G_xa_u - G_xa_v_part1;
         const lanes G_xa0_v_part2 = G_xa0_u - G_xa0_v_part1;
-        const lanes K_yalpha_without_heat_stiffness_part11 = K_yalpha_without_heat_stiffness_part10*PKY4;
+        const lanes K_yalpha_without_heat_stiffness_part11 = limited(PKY4)*K_yalpha_without_heat_stiffness_part10;
         const lanes G_xa_v = G_xa_u - E_xalpha*G_xa_v_part2; /* [4.1] B x bent by E */
         const lanes G_xa0_v = G_xa0_u - E_xalpha*G_xa0_v_part2; /* [4.1] B x bent by E */
-        const lanes M_x_hump_part4 = M_x_hump_part3*QSX5;
-        const lanes K_yalpha_without_heat_stiffness_part12 = lanes_sin(K_yalpha_without_heat_stiffness_part11);
+        const lanes M_x_hump_part4 = limited(QSX5)*M_x_hump_part3;
+        const lanes K_yalpha_without_heat_stiffness_part12 = lanes_limited_sin(K_yalpha_without_heat_stiffness_part11);
         const lanes G_xa_w_part1 = lanes_atan(G_xa_v);
         const lanes G_xa0_w_part1 = lanes_atan(G_xa0_v);
         const lanes D_Vyk = D_Vyk_part3*D_Vyk_part4*F_z*mu_y; /* [4.E67] peak of S_Vyk */
         const lanes E_t = E_t_part4*E_t_part5; /* [4.E44] curvature factor of the trail */
-        const lanes M_x_hump_part5 = lanes_cos(M_x_hump_part4);
+        const lanes M_x_hump_part5 = lanes_limited_cos(M_x_hump_part4);
         const lanes B_ykappa = B_ykappa_part4*B_ykappa_part5*LYKA; /* [4.E62] stiffness of G_yk */
         const lanes S_Vyk = D_Vyk*LVYKA*S_Vyk_part4; /* [4.E66] side force made by longitudinal slip */
         const lanes K_yalpha_g0_without_heat_stiffness = (F_z01*LKY*PKY1)*K_yalpha_g0_without_heat_stiffness_part1*K_yalpha_g0_without_heat_stiffness_part9; /* [4.E25] cornering stiffness */
@@ -805,11 +864,11 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes F_y0_g0_v_part1 = lanes_atan(F_y0_g0_u);
         const lanes F_x0_w_part1 = lanes_atan(F_x0_v);
         const lanes K_yalpha_without_heat_stiffness = (F_z01*LKY*PKY1)*K_yalpha_without_heat_stiffness_part1*K_yalpha_without_heat_stiffness_part12*K_yalpha_without_heat_stiffness_part3; /* [4.E25] cornering stiffness */
-        const lanes G_xa_w = C_xalpha*G_xa_w_part1; /* [4.1] angle of the Magic Formula */
-        const lanes G_xa0_w = C_xalpha*G_xa0_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes G_xa_w = limited(C_xalpha)*G_xa_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes G_xa0_w = limited(C_xalpha)*G_xa0_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*K_yalpha_without_load_lag_part2; /* [4.E25] cornering stiffness */
-        const lanes G_xa_part1 = lanes_cos(G_xa0_w);
-        const lanes G_xa_part3 = lanes_cos(G_xa_w);
+        const lanes G_xa_part1 = lanes_limited_cos(G_xa0_w);
+        const lanes G_xa_part3 = lanes_limited_cos(G_xa_w);
         const lanes K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5; /* [4.E25] cornering stiffness */
         const lanes K_yalpha = K_yalpha_part1*K_yalpha_part3*K_yalpha_part4*K_yalpha_part6*K_yalpha_without_slip_history; /* [4.E25] cornering stiffness */
         const lanes G_yk_v_part2 = G_yk_u - G_yk_v_part1;
@@ -826,9 +885,9 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes alpha_r_part1 = 1.0/K_yalpha1;
         const lanes kappa_share_part1 = 1.0/K_yalpha1;
         const lanes F_y0_g0_v_part2 = F_y0_g0_u - F_y0_g0_v_part1;
-        const lanes F_x0_w = C_x*F_x0_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes F_x0_w = limited(C_x)*F_x0_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes F_y0_g0_v = F_y0_g0_u - E_y_g0*F_y0_g0_v_part2; /* [4.1] B x bent by E */
-        const lanes F_x0_part1 = lanes_sin(F_x0_w);
+        const lanes F_x0_part1 = lanes_limited_sin(F_x0_w);
         const lanes S_Hy = LHY*S_Hy_part1 + S_Hy_part2*S_Hy_part3; /* [4.E27] horizontal shift */
         const lanes F_y0_g0_w_part1 = lanes_atan(F_y0_g0_v);
         const lanes G_xa_part2 = 1.0/G_xa_part1;
@@ -842,15 +901,15 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes E_y_part4 = 1.0 + PEY5*lanes_square(gamma_star) - E_y_part2*E_y_part3;
         const lanes F_y0_v_part1 = lanes_atan(F_y0_u);
         const lanes G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
-        const lanes G_yk_w = C_ykappa*G_yk_w_part1; /* [4.1] angle of the Magic Formula */
-        const lanes G_yk0_w = C_ykappa*G_yk0_w_part1; /* [4.1] angle of the Magic Formula */
-        const lanes G_yk_part1 = lanes_cos(G_yk0_w);
-        const lanes G_yk_part3 = lanes_cos(G_yk_w);
+        const lanes G_yk_w = limited(C_ykappa)*G_yk_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes G_yk0_w = limited(C_ykappa)*G_yk0_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes G_yk_part1 = lanes_limited_cos(G_yk0_w);
+        const lanes G_yk_part3 = lanes_limited_cos(G_yk_w);
         const lanes E_y = E_y_part1*E_y_part4*LEY; /* [4.E24] curvature factor */
         const lanes F_x0_part2 = S_Vx + D_x*F_x0_part1;
-        const lanes F_y0_g0_w = C_y_g0*F_y0_g0_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes F_y0_g0_w = limited(C_y_g0)*F_y0_g0_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes F_x0 = F_x0_part2*F_x0_part3; /* [4.E9] longitudinal force in pure slip */
-        const lanes F_y0_g0_part1 = lanes_sin(F_y0_g0_w);
+        const lanes F_y0_g0_part1 = lanes_limited_sin(F_y0_g0_w);
         const lanes slip_alpha_teq_part1 = 1e-60 + kappa_share + lanes_square(tan_alpha_teq);
         const lanes Fx_part1 = F_x0*G_xa;
         const lanes F_y0_v_part2 = F_y0_u - F_y0_v_part1;
@@ -872,8 +931,8 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes slip_alpha_req = slip_alpha_req_part2; /* [4.E78] size of the equivalent slip */
         const lanes F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
         const lanes alpha_req_part1 = lanes_atan(slip_alpha_req);
-        const lanes F_y0_w = C_y*F_y0_w_part1; /* [4.1] angle of the Magic Formula */
-        const lanes F_y0_part1 = lanes_sin(F_y0_w);
+        const lanes F_y0_w = limited(C_y)*F_y0_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes F_y0_part1 = lanes_limited_sin(F_y0_w);
         const lanes alpha_teq = alpha_teq_part1*alpha_teq_part2; /* [4.E77] equivalent slip of the trail */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
         const lanes trail_v_part1 = lanes_atan(trail_u);
@@ -893,10 +952,10 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes trail_v = trail_u - E_t*trail_v_part2; /* [4.1] B x bent by E */
         const lanes trail_w_part1 = lanes_atan(trail_v);
         const lanes M_zr_part3 = 1.0/M_zr_part2;
-        const lanes M_x_hump_part8 = M_x_hump_part7*QSX8 + QSX7*gamma;
+        const lanes M_x_hump_part8 = limited(QSX8)*M_x_hump_part7 + QSX7*gamma;
         const lanes M_x_hump_part9 = lanes_sin(M_x_hump_part8);
-        const lanes trail_w = C_t*trail_w_part1; /* [4.1] angle of the Magic Formula */
-        const lanes trail_part1 = lanes_cos(trail_w);
+        const lanes trail_w = limited(C_t)*trail_w_part1; /* [4.1] angle of the Magic Formula */
+        const lanes trail_part1 = lanes_limited_cos(trail_w);
         const lanes M_x_hump = M_x_hump_part5*M_x_hump_part9*QSX4; /* [M] hump of M_x over load and side force */
         const lanes trail = D_t*LFZO*cos_alpha*trail_part1; /* [4.E73] pneumatic trail */
 
@@ -956,7 +1015,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes S_Vx_by_S_Vx_part1 = LVX*S_Vx_shared2;
         const lanes F_x0_v_part1_by_F_x0_u = 1.0/(1.0 + lanes_square(F_x0_u));
         const lanes F_x0_w_part1_by_F_x0_v = 1.0/(1.0 + lanes_square(F_x0_v));
-        const lanes F_x0_part1_by_F_x0_w = lanes_cos(F_x0_w);
+        const lanes F_x0_part1_by_F_x0_w = lanes_limited_cos(F_x0_w);
         const lanes K_yalpha_g0_without_heat_stiffness_shared1 = K_yalpha_g0_without_heat_stiffness_part3*K_yalpha_g0_without_heat_stiffness_part5;
         const lanes K_yalpha_g0_without_heat_stiffness_shared2 = F_z*K_yalpha_g0_without_heat_stiffness_part2;
         const lanes K_yalpha_g0_without_heat_stiffness_shared3 = (LKY*PKY1)*K_yalpha_g0_without_heat_stiffness_part9;
@@ -965,7 +1024,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes K_yalpha_g0_without_heat_stiffness_part6_by_F_z = K_yalpha_g0_without_heat_stiffness_part2*K_yalpha_g0_without_heat_stiffness_shared1;
         const lanes K_yalpha_g0_without_heat_stiffness_part6_by_K_yalpha_g0_without_heat_stiffness_part5 = K_yalpha_g0_without_heat_stiffness_part3*K_yalpha_g0_without_heat_stiffness_shared2;
         const lanes K_yalpha_g0_without_heat_stiffness_part7_by_K_yalpha_g0_without_heat_stiffness_part6 = 1.0/(1.0 + lanes_square(K_yalpha_g0_without_heat_stiffness_part6));
-        const lanes K_yalpha_g0_without_heat_stiffness_part9_by_K_yalpha_g0_without_heat_stiffness_part8 = lanes_cos(K_yalpha_g0_without_heat_stiffness_part8);
+        const lanes K_yalpha_g0_without_heat_stiffness_part9_by_K_yalpha_g0_without_heat_stiffness_part8 = lanes_limited_cos(K_yalpha_g0_without_heat_stiffness_part8);
         const lanes K_yalpha_g0_without_heat_stiffness_by_K_yalpha_g0_without_heat_stiffness_part1 = F_z01*K_yalpha_g0_without_heat_stiffness_shared3;
         const lanes K_yalpha_g0_without_heat_stiffness_by_K_yalpha_g0_without_heat_stiffness_part9 = K_yalpha_g0_without_heat_stiffness_shared4*LKY;
         const lanes K_yalpha_g0_without_slip_history_part1_by_Fz = 2.0*Fz;
@@ -992,7 +1051,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes K_yalpha_without_heat_stiffness_part9_by_K_yalpha_without_heat_stiffness_part6 = K_yalpha_without_heat_stiffness_part8*K_yalpha_without_heat_stiffness_shared2;
         const lanes K_yalpha_without_heat_stiffness_part9_by_K_yalpha_without_heat_stiffness_part8 = K_yalpha_without_heat_stiffness_part6*K_yalpha_without_heat_stiffness_shared2;
         const lanes K_yalpha_without_heat_stiffness_part10_by_K_yalpha_without_heat_stiffness_part9 = 1.0/(1.0 + lanes_square(K_yalpha_without_heat_stiffness_part9));
-        const lanes K_yalpha_without_heat_stiffness_part12_by_K_yalpha_without_heat_stiffness_part11 = lanes_cos(K_yalpha_without_heat_stiffness_part11);
+        const lanes K_yalpha_without_heat_stiffness_part12_by_K_yalpha_without_heat_stiffness_part11 = lanes_limited_cos(K_yalpha_without_heat_stiffness_part11);
         const lanes K_yalpha_without_heat_stiffness_by_K_yalpha_without_heat_stiffness_part1 = F_z01*K_yalpha_without_heat_stiffness_shared3;
         const lanes K_yalpha_without_heat_stiffness_by_K_yalpha_without_heat_stiffness_part12 = K_yalpha_without_heat_stiffness_part3*K_yalpha_without_heat_stiffness_shared4;
         const lanes K_yalpha_without_heat_stiffness_by_K_yalpha_without_heat_stiffness_part3 = K_yalpha_without_heat_stiffness_part12*K_yalpha_without_heat_stiffness_shared4;
@@ -1053,7 +1112,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes S_Vy_by_S_Vy_part1 = LVY*S_Vy_shared2;
         const lanes F_y0_v_part1_by_F_y0_u = 1.0/(1.0 + lanes_square(F_y0_u));
         const lanes F_y0_w_part1_by_F_y0_v = 1.0/(1.0 + lanes_square(F_y0_v));
-        const lanes F_y0_part1_by_F_y0_w = lanes_cos(F_y0_w);
+        const lanes F_y0_part1_by_F_y0_w = lanes_limited_cos(F_y0_w);
         const lanes mu_y_loaded_g0_without_break_in_part2_by_dpi = PPY3 + (2.0*PPY4)*dpi;
         const lanes mu_y_loaded_g0_without_break_in_by_mu_y_loaded_g0_without_break_in_part1 = LMUY*mu_y_loaded_g0_without_break_in_part2;
         const lanes mu_y_loaded_g0_without_break_in_by_mu_y_loaded_g0_without_break_in_part2 = LMUY*mu_y_loaded_g0_without_break_in_part1;
@@ -1082,7 +1141,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes S_Vy_g0_by_S_Vy_g0_part1 = LVY*S_Vy_g0_shared2;
         const lanes F_y0_g0_v_part1_by_F_y0_g0_u = 1.0/(1.0 + lanes_square(F_y0_g0_u));
         const lanes F_y0_g0_w_part1_by_F_y0_g0_v = 1.0/(1.0 + lanes_square(F_y0_g0_v));
-        const lanes F_y0_g0_part1_by_F_y0_g0_w = lanes_cos(F_y0_g0_w);
+        const lanes F_y0_g0_part1_by_F_y0_g0_w = lanes_limited_cos(F_y0_g0_w);
         const lanes mu_y_by_mu_y_loaded = choose(F_z <= 0.0, each(0.0), each(1.0));
         const lanes B_xalpha_part1_by_kappa = (2.0*square(RBX2))*kappa;
         const lanes B_xalpha_part2_by_B_xalpha_part1 = 0.5/B_xalpha_part2;
@@ -1094,9 +1153,9 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes G_xa_w_part1_by_G_xa_v = 1.0/(1.0 + lanes_square(G_xa_v));
         const lanes G_xa0_v_part1_by_G_xa0_u = 1.0/(1.0 + lanes_square(G_xa0_u));
         const lanes G_xa0_w_part1_by_G_xa0_v = 1.0/(1.0 + lanes_square(G_xa0_v));
-        const lanes G_xa_part1_by_G_xa0_w = -lanes_sin(G_xa0_w);
+        const lanes G_xa_part1_by_G_xa0_w = -lanes_limited_sin(G_xa0_w);
         const lanes G_xa_part2_by_G_xa_part1 = -lanes_square(G_xa_part2);
-        const lanes G_xa_part3_by_G_xa_w = -lanes_sin(G_xa_w);
+        const lanes G_xa_part3_by_G_xa_w = -lanes_limited_sin(G_xa_w);
         const lanes B_ykappa_part2_by_B_ykappa_part1 = (2.0*square(RBY2))*B_ykappa_part1;
         const lanes B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3;
         const lanes B_ykappa_part4_by_B_ykappa_part3 = -lanes_square(B_ykappa_part4);
@@ -1107,9 +1166,9 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes G_yk_w_part1_by_G_yk_v = 1.0/(1.0 + lanes_square(G_yk_v));
         const lanes G_yk0_v_part1_by_G_yk0_u = 1.0/(1.0 + lanes_square(G_yk0_u));
         const lanes G_yk0_w_part1_by_G_yk0_v = 1.0/(1.0 + lanes_square(G_yk0_v));
-        const lanes G_yk_part1_by_G_yk0_w = -lanes_sin(G_yk0_w);
+        const lanes G_yk_part1_by_G_yk0_w = -lanes_limited_sin(G_yk0_w);
         const lanes G_yk_part2_by_G_yk_part1 = -lanes_square(G_yk_part2);
-        const lanes G_yk_part3_by_G_yk_w = -lanes_sin(G_yk_w);
+        const lanes G_yk_part3_by_G_yk_w = -lanes_limited_sin(G_yk_w);
         const lanes D_Vyk_shared1 = F_z*mu_y;
         const lanes D_Vyk_shared2 = D_Vyk_part3*D_Vyk_part4;
         const lanes D_Vyk_part1_by_alpha_star = (2.0*square(RVY4))*alpha_star;
@@ -1120,7 +1179,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes D_Vyk_by_F_z = D_Vyk_shared2*mu_y;
         const lanes D_Vyk_by_mu_y = D_Vyk_shared2*F_z;
         const lanes S_Vyk_part2_by_S_Vyk_part1 = 1.0/(1.0 + lanes_square(S_Vyk_part1));
-        const lanes S_Vyk_part4_by_S_Vyk_part3 = lanes_cos(S_Vyk_part3);
+        const lanes S_Vyk_part4_by_S_Vyk_part3 = lanes_limited_cos(S_Vyk_part3);
         const lanes S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4;
         const lanes S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA;
         const lanes Fx_by_Fx_part1 = choose(Fz < 1e-100, each(0.0), each(1.0));
@@ -1143,7 +1202,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes E_t_part2_by_B_t = C_t*alpha_t;
         const lanes E_t_part2_by_alpha_t = B_t*C_t;
         const lanes E_t_part3_by_E_t_part2 = 1.0/(1.0 + lanes_square(E_t_part2));
-        const lanes E_t_part4_by_E_t_part1 = (1.0/PI)*E_t_part3;
+        const lanes E_t_part4_by_E_t_part1 = limited(1.0/PI)*E_t_part3;
         const lanes E_t_part4_by_E_t_part3 = (1.0/PI)*E_t_part1;
         const lanes E_t_part5_by_dfz = QEZ2 + (2.0*QEZ3)*dfz;
         const lanes D_r_shared1 = (LMUY*UNLOADED_RADIUS)*D_r_part9*F_z;
@@ -1174,7 +1233,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes trail_w_part1_by_trail_v = 1.0/(1.0 + lanes_square(trail_v));
         const lanes trail_shared1 = cos_alpha*trail_part1;
         const lanes trail_shared2 = D_t*LFZO;
-        const lanes trail_part1_by_trail_w = -lanes_sin(trail_w);
+        const lanes trail_part1_by_trail_w = -lanes_limited_sin(trail_w);
         const lanes trail_by_D_t = LFZO*trail_shared1;
         const lanes trail_by_cos_alpha = trail_part1*trail_shared2;
         const lanes trail_by_trail_part1 = cos_alpha*trail_shared2;
@@ -1190,7 +1249,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes F_zx_by_F_z = choose(FZMIN > F_z, (3.0/square(FZMIN))*lanes_square(F_z), each(1.0));
         const lanes M_x_hump_part2_by_F_zx = (M_x_hump_shared1*M_x_hump_shared2)*F_zx;
         const lanes M_x_hump_part3_by_M_x_hump_part2 = 1.0/(1.0 + lanes_square(M_x_hump_part2));
-        const lanes M_x_hump_part5_by_M_x_hump_part4 = -lanes_sin(M_x_hump_part4);
+        const lanes M_x_hump_part5_by_M_x_hump_part4 = -lanes_limited_sin(M_x_hump_part4);
         const lanes M_x_hump_part7_by_M_x_hump_part6 = 1.0/(1.0 + lanes_square(M_x_hump_part6));
         const lanes M_x_hump_part9_by_M_x_hump_part8 = lanes_cos(M_x_hump_part8);
         const lanes M_x_hump_by_M_x_hump_part5 = M_x_hump_part9*QSX4;
@@ -1215,7 +1274,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes Mx_by_Fy = choose(Fz < 1e-100, each(0.0), Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
         const lanes Mx_by_M_x_hump = choose(Fz < 1e-100, each(0.0), Mx_shared7);
         const lanes Mx_by_dpi = choose(Fz < 1e-100, each(0.0), -Mx_shared20*PPMX1);
-        const lanes Mx_by_gamma = choose(Fz < 1e-100, each(0.0), Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14));
+        const lanes Mx_by_gamma = choose(Fz < 1e-100, each(0.0), Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + limited(QSX10)*Mx_shared15 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14));
         const lanes F_zy_by_F_z = choose(FZMIN > F_z, (2.0/FZMIN)*F_z, each(1.0));
         const lanes F_zy_share_by_F_zy = choose(F_zy <= 0.0, each(0.0), each(1.0/FNOMIN));
         const lanes M_y_speed_part3_by_M_y_speed_part2 = lanes_sgn(M_y_speed_part2);

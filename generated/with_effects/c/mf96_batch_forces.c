@@ -11,6 +11,48 @@
 #define N_INPUTS MF96_N_INPUTS
 #define N_RESULTS 3
 
+/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
+   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
+   the compiler is allowed to fuse multiplications. */
+#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
+#define VECTORS 1
+typedef double two __attribute__((vector_size(16)));
+typedef uint64_t two_bits __attribute__((vector_size(16)));
+#define TWO(a, b) ((two){a, b})
+#define TWO_AT(x, i) ((x)[i])
+#ifdef __AVX__
+typedef double four __attribute__((vector_size(32)));
+typedef uint64_t four_bits __attribute__((vector_size(32)));
+#define FOUR(a, b, c, d) ((four){a, b, c, d})
+#define FOUR_AT(x, i) ((x)[i])
+#else
+typedef struct { two half[2]; } four;
+#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
+#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
+#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
+#define FOUR_BY_PAIRS(function_of_two, x, y) \
+    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
+#endif
+#else
+#define VECTORS 0
+typedef double one;
+typedef uint64_t one_bits;
+typedef struct { double at[2]; } two;
+typedef struct { double at[4]; } four;
+#define TWO(a, b) ((two){{a, b}})
+#define TWO_AT(x, i) ((x).at[i])
+#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
+#define FOUR_AT(x, i) ((x).at[i])
+#endif
+#define TWO_COUNT 2
+#define FOUR_COUNT 4
+#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
+#define FOUR_ALL(x, condition) \
+    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
+/* No less than the size of any of the numbers, or NaN. */
+#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
+#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
+
 static inline double square(double x) { return x*x; }
 
 /* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
@@ -93,13 +135,19 @@ static inline lanes lanes_checked_angle(lanes angle)
     return angle + 0.0*(angle*1e301);
 }
 
+/* The fixed factor of an arcus tangent: of an angle of such a product the sine needs no check. */
+static inline double limited(double factor)
+{
+    return factor + 0.0*(factor*1e301);
+}
+
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
 static inline lanes lanes_shifted_sin(lanes angle, double shift)
 {
     const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
     const lanes n = (rounded - LANES_ROUNDING) - shift;
-    const lanes r = LANES_WITHOUT(lanes_checked_angle(angle), n, 1.0);
+    const lanes r = LANES_WITHOUT(angle, n, 1.0);
     const lanes z = r*r;
     const lanes series = -0.16666666666666666 + z*(0.008333333333333316 + z*(-0.00019841269841254955
         + z*(2.755731921915843e-06 + z*(-2.5052107616384595e-08 + z*(1.6058977272815506e-10
@@ -107,12 +155,17 @@ static inline lanes lanes_shifted_sin(lanes angle, double shift)
     return (lanes)((lane_bits)(r + r*z*series) ^ ((lane_bits)rounded << 63));
 }
 
-static inline lanes lanes_sin(lanes x)
+static inline lanes lanes_cos(lanes x)
+{
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.5);
+}
+
+static inline lanes lanes_limited_sin(lanes x)
 {
     return lanes_shifted_sin(x, 0.0);
 }
 
-static inline lanes lanes_cos(lanes x)
+static inline lanes lanes_limited_cos(lanes x)
 {
     return lanes_shifted_sin(x, 0.5);
 }
@@ -122,14 +175,15 @@ static inline lanes lanes_cos(lanes x)
 static inline lanes lanes_atan(lanes x)
 {
     const lanes a = lanes_absolute(x);
-    const lanes shifted = one_where(a > 0.41421356237309503), near = one_where(a <= 2.414213562373095);
-    const lanes eighths = (shifted + 1.0) - near;
+    const lane_bits beyond = a > 0.41421356237309503, within = a <= 2.414213562373095;
+    const lanes shifted = one_where(beyond), near = one_where(within);
+    const lanes base = choose(within, (lanes)((lane_bits)each(0.7853981633974483) & beyond), each(1.5707963267948966));
     const lanes t = (a*near - shifted)/(a*shifted + near);
     const lanes z = t*t;
     const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
         + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
         + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
-    return with_sign_of(eighths*0.7853981633974483 + (t + t*z*series), x);
+    return with_sign_of(base + (t + t*z*series), x);
 }
 
 static inline lanes lanes_exp(lanes x)
@@ -358,20 +412,20 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes B_t = (LKY/LMUY)*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz)); /* [4.E40] stiffness factor of the trail */
         const lanes mu_x_without_heat_friction = mu_x_without_break_in*(1.0 + BIMU*lanes_exp(-(1.0/BIWORK)*sliding_work)); /* [4.E13] peak friction */
         const lanes mu_y_without_heat_friction = mu_y_without_break_in*(1.0 + BIMU*lanes_exp(-(1.0/BIWORK)*sliding_work)); /* [4.E23] peak friction */
-        const lanes G_xa_w = RCX1*lanes_atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
-        const lanes G_xa_w0 = RCX1*lanes_atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
-        const lanes G_yk_w = RCY1*lanes_atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
-        const lanes G_yk_w0 = RCY1*lanes_atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
+        const lanes G_xa_w = limited(RCX1)*lanes_atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
+        const lanes G_xa_w0 = limited(RCX1)*lanes_atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
+        const lanes G_yk_w = limited(RCY1)*lanes_atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
+        const lanes G_yk_w0 = limited(RCY1)*lanes_atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
         const lanes K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*lanes_exp(-HK*tread_heat); /* [4.E15] longitudinal slip stiffness */
         const lanes E_x = LEX*(1.0 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
         const lanes E_y = LEY*(1.0 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
         const lanes E_t = (1.0 + (QEZ4 + QEZ5*gamma_s)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
-        const lanes K_yalpha_without_heat_stiffness = (F_z01*LFZ0*LKA*PKY1)*(1.0 - PKY3*sign_gamma)*lanes_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
+        const lanes K_yalpha_without_heat_stiffness = (F_z01*LFZ0*LKA*PKY1)*(1.0 - PKY3*sign_gamma)*lanes_limited_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
         const lanes mu_x_without_slip_history = mu_x_without_heat_friction*lanes_exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [4.E13] peak friction */
         const lanes K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
         const lanes mu_y_without_load_lag = mu_y_without_heat_friction*lanes_exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [4.E23] peak friction */
-        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
-        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
+        const lanes G_xa = lanes_limited_cos(G_xa_w)/lanes_limited_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
+        const lanes G_yk = lanes_limited_cos(G_yk_w)/lanes_limited_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*lanes_exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
         const lanes mu_x = mu_x_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
         const lanes mu_y_without_slip_history = mu_y_without_load_lag*(1.0 + LLMU*(late_load - Fz)/lanes_sqrt(1.0 + lanes_square(Fz))); /* [4.E23] peak friction */
@@ -391,22 +445,22 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
         const lanes B_r = (C_y*QBZ10)*B_y + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
         const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
-        const lanes S_Vyk = D_Vyk*LVYK*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
+        const lanes S_Vyk = D_Vyk*LVYK*lanes_limited_sin(limited(RVY5)*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
         const lanes alpha_teq = alpha_t*lanes_sqrt(1.0 + kappa_share/(1e-06 + lanes_square(alpha_t))); /* [4.E77] equivalent slip of the trail */
         const lanes alpha_req = alpha_r*lanes_sqrt(1.0 + kappa_share/(1e-06 + lanes_square(alpha_r))); /* [4.E78] equivalent slip of the residual moment */
-        const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
-        const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
-        const lanes F_x0 = S_Vx + D_x*lanes_sin(F_x0_w); /* [4.E9] longitudinal force in pure slip */
+        const lanes F_x0_w = limited(C_x)*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
+        const lanes F_y0_w = limited(C_y)*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
+        const lanes F_x0 = S_Vx + D_x*lanes_limited_sin(F_x0_w); /* [4.E9] longitudinal force in pure slip */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
         const lanes M_zr = D_r*lanes_cos(alpha)/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
         const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
-        const lanes F_y0 = S_Vy + D_y*lanes_sin(F_y0_w); /* [4.E19] side force in pure slip */
+        const lanes F_y0 = S_Vy + D_y*lanes_limited_sin(F_y0_w); /* [4.E19] side force in pure slip */
         const lanes Fx = choose(Fz <= 1e-06, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
-        const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
+        const lanes trail_w = limited(C_t)*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
         const lanes Fy_without_hysteresis_force = choose(Fz <= 1e-06, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
         const lanes Fy = Fy_without_hysteresis_force + Fz*(HFPLAY*inner_play + HFY*inner_friction); /* [4.E58] side force */
         const lanes s = (LS*UNLOADED_RADIUS)*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + (SSZ2/FNOMIN)*Fy); /* [4.E76] moment arm of Fx */
-        const lanes trail = D_t*lanes_cos(alpha)*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
+        const lanes trail = D_t*lanes_cos(alpha)*lanes_limited_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes Mz_without_hysteresis_force = choose(Fz <= 1e-06, each(0.0), M_zr + Fx*s - trail*(Fy - S_Vyk)); /* [4.E71] aligning moment */
         const lanes Mz = Mz_without_hysteresis_force + (HFARM*UNLOADED_RADIUS)*Fz*(HFPLAY*inner_play + HFY*inner_friction); /* [4.E71] aligning moment */
 

@@ -67,7 +67,7 @@ def test_a_single_reversed_channel_is_named():
         table = bench().table
         with pytest.raises(DataError, match=expected) as caught:
             check_convention(recording(**table.assign(**{channel: -table[channel]})))
-        assert str(caught.value).endswith(f"no convention fits: reverse {channel}")
+        assert str(caught.value).endswith(f"no convention fits: multiply {channel} in the file by -1")
 
 
 @pytest.mark.parametrize("part", ["both sweeps", "alpha", "kappa"])

@@ -1,0 +1,188 @@
+"""Measured rows of a least-squares problem, in memory or in a file, which are gone through block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.tires.tire import Tire
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Rows of a block: what is computed from them needs 15 MB. A multiple of the rows that kernels and intervals take.
+BLOCK = 65_280
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Measured rows.
+
+    Attributes
+    ----------
+    inputs : ndarray, shape (n_inputs, n)
+        In the model's order, SI units.
+    measured : ndarray, shape (n, n_forces)
+        NaN if a channel was not measured or is not fitted.
+    group : ndarray of int, shape (n,)
+        Number of the recording of each row.
+    segment : ndarray of int, shape (n,)
+        Number of the segment without gaps of each row; by default each recording is one segment.
+    weight : ndarray, shape (n,)
+        Weight of each row within its recording; by default 1.
+    """
+
+    inputs: FloatArray
+    measured: FloatArray
+    group: npt.NDArray[np.int64]
+    segment: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    weight: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if len(self.segment) != len(self.group):
+            object.__setattr__(self, "segment", self.group)
+        if len(self.weight) != len(self.group):
+            object.__setattr__(self, "weight", np.ones(len(self.group)))
+
+    @classmethod
+    def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
+        """Return the rows of a table; only the given channels are fitted."""
+        absent = pd.Series(np.nan, table.index)
+        inputs = [table.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs]
+        measured = [table.get(name, absent) if name in channels else absent for name in tire.outputs]
+        group = table["recording"] if "recording" in table else pd.Series(0, table.index)
+        segment, weight = table.get("segment", group), table.get("weight", pd.Series(1.0, table.index))
+        return cls(
+            np.stack([column.to_numpy(dtype=float) for column in inputs]),
+            np.stack([column.to_numpy(dtype=float) for column in measured]).T,
+            np.asarray(group, dtype=np.int64),
+            np.asarray(segment, dtype=np.int64),
+            np.asarray(weight, dtype=float),
+        )
+
+    def in_table(self, table: pd.DataFrame, tire: Tire) -> pd.DataFrame:
+        """Return the table of these rows with their arrays as columns, which need no memory of their own then."""
+        arrays = dict(zip((*tire.inputs, *tire.outputs), (*self.inputs, *self.measured.T), strict=True))
+        arrays |= {"recording": self.group, "segment": self.segment, "weight": self.weight}
+        # A column of the table shares the memory of others, which would not be released.
+        columns = {name: arrays[name] if name in arrays else table[name].to_numpy(copy=True) for name in table}
+        return pd.DataFrame(columns, table.index, copy=False)
+
+    def __len__(self) -> int:
+        return len(self.measured)
+
+    @property
+    def whole(self) -> bool:
+        """Whether the arrays are all rows; otherwise they are some of them (`StoredRows`)."""
+        return True
+
+    @property
+    def represented(self) -> FloatArray:
+        """Number of rows for each row of the arrays, by recording, shape (n_groups,)."""
+        return np.ones(int(self.group.max(initial=0)) + 1)
+
+    def blocks(self) -> Iterator[Rows]:
+        """Yield all rows in their order, `BLOCK` at most at a time."""
+        return self.slices()
+
+    def slices(self) -> Iterator[Rows]:
+        """Yield the rows of the arrays in their order, `BLOCK` at most at a time, without a copy."""
+        for start in range(0, len(self.group), BLOCK):
+            rows = slice(start, start + BLOCK)
+            yield Rows(
+                self.inputs[:, rows], self.measured[rows], self.group[rows], self.segment[rows], self.weight[rows]
+            )
+
+    def of_recording(self, group: int) -> Rows:
+        """Return the rows of one recording."""
+        own = self.group == group
+        return self if own.all() else self.take(np.flatnonzero(own))  # a copy is much memory
+
+    def only(self, fitted: Sequence[bool]) -> Rows:
+        """Return the rows with some of their forces, and NaN instead of the others; all else is shared."""
+        dropped = ~np.array(fitted, dtype=np.bool_) & ~np.isnan(self.measured).all(axis=0)
+        if not dropped.any():
+            return self
+        measured = self.measured.copy(order="K")
+        measured[:, dropped] = np.nan
+        return replace(self, measured=measured)
+
+    def sample(self, n: int, seed: int = 0) -> Rows:
+        """Return n random rows, in their order; all rows if there are no more.
+
+        Every k-th row would alias with sweeps. Rows are drawn from the recordings in the order of their size, so the
+        sample does not depend on the order in which they are given.
+        """
+        if n >= len(self.group):
+            return self
+        groups, sizes = np.unique(self.group, return_counts=True)
+        equal = np.isin(
+            sizes, [size for size, times in zip(*np.unique(sizes, return_counts=True), strict=True) if times > 1]
+        )
+        contents = [
+            self.measured[self.group == group].tobytes() if tied else b""
+            for group, tied in zip(groups, equal, strict=True)
+        ]
+        order = sorted(range(len(groups)), key=lambda i: (sizes[i], contents[i]))
+        rows = np.concatenate([np.flatnonzero(self.group == groups[i]) for i in order])
+        return self.take(np.sort(np.random.default_rng(seed).choice(rows, n, replace=False)))
+
+    def take(self, chosen: npt.NDArray[np.int64]) -> Rows:
+        """Return some of the rows."""
+        return Rows(
+            self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen],
+            self.weight[chosen],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StoredRows(Rows):
+    """Rows in files. The arrays are a survey of them: whole passages, in which residuals are correlated as in all rows.
+
+    Attributes
+    ----------
+    parts : callable
+        Takes the number of a recording, and yields its rows, some at a time.
+    totals : dict of int to int
+        Number of rows of each recording.
+    drawn : Rows
+        Random ones of all rows.
+    """
+
+    parts: Callable[[int], Iterator[Rows]] = field(kw_only=True)
+    drawn: Rows = field(kw_only=True)
+    totals: dict[int, int] = field(kw_only=True)
+
+    def __len__(self) -> int:
+        return sum(self.totals.values())
+
+    @property
+    def whole(self) -> bool:
+        """Whether the arrays are all rows: they are a survey."""
+        return False
+
+    @property
+    def represented(self) -> FloatArray:
+        """Number of rows for each row of the arrays, by recording, shape (n_groups,)."""
+        counts = np.bincount(self.group)
+        totals = np.array([self.totals.get(number, 0) for number in range(len(counts))])
+        return np.asarray(totals / np.maximum(counts, 1))
+
+    def blocks(self) -> Iterator[Rows]:
+        """Yield all rows in their order, `BLOCK` at most at a time."""
+        for number in self.totals:
+            for part in self.parts(number):
+                yield from part.slices()
+
+    def sample(self, n: int, seed: int = 0) -> Rows:
+        """Return n random rows, in their order; all that were drawn if they are no more."""
+        return self.drawn.sample(n, seed)
+
+    def of_recording(self, group: int) -> StoredRows:
+        """Return the rows of one recording."""
+        own = self.take(np.flatnonzero(self.group == group))
+        arrays = {name: getattr(own, name) for name in ("inputs", "measured", "group", "segment", "weight")}
+        return replace(self, **arrays, totals={group: self.totals[group]})

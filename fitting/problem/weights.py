@@ -1,0 +1,95 @@
+"""Weights of the channels of recordings: equal ones, by the noise of residuals; limits of robust losses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.measurements.operating_conditions.held_levels import held_levels
+
+from .loss import robust_scale
+from .rows import Rows
+from .weighted_residuals import Problem
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Least noise of a channel, relative to its root mean square.
+LEAST_NOISE = 1e-4
+#: The slip of each channel, and the weight factor of recordings that sweep it.
+OWN_SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha"}
+SWEPT = 1.75
+
+
+def equal_weights(rows: Rows) -> FloatArray:
+    """Return weights for the cost of the Trento report: half the sum of 1 - R2 (uncentred) over the channels."""
+    squares = np.sum([np.nansum(each.measured**2 * each.weight[:, None], axis=0) for each in rows.blocks()], axis=0)
+    groups = int(rows.group.max(initial=0)) + 1
+    return np.broadcast_to(1.0 / np.where(squares > 0, squares, 1.0), (groups, rows.measured.shape[1])).copy()
+
+
+def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
+    """Return weight factors by recording and channel: more than 1 if the slip of the channel is swept.
+
+    If recordings are inconsistent, a sweep contains more information on a force than rows at a few held slips. So the
+    cornering test determines the pure side force, and the drive and brake test its reduction by longitudinal slip.
+
+    Parameters
+    ----------
+    data : pandas.DataFrame
+        With the column ``recording``.
+    outputs : sequence of str
+
+    Returns
+    -------
+    ndarray, shape (n_recordings, n_outputs)
+    """
+    factors = np.ones((int(data["recording"].max()) + 1, len(outputs)))
+    for number in range(len(factors)):
+        table = data[data["recording"] == number]
+        for column, output in enumerate(outputs):
+            slip = OWN_SLIP.get(output)
+            if slip in table and np.ptp(table[slip]) > 0 and not held_levels(table[slip]):
+                factors[number, column] = SWEPT
+    return factors
+
+
+def limits_of(problem: Problem, x: FloatArray) -> FloatArray | None:
+    """Return the limits of the loss from the noise of each channel of a recording at x; None for squares."""
+    if not np.isfinite(problem.loss.constant):
+        return None
+    limits = np.ones_like(problem.weights)
+    for group, channel, residual, least in _by_channel(problem, x):
+        limits[group, channel] = problem.loss.constant * max(robust_scale(residual), least)
+    return limits
+
+
+def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = None) -> FloatArray:
+    """Return weights by the residual variance of each channel of a recording at x.
+
+    The noise is assumed to be at least `LEAST_NOISE` of the signal: residuals of exact data are rounding errors. For
+    robust losses the variance is estimated without outliers. The factors, shape (n_groups, n_forces), multiply the
+    weights.
+    """
+    weights, robust = np.zeros_like(problem.weights), np.isfinite(problem.loss.constant)
+    weighted_rows = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
+    count = problem.rows.represented[problem.rows.group] @ weighted_rows.sum(axis=1)
+    for group, channel, residual, least in _by_channel(problem, x):
+        deviation = robust_scale(residual) if robust else float(np.sqrt(np.mean(residual**2)))
+        weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * count)
+    return weights if factors is None else weights * factors[: len(weights)]
+
+
+def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, FloatArray, float]]:
+    """Yield recording, channel, residuals, and least noise of everything that has a weight and is not 0 everywhere.
+
+    The rows of a stage may contain only zeros of a channel: there is no scale for its noise.
+    """
+    residual, measured = problem.residual(x), problem.rows.measured.T
+    for group, channel in np.argwhere(problem.weights > 0):
+        present = (problem.rows.group == group) & np.isfinite(measured[channel])
+        least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, present] ** 2))) if present.any() else 0.0
+        if least > 0.0:
+            yield int(group), int(channel), residual[channel, present], least

@@ -1,0 +1,161 @@
+"""Groups of elementary calls: the same bits as call by call, with vector types of any width and without them."""
+
+from __future__ import annotations
+
+import ctypes
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import tirefmu.generated
+from tirefmu.symbolic.models import model
+from tirefmu.symbolic.printers.definitions import INCLUDES, definitions
+from tirefmu.symbolic.printers.grouping import function_of, grouped
+from tirefmu.symbolic.printers.routines import Assignment, routines
+from tirefmu.tires.code.compiler import shared_library
+from tirefmu.tires.code.numpy_code import numpy_code
+
+FOLDER = Path(tirefmu.generated.__file__).parent / "c"
+#: Code for any processor, for this one, and for compilers without vector types. Each operation is rounded once.
+BUILDS = {"plain": [], "native": ["-march=native"], "alone": ["-DONE_AT_A_TIME"]}
+SINGLE = ("sin", "cos", "tan", "atan", "exp")
+#: Among arguments of every size, those that go to math.h: huge angles, zeros, subnormal numbers, infinities, NaN.
+SPECIAL = [0.0, -0.0, 5e-324, 1e-310, 1.0, -1.0, 1e7, 1.1e7, 1e300, -1e300, 700.0, -701.0, np.inf, -np.inf, np.nan]
+LOOP = "for (int i = 0; i < n; i++)\n        results[i] = "
+GROUPS = """
+void {kind}_at_once_{name}(const double x[], const double y[], double results[], int n)
+{{
+    for (int i = 0; i < n; i += {count}) {{
+        const {kind} values = fast_{kind}_{name}({arguments});
+        for (int k = 0; k < {count}; k++)
+            results[i + k] = {upper}_AT(values, k);
+    }}
+}}
+"""
+
+
+def source():
+    """Return functions that apply each elementary function to arrays: one, two and four numbers at a time."""
+    head = "(const double x[], const double y[], double results[], int n)"
+    parts = [f"void one_at_once_{name}{head}\n{{\n    (void)y;\n    {LOOP}fast_{name}(x[i]);\n}}" for name in SINGLE]
+    parts.append(f"void one_at_once_pow{head}\n{{\n    {LOOP}fast_pow(x[i], y[i]);\n}}")
+    parts.append(f"void one_at_once_shifted_sin{head}\n{{\n    {LOOP}y[i] == 0.0 ? fast_sin(x[i]) : fast_cos(x[i]);\n}}")
+    for kind, count in (("two", 2), ("four", 4)):
+        for name in ("shifted_sin", "tan", "atan", "exp", "pow"):
+            lists = (", ".join(f"{array}[i + {k}]" for k in range(count)) for array in "xy")
+            columns = [f"{kind.upper()}({listed})" for listed in lists][: 2 if name in ("shifted_sin", "pow") else 1]
+            parts.append(GROUPS.format(kind=kind, name=name, count=count, upper=kind.upper(), arguments=", ".join(columns)))
+    code = "\n".join(parts)
+    return f"{INCLUDES}\n{definitions(code)}\n{code}"
+
+
+def built(name, path, flags, headers=()):
+    flags = ["-fvisibility=default", "-ffp-contract=off", *flags]
+    return ctypes.CDLL(str(shared_library(name, [path], headers=headers, flags=flags)))
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("groups")
+    path = folder / "groups.c"
+    path.write_text(source(), encoding="ascii")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TIREFMU_CACHE", str(folder / "cache"))
+        yield {build: built("groups", path, flags) for build, flags in BUILDS.items()}
+
+
+def arguments(name):
+    """Return numbers of every size, the special ones in every place of a group."""
+    rng = np.random.default_rng(7)
+    drawn = rng.choice([-1.0, 1.0], 400) * 10 ** rng.uniform(-12, 12, 400)
+    usual = rng.uniform(-20.0, 20.0, 400)
+    special = np.concatenate([np.insert(rng.uniform(0.5, 2.0, 3), k, value) for value in SPECIAL for k in range(4)])
+    x = np.concatenate([drawn, usual, special])
+    y = rng.uniform(-3.0, 3.0, len(x)) if name == "pow" else rng.choice([0.0, 0.5], len(x))
+    return (np.abs(x) if name == "pow" else x), y
+
+
+def applied(library, kind, name, x, y):
+    results = np.empty_like(x)
+    pointers = (array.ctypes.data_as(ctypes.c_void_p) for array in (x, y, results))
+    getattr(library, f"{kind}_at_once_{name}")(*pointers, len(x))
+    return results
+
+
+def bits(values):
+    """Return the bits, with one NaN for all: its sign and payload are no results."""
+    return np.where(np.isnan(values), np.nan, values).view(np.uint64)
+
+
+@pytest.mark.parametrize("name", ["shifted_sin", "tan", "atan", "exp", "pow"])
+def test_groups_are_single_calls_to_the_last_bit(library, name):
+    x, y = arguments(name)
+    single = bits(applied(library["plain"], "one", name, x, y))
+    for build, code in library.items():
+        for kind in ("one", "two", "four"):
+            assert np.array_equal(bits(applied(code, kind, name, x, y)), single), (build, kind)
+
+
+def test_error_of_a_power_in_units_in_the_last_place(library):
+    rng = np.random.default_rng(8)
+    x, y = 10 ** rng.uniform(-60.0, 6.0, 400), rng.uniform(-2.0, 2.0, 400)
+    results = applied(library["plain"], "four", "pow", x, y)
+    with mpmath.workprec(160):
+        exact = [mpmath.mpf(a) ** mpmath.mpf(b) for a, b in zip(x.tolist(), y.tolist(), strict=True)]
+        errors = [abs((mpmath.mpf(r) - e) / e) for r, e in zip(results.tolist(), exact, strict=True)]
+    assert (np.array(errors, dtype=float) <= (3.0 + np.abs(y * np.log(x))) * np.finfo(float).eps).all()
+
+
+def test_forces_are_the_same_with_and_without_vectors(tmp_path, monkeypatch):
+    monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "cache"))
+    book = model("mf61")
+    rng = np.random.default_rng(9)
+    values = {name: declared.generic or 0.01 for name, declared in book.coefficients.items()}
+    values |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    parameters = np.array([values.get(name, 0.0) for name in book.parameters])
+    ranges = {"kappa": (-1.5, 1.5), "alpha": (-1.4, 1.4), "gamma": (-0.3, 0.3), "Fz": (-100.0, 9000.0),
+              "p": (0.0, 3e5), "V": (-30.0, 30.0), "phit": (0.0, 0.0)}  # fmt: skip
+    rows = np.stack([rng.uniform(*ranges[quantity.name], 300) for quantity in book.inputs], axis=1)
+    found = {}
+    for build, flags in BUILDS.items():
+        code = built("mf61", FOLDER / "mf61.c", ["-O1", *flags], [FOLDER / "mf61.h"])
+        found[build] = np.empty((len(rows), len(book.outputs)))
+        for row, result in zip(rows, found[build], strict=True):
+            code.mf61_forces(*(array.ctypes.data_as(ctypes.c_void_p) for array in (row, parameters, result)))
+    for build, forces in found.items():
+        assert np.array_equal(bits(forces), bits(found["plain"])), build
+    with np.errstate(all="ignore"):
+        exact = numpy_code(book).forces(np.ascontiguousarray(rows.T), parameters).T
+    assert found["plain"] == pytest.approx(exact, rel=1e-12, abs=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize("name", ["fiala", "mf96", "mf61"])
+def test_every_statement_is_computed_once_after_what_it_needs(name):
+    forces = {routine.full_name: routine for routine in routines(model(name))}
+    body = forces.get("forces_straight", forces["forces"]).body
+    known = {symbol for a in body for symbol in a.expression.free_symbols} - {a.symbol for a in body}
+    computed = {}
+    for group in grouped(body):
+        assert 1 <= len(group.members) <= 4
+        assert {function_of(member.expression) for member in group.members} == {group.function}
+        assert all(member.expression.free_symbols <= known for member in group.members)
+        assert not known & {member.symbol for member in group.members}
+        known |= {member.symbol for member in group.members}
+        computed |= {member.symbol: member.expression for member in group.members}
+    lines = {assignment.symbol for assignment in body}
+    for assignment in body:
+        expression = computed[assignment.symbol]
+        while inner := {s: computed[s] for s in expression.free_symbols if s in computed and s not in lines}:
+            expression = expression.xreplace(inner)
+        assert expression == assignment.expression
+
+
+def test_calls_share_a_group_where_they_do_not_depend_on_each_other():
+    x = sp.Symbol("x")
+    names = sp.symbols("a b c d e")
+    body = [Assignment(name, sp.cos((k + 2) * x)) for k, name in enumerate(names)]
+    sizes = [len(group.members) for group in grouped(body) if group.function]
+    assert sizes == [4, 1]
