@@ -113,12 +113,11 @@ def _autoregressive_variance(residual: FloatArray, powers: FloatArray, solve: Fl
     power = float(residual @ residual)
     if power == 0.0:
         return 0.0
-    starts = np.flatnonzero(np.diff(passes)) + 1
     together = np.diff(passes) == 0
 
     def expected(rho: float) -> tuple[float, float, float]:
         """Return lagged and plain sum of products of the residuals, and variance of the slope, of unit noise."""
-        noise = np.concatenate([_autoregressive(piece, rho) for piece in np.split(solve, starts)])
+        noise = _autoregressive(solve, rho, together)
         inner = solve.T @ noise  # covariance of the coefficients of the cubic
         followed = powers @ inner
         lagged = rho - np.sum(powers[:-1] * noise[1:] + (noise - followed)[:-1] * powers[1:], axis=1)
@@ -141,10 +140,16 @@ def _autoregressive_variance(residual: FloatArray, powers: FloatArray, solve: Fl
     return power / plain * variance
 
 
-def _autoregressive(columns: FloatArray, rho: float) -> FloatArray:
-    """Return the product of the correlation matrix rho^|i - j| and columns, shape (n, m)."""
+def _autoregressive(columns: FloatArray, rho: float, together: npt.NDArray[np.bool_]) -> FloatArray:
+    """Return the product of the correlation matrix and columns, shape (n, m): rho^|i - j| within each pass, else 0.
+
+    `together` states for each row but the last whether the next one is of the same pass.
+    """
+    if rho == 0.0:
+        return columns
     step = np.ones((2, len(columns)))
-    step[1] = -rho
+    step[1, :-1] = np.where(together, -rho, 0.0)
     forward, _ = dtbtrs(step, columns, uplo="L", diag="U")
+    step[1, :-1] = step[1, -2::-1]
     backward = dtbtrs(step, columns[::-1], uplo="L", diag="U")[0][::-1]
     return np.asarray(forward + backward - columns)
