@@ -122,7 +122,7 @@ def fit(
     resume : bool
         Continue after the stages in that file.
     stream_from : int
-        Number of rows from which on a Parquet table stays in its file (`docs/many_tires.md`): the stages with all rows,
+        Number of rows from which on a Parquet table stays in its file (`docs/data_desk.md`): the stages with all rows,
         intervals and goodness of fit read it part by part; all else uses random rows, or an excerpt of 200,000 rows.
 
     Returns

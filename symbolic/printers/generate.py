@@ -15,12 +15,12 @@ from ..model.verification import verify
 from ..models import MODELS, WITH_EFFECTS, whole_library
 from .batch import batch_sources
 from .c import c_header, c_sources
-from .kinematics import kinematic_files
 from .laws import law_files
 from .operations import c_operations
 from .python import CASADI, HEADER, NUMPY, python_modules
-from .rolling_radius import c_rolling_radius
 from .routines import routines
+from .wheel.kinematics import kinematic_files
+from .wheel.rolling_radius import c_rolling_radius
 
 
 def render() -> dict[str, str]:

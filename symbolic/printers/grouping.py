@@ -1,4 +1,4 @@
-"""Calls of one elementary function that do not depend on each other: four of them share a vector register.
+"""Calls of one elementary function that do not depend on each other: up to four of them share a vector.
 
 One row at a time, the elementary functions are most of the forces. Which calls form a group, and in which order
 statements follow each other, results from simulating a processor along the statements.
@@ -13,7 +13,7 @@ import sympy as sp
 
 from .routines import Assignment
 
-#: The functions that compute four values at a time, by the class of their calls; cosines are shifted sines.
+#: The functions that compute two or four values at a time, by the class of their calls; cosines are shifted sines.
 FUNCTIONS: dict[type[sp.Basic], str] = {
     sp.atan: "atan", sp.tan: "tan", sp.sin: "shifted_sin", sp.cos: "shifted_sin", sp.exp: "exp", sp.Pow: "pow",
 }  # fmt: skip
@@ -57,21 +57,21 @@ def grouped(body: Sequence[Assignment]) -> list[Group]:
 
     Examples
     --------
-    >>> a, b, c, x = sp.symbols("a b c x")
-    >>> waiting = [Assignment(a, 2 * sp.atan(x)), Assignment(b, sp.atan(a)), Assignment(c, sp.atan(2 * x))]
+    >>> a, b, c, x, y = sp.symbols("a b c x y")
+    >>> waiting = [Assignment(a, 2 * sp.atan(x)), Assignment(b, sp.atan(a)), Assignment(c, sp.atan(y))]
     >>> for group in grouped(waiting):
     ...     print(group.function, *(f"{member.symbol} = {member.expression}" for member in group.members), sep="; ")
-    atan; a_atan = atan(x); c_atan = atan(2*x)
+    atan; a_atan = atan(x); c_atan = atan(y)
     ; a = 2*a_atan
+    ; c = c_atan
     atan; b_atan = atan(a)
     ; b = b_atan
-    ; c = c_atan
     """
     return _Schedule(_Separated(body).statements).groups()
 
 
 class _Separated:
-    """Statements in which each call of an elementary function is a statement of its own."""
+    """Statements in which calls of elementary functions, and their arguments, are statements of their own."""
 
     def __init__(self, body: Sequence[Assignment]) -> None:
         self.statements: list[Assignment] = []
@@ -161,7 +161,7 @@ class _Schedule:
         return max((known[k] for k in self._needs[i]), default=0.0)
 
     def _with(self, first: int, others: Iterable[int]) -> list[int]:
-        """Return a statement and the most urgent ones that share its call."""
+        """Return a statement without a call, or the most urgent ones with the same call."""
         function = self._functions[first]
         if not function:
             return [first]

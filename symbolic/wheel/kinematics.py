@@ -5,8 +5,8 @@ spin axis that is normal to the road. The W axes are x along the intersection of
 normal of the road. After Pacejka, Tire and Vehicle Dynamics (2012), section 2.2: the velocity of the contact point is
 the rate of its position, and the wheel turns relative to the W axes.
 
-The lines are functions of real numbers. `tirefmu.symbolic.printers.kinematics` prints them for NumPy, CasADi and C,
-for C with their tangents.
+The lines are functions of real numbers. `tirefmu.symbolic.printers.wheel.kinematics` prints them for NumPy, CasADi and
+C, for C with their tangents.
 """
 
 from __future__ import annotations

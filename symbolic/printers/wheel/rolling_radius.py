@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ..model import Model
-from .definitions import calling_math, comment, definitions
-from .expressions import PlainCPrinter
-from .operations import rolling_radius_lines
-from .python import HEADER
+from ...model import Model
+from ..definitions import calling_math, comment, definitions
+from ..expressions import PlainCPrinter
+from ..operations import rolling_radius_lines
+from ..python import HEADER
 
 
 def c_rolling_radius(book: Model) -> str:
