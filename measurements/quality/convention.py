@@ -105,7 +105,7 @@ def check_convention(recording: Recording) -> None:
     >>> check_convention(Recording(sweep, "iso", "a.csv"))
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: Fx falls with kappa, in iso it rises: no convention fits: reverse Fx
+    tirefmu.symbolic.errors.DataError: a.csv: Fx falls with kappa, in iso it rises: no convention fits: ...
     """
     for note in convention_notes(recording):
         raise DataError(note)

@@ -17,7 +17,7 @@ import pytest
 
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
-from tirefmu.fitting.problem import influence, weighted_residuals
+from tirefmu.fitting.problem import influence, weighted_residuals, weights
 from tirefmu.measurements import Noise, Recording, read_recording
 from tirefmu.tires.code import kernel, selection
 from tirefmu.tires.code.normal_equations import equations_by_chunks
@@ -110,7 +110,7 @@ def agree(result, reference, recordings):
             if channel.recording == recording.source:
                 name, root = channel.channel, np.sqrt(np.mean(np.square(recording.table[channel.channel])))
                 apart = float(np.sqrt(np.mean(np.square(one[name] - other[name]))))
-                assert apart <= SHARE * max(channel.rmse, weighted_residuals.LEAST_NOISE * root), name
+                assert apart <= SHARE * max(channel.rmse, weights.LEAST_NOISE * root), name
 
 
 @pytest.fixture(scope="module", params=["exact", "noisy"])
