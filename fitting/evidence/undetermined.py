@@ -264,7 +264,11 @@ class _Identifiability:
             one_sided = low * high > 0 or other < SHORT * reach
             return "inclination to one side only" if one_sided else f"no inclination beyond {np.degrees(reach):.2g} deg"
         if name == "p":
-            return "one pressure only" if high - low < 0.03 * high else f"no pressure beyond {low:.3g} to {high:.3g} Pa"
+            return (
+                "one pressure only"
+                if high - low < 0.03 * high
+                else f"no pressure beyond {low / 1e3:.3g} to {high / 1e3:.3g} kPa"
+            )
         if name == "phit":
             return "no turn slip"
         if name == "both":
