@@ -69,6 +69,16 @@ def test_errors_are_those_of_the_evaluation(old, new, bench):
     assert side.rmse[1] == pytest.approx(np.sqrt(np.mean(all_rows**2)), rel=0.1)
 
 
+def test_the_verdict_weighs_recordings_by_their_rows(old, new, bench):
+    """The first tire is exact for the long recording; the second one is exact for the short one, with larger errors."""
+    short = VirtualBench(new, Noise.none()).run(alpha_sweeps(LOADS[1:], [0.0], sample_rate=4.0))
+    result = compare(old, new, [bench, short], names=("old", "new"))
+    errors = [each for each in result.errors if each.channel == "Fy"]
+    assert errors[0].rows > 4 * errors[1].rows
+    assert errors[0].rmse[1] < errors[1].rmse[0]
+    assert "old in Fy" in result.verdict
+
+
 def test_sweeps_are_upright_and_not_mixed(old, bench):
     for slip, other in (("alpha", "kappa"), ("kappa", "alpha")):
         found = sweeps(old, slip, [bench])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.search.memory import _simpler
-from tirefmu.diagnosis.search.refits import REFINEMENT, Refit, consistent, rivals
+from tirefmu.diagnosis.search.refits import REFINEMENT, Refit, consistent, preferred, rivals
 from tirefmu.estimation.block_regression import error_of_sum
 
 
@@ -68,6 +68,17 @@ def test_a_dominating_block_alone_is_no_evidence():
 def test_equal_gains_are_consistent_and_noise_is_not():
     assert consistent(np.full(12, 3.0))
     assert not consistent(np.tile([1.0, -1.0], 20))
+
+
+def test_an_effect_with_states_must_be_clearly_better_than_one_without():
+    noise = np.random.default_rng(1).normal(0.0, 1.0, 40)
+    near, far, static = refit("near", 6.2 + noise), refit("far", 9.0 + noise), refit("static", 6.0 - noise)
+    for refit_with_states, states, best in [(near, True, static), (near, False, near), (far, True, far)]:
+        candidates = {
+            refit_with_states.name: SimpleNamespace(contains=None, has_states=states),
+            "static": SimpleNamespace(contains=None, has_states=False),
+        }
+        assert preferred([refit_with_states, static], candidates) is best
 
 
 def test_a_rival_explains_nearly_as_much_in_the_blocks_of_time():

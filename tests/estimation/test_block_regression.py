@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -52,6 +54,19 @@ def test_the_covariance_of_products_with_coloured_noise_is_what_many_draws_have(
     assert expected == pytest.approx(np.var(draws), rel=0.12)
     white = float(np.sum(trace**2))
     assert expected > 4.0 * white
+
+
+def test_coloured_covariance_is_the_sum_over_all_pairs_of_rows_and_channels():
+    """Channel d at row t and channel c at row s have the covariance (c, d) at the lag t - s, (d, c) at its negative."""
+    rng = np.random.default_rng(5)
+    traces, covariance = rng.standard_normal((3, 12, 2)), rng.standard_normal((3, 3, 5))
+    covariance[:, :, 0] += covariance[:, :, 0].T
+    expected = np.zeros((2, 2))
+    for (c, s), (d, t) in itertools.product(itertools.product(range(3), range(12)), repeat=2):
+        if abs(t - s) < 5:
+            pair = covariance[c, d, t - s] if t >= s else covariance[d, c, s - t]
+            expected += pair * np.outer(traces[d, t], traces[c, s])
+    np.testing.assert_allclose(coloured_covariance(traces, covariance), expected, rtol=1e-10)
 
 
 def test_autocovariance_ignores_unused_rows():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from math import inf
 
 import numpy as np
@@ -12,10 +13,12 @@ from tirefmu.fitting.constraints.physical import Constraint, declared_constraint
 from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.problem.weights import equal_weights
-from tirefmu.fitting.solvers.ipopt import solve
+from tirefmu.fitting.solvers.ipopt import INTERRUPTED, solve
 from tirefmu.tires.code import code_for
 
 FREE = ("PCY1", "PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PHY1", "PVY1", "PVY3")
+#: Iterations after which a fit is stopped; some points before satisfy the constraints.
+STOPPED_AT = 12
 START = {"PCY1": 1.2, "PDY1": 1.5, "PKY1": 30.0, "PKY2": 1.5}
 
 
@@ -112,6 +115,19 @@ def test_a_constraint_is_satisfied_if_the_optimum_violates_it(problem, start, bo
     assert constrained.converged
     assert curvature_at(problem, constrained.x, 4).max() == pytest.approx(ceiling, abs=1e-3)
     assert constrained.cost > free.cost
+
+
+def test_the_best_point_of_a_stopped_fit_satisfies_the_constraints(problem, start, bounds, curvature):
+    """From the unconstrained optimum, which violates them at a lower cost: that start is not the best point."""
+    (constraint, points), curvature_at = curvature
+    free = solve(problem, start, *bounds(problem), [])
+    ceiling = float(curvature_at(problem, free.x, 1).max()) - 0.3
+    tight = [(Constraint(constraint.quantity, -inf, ceiling, constraint.over), points)]
+    calls = itertools.count(1)
+    stopped = solve(problem, free.x, *bounds(problem), tight, stop=lambda: next(calls) >= STOPPED_AT)
+    assert stopped.reason == INTERRUPTED
+    assert curvature_at(problem, stopped.x, 1).max() <= ceiling + 1e-5
+    assert stopped.cost > free.cost
 
 
 def test_a_constraint_without_a_free_coefficient_does_not_stop_the_fit(problem, start, bounds, known, table):

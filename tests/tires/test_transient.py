@@ -13,7 +13,7 @@ from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.symbolic.models import model
 from tirefmu.symbolic.quantities import AT_ONCE
 from tirefmu.tires import Tire
-from tirefmu.tires.transient import lagged
+from tirefmu.tires.transient import followed, lagged, segment_starts
 
 SIX = ["mf52", "mf61", "mf62"]
 #: A small car's tire, with the relaxation lengths of MF5.2 in addition to SIGX and SIGY.
@@ -224,6 +224,20 @@ def test_where_time_goes_backward_another_recording_begins(name, hold):
     whole = tire.evaluate(pd.concat([first, second], ignore_index=True), hold=hold)
     alone = pd.concat([tire.evaluate(table, hold=hold) for table in (first, second)], ignore_index=True)
     pd.testing.assert_frame_equal(whole, alone, check_exact=True)
+
+
+@pytest.mark.parametrize("hold", [True, False])
+def test_a_segment_begins_at_its_own_start(hold):
+    """After a gap in time as if the segment were alone."""
+    table, starts = recording(), np.zeros(40)
+    t, slip, rate = table["t"].to_numpy() + 5.0 * (np.arange(40) >= 17), table["alpha"].to_numpy(), np.full(40, 9.0)
+    starts[[0, 17]] = 0.3, -0.2
+    whole = followed(t, slip, rate, starts, hold=hold, begins=segment_starts(t)).value
+    parts = [
+        followed(t[part], slip[part], rate[part], starts[part], hold=hold).value
+        for part in np.split(np.arange(40), [17])
+    ]
+    np.testing.assert_allclose(whole, np.concatenate(parts), rtol=1e-13)
 
 
 def test_the_state_is_preserved_at_rest():

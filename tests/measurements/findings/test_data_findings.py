@@ -17,8 +17,9 @@ STEP = 0.01
 
 
 def bench(
-    *, seed=0, friction=1.5, stiffness=20.0, shift=0.0, lag=0.0, heat=0.0, first=60.0, pressures=(83e3, 83e3), rows=900
-):
+    *, seed=0, friction=1.5, stiffness=20.0, shift=0.0, lag=0.0, heat=0.0, first=60.0, pressures=(83e3, 83e3), rows=900,
+    noise=5.0,
+):  # fmt: skip
     """Return sweeps of slip angle at two loads and two pressures at 100 Hz, in iso, with noise."""
     sweep = np.arange(rows) * STEP
     angle = 0.2 * np.interp(sweep / sweep[-1], [0.0, 0.25, 0.75, 1.0], [0.0, 1.0, -1.0, 0.0])
@@ -32,7 +33,7 @@ def bench(
         {
             "t": clock, "alpha": alpha, "gamma": 0.0, "Fz": load + random.normal(0.0, 4.0, len(alpha)),
             "p": np.repeat([pressure for _, pressure in program], rows) + random.normal(0.0, 200.0, len(alpha)),
-            "V": 11.0, "T": warm, "Fy": force * (1.0 + heat * (warm - 60.0)) + random.normal(0.0, 5.0, len(alpha)),
+            "V": 11.0, "T": warm, "Fy": force * (1.0 + heat * (warm - 60.0)) + random.normal(0.0, noise, len(alpha)),
         }
     )  # fmt: skip
 
@@ -106,6 +107,13 @@ def test_stiffness_and_shift_between_files(change, expected):
     assert finding.kind == "stiffness between files"
     assert finding.text.startswith("b.csv differs from a.csv at equal conditions: ")
     assert re.search(expected, finding.text)
+
+
+def test_a_shift_is_judged_by_the_noise_of_both_files():
+    """The same shift is found without noise, and is uncertain if either file has much of it."""
+    first, second, noisy = bench(), bench(seed=1, shift=-0.004), bench(seed=2, shift=-0.004, noise=80.0)
+    assert "stiffness between files" in kinds(first, second)
+    assert "stiffness between files" not in kinds(first, noisy) | kinds(noisy, first)
 
 
 def test_a_warm_up():
