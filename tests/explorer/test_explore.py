@@ -50,6 +50,14 @@ def test_the_page_is_self_contained_and_its_scripts_are_those_that_its_policy_na
     assert "https://github.com/leeoniya/uPlot" in scripts_of(page)[-1]  # with its copyright
 
 
+def test_sliders_have_the_ranges_of_the_tire_file():
+    tire = replace(published("trento_hoosier"), ranges={"Fz": (333.0, 777.0), "alpha": (-0.11, 0.12)})
+    data = json.loads(re.search(r'id="data">(.*?)</script>', page_text(tire, intervals={}), flags=re.DOTALL)[1])
+    inputs = {each["name"]: each for each in data["tires"][0]["inputs"]}
+    assert (inputs["alpha"]["low"], inputs["alpha"]["high"]) == (-0.11, 0.12)
+    assert inputs["Fz"]["high"] == 777.0
+
+
 def test_a_missing_chart_library_is_an_error(monkeypatch):
     monkeypatch.setattr("tirefmu.tires.drawing.chart_library.LIBRARY", "no_such_package")
     with pytest.raises(TirefmuError, match="pip install uplot-python"):

@@ -32,6 +32,15 @@ def test_the_parts_are_correlated_with_each_other(noise, size):
     np.testing.assert_allclose(sums.covariance, by_the_matrix(noise), rtol=1e-11, atol=1e-9)
 
 
+def test_the_last_row_of_a_segment_is_no_neighbor_of_the_next_one():
+    """Segments with equal residuals of either sign: their rows agree within a segment, and never across two."""
+    residual, segment = np.array([1.0, 1.0, -1.0, -1.0, 1.0, 1.0]), np.array([0, 0, 1, 1, 2, 2])
+    # Three pairs of neighbors of six rows: share * decay = 1/2, and 3 = 1 + 2 share decay / (1 - decay).
+    found = NoiseCorrelation.of(residual, segment, 3.0)
+    assert found.share * found.decay == pytest.approx(0.5)
+    assert found.decay == pytest.approx(0.5)
+
+
 def test_weights_stay_as_they_are():
     before = WEIGHTS.copy()
     NoiseCorrelation(0.6, 0.9).covariance(WEIGHTS, SEGMENT)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -45,3 +47,12 @@ def test_turn_slip_acts_in_full_beyond(turning, scale_of, convention):
     """From FULL on the forces change with the path only, as slowly as at any other curvature."""
     found = forces(turning, scale_of, [FULL, 2.0 * FULL, 10.0 * FULL, 100.0 * FULL], convention)
     assert np.max(np.abs(found - found[:, :1])) < 100.0 * 100.0 * FULL
+
+
+@pytest.mark.parametrize("convention", CONVENTIONS)
+def test_without_the_effect_turn_slip_has_no_influence(turning, scale_of, convention):
+    without = replace(turning, effects=turning.has - {"turn_slip"})
+    straight, turned = forces(without, scale_of, [0.0, 0.5], convention).T
+    np.testing.assert_array_equal(turned, straight)
+    straight, turned = forces(turning, scale_of, [0.0, 0.5], convention).T
+    assert np.max(np.abs(turned - straight)) > 1e-3

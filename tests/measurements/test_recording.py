@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.measurements import CHANNELS, Recording
+from tirefmu.measurements import CHANNELS, Recording, recording_from
 from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.tires.signs import REVERSED, SIGNS
 
@@ -62,3 +62,9 @@ def test_measured_outputs():
     assert Recording(table, "iso", "a.csv").measured() == ("Mz",)
     with pytest.raises(DataError, match=r"a.csv: column 'FY' is not a channel: did you mean Fy\? "):
         Recording(pd.DataFrame({"FY": [1.0], "Fx": [np.nan]}), "iso", "a.csv").measured()
+
+
+def test_the_row_of_a_bad_number_is_counted_from_one():
+    table = pd.DataFrame({"alpha": [0.0, 0.1, np.nan], "Fz": 500.0, "Fy": [0.0, 1.0, 2.0]})
+    with pytest.raises(DataError, match="row 3: alpha is NaN"):
+        recording_from(table)
