@@ -60,9 +60,9 @@ def selected(stage: Stage, table: pd.DataFrame, channels: Sequence[str]) -> pd.D
     return chosen if present.all() else chosen[present]
 
 
-def ranges_of(data: FitData, inputs: tuple[str, ...]) -> dict[str, tuple[float, float]]:
-    """Return the range of each input in all rows."""
-    ranges = operating_range(data.fitted, inputs)
+def ranges_of(data: FitData, tire: Tire) -> dict[str, tuple[float, float]]:
+    """Return the range of each input of a tire in all rows."""
+    ranges = operating_range(data.fitted, tire)
     for stored in data.stored.values():
         for name, (least, most) in stored.limits.items():
             if name in ranges:

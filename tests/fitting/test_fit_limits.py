@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.measurements import Recording
+from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, UnknownName
 from tirefmu.symbolic.models import model
 
@@ -45,6 +45,19 @@ def test_one_load_without_inclination_does_not_determine_their_coefficients(know
         assert coefficients[name].determined, name
     assert result.channels[0].r2 > 0.99999
     assert result.tire.ranges.keys() == {"alpha"}  # constant inputs have no range
+
+
+def test_a_table_without_load_is_the_table_at_the_nominal_load(known, make):
+    recording = VirtualBench(known, Noise.none()).run(alpha_sweeps([700.0], sample_rate=20.0))
+    held = recording.table[["t", "alpha", "Fy"]].assign(Fz=700.0)
+    fits = [
+        fit([Recording(table, recording.signs, "a")], "mf96", effects=make.effects, nominal=make.nominal)
+        for table in (held, held.drop(columns="Fz"))
+    ]
+    with_load, without = ([vars(one) for one in result.findings.stiffnesses] for result in fits)
+    assert with_load == without
+    assert len(without) == 1
+    assert fits[0].tire.values == fits[1].tire.values
 
 
 def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, tmp_path):

@@ -193,9 +193,9 @@ def test_random_rows_and_ranges_are_those_of_all_rows(file, read, monkeypatch):
     assert drawn[0] == pytest.approx(2000 * table.rows / total, rel=0.1)  # three standard deviations
     assert drawn[1] == pytest.approx(2000 * len(other) / total, rel=0.1)
     whole = prepare([read_recording(file), other], book, screening=False, rows="equal")
-    ranges = ranges_of(whole, known_tire("mf96").inputs)
-    assert ranges_of(parts, known_tire("mf96").inputs) == ranges
-    assert ranges_of(replace(parts, stored={}), known_tire("mf96").inputs) != ranges
+    ranges = ranges_of(whole, known_tire("mf96"))
+    assert ranges_of(parts, known_tire("mf96")) == ranges
+    assert ranges_of(replace(parts, stored={}), known_tire("mf96")) != ranges
 
 
 def test_a_fit_of_a_file_is_the_fit_in_memory(file, read):
