@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from tirefmu.estimation.nominal_values import NOMINAL, check_nominal
 from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.measurements import TableLike, check_convention
 from tirefmu.measurements.excerpts import IN_MEMORY, STREAM_FROM, excerpts_from
@@ -34,9 +35,6 @@ from .results.checkpoint import Checkpoint
 from .results.fit_result import FitResult
 from .solvers.interruption import Interruption, Progress
 from .solvers.selection import solver_for
-
-#: Names that --nominal accepts, and the coefficient that each sets.
-NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
 
 #: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
 STIFFNESS_WEIGHT = 10.0
@@ -171,6 +169,7 @@ def fit(
         raise FitError("no table to fit")
     for i in range(len(recordings)):
         check_convention(recordings[i])
+    check_nominal(nominal or {}, book, (recording.table for recording in recordings))
     present = _effects(book, tire_given, effects, without)
     if large and (states := book.states_of(present)):
         raise FitError(f"the course of {', '.join(states)} needs all rows in memory ({IN_MEMORY})")
@@ -259,10 +258,6 @@ def _starting_tire(
     notes: list[str],
 ) -> Tire:
     for name in nominal:
-        if name not in NOMINAL:
-            raise UnknownName("nominal value", name, NOMINAL)
-        if not nominal[name] > 0:
-            raise FitError(f"nominal {name} = {nominal[name]:g} is not positive")
         if NOMINAL[name] not in book.coefficients:
             notes.append(f"nominal {name} is not used by {book.name}")
     given = {NOMINAL[name]: value for name, value in nominal.items() if NOMINAL[name] in book.coefficients}

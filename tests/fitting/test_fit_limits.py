@@ -10,7 +10,7 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
-from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, UnknownName
+from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.models import model
 
 BOOK = model("mf96")
@@ -97,13 +97,28 @@ def test_invalid_arguments_give_a_message_of_one_line(known, make):
         (UnknownName, "unknown nominal value 'Fz': did you mean Fz0", {"nominal": {"Fz": 700.0}}),
         (FitError, "nominal Fz0 = -1 is not positive", {"nominal": {"Fz0": -1.0}}),
         (FitError, "nominal Fz0 = nan is not positive", {"nominal": {"Fz0": float("nan")}}),
-        (TirefmuError, "FNOMIN is inf", {"nominal": {"Fz0": inf}}),
+        (
+            FitError,
+            "nominal Fz0 = inf N is far from the median of Fz, 650 N: in another unit?",
+            {"nominal": {"Fz0": inf}},
+        ),
+        (FitError, "nominal Fz0 = 0.7 N is far from the median of Fz", {"nominal": {"Fz0": 0.7}}),
+        (FitError, "nominal R0 = 230 m is outside 0.01 .. 3 m: in another unit?", {"nominal": {"R0": 230.0}}),
+        (FitError, "nominal p0 = 80 Pa is far from the median of p", {"model": "mf61", "nominal": {"p0": 80.0}}),
     ]
     for kind, message, options in cases:
         with pytest.raises(kind) as caught:
             fit([recording], **{"model": "mf96", **options})
         assert message in str(caught.value)
         assert "\n" not in str(caught.value)
+
+
+def test_nominal_values_of_a_table_without_their_channels_are_within_their_bounds(known, make):
+    recording = make.sideways(known)
+    bare = Recording(recording.table[["alpha", "Fy"]], recording.signs, "bare")
+    for name, value in (("Fz0", 0.7), ("R0", 230.0), ("p0", 80.0)):
+        with pytest.raises(FitError, match=rf"^nominal {name} = {value:g} \w+ is outside .*: in another unit\?$"):
+            fit([bare], "mf61", nominal={"Fz0": 700.0, **{name: value}})
 
 
 def test_tables_that_cannot_be_fitted(known, make):
