@@ -116,9 +116,9 @@ def fit(
         Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
     checkpoint : path, optional
-        File in which completed stages are saved; it is removed when the fit is complete.
+        File in which completed stages are saved. It remains after the fit; remove it when the result is stored.
     resume : bool
-        Continue after the stages in that file.
+        Continue after the stages in that file; if all are complete, the result follows from them.
     stream_from : int
         Number of rows from which on a Parquet table stays in its file (`docs/data_desk.md`): the stages with all rows,
         intervals and goodness of fit read it part by part; all else uses random rows, or an excerpt of 200,000 rows.
@@ -201,10 +201,7 @@ def fit(
         run.run(saved)
     interruption.raise_failure()
     with one_blas_thread():
-        result = replace(run.result(names, time.perf_counter() - began), method=method).in_signs("iso")
-    if saved and not result.interrupted:
-        saved.remove()
-    return result
+        return replace(run.result(names, time.perf_counter() - began), method=method).in_signs("iso")
 
 
 def _start_tire(start: TireLike, radius: float | None) -> Tire:
