@@ -1,4 +1,4 @@
-"""Coefficients of a host's model, fitted to the forces of a tire that it cannot have; those that it lacks are neutral."""
+"""Coefficients of a host's model, fitted to the forces of a tire that it cannot have; those it lacks are neutral."""
 
 from __future__ import annotations
 
