@@ -78,7 +78,7 @@ def joint_problem(recording: Recording) -> tuple[Problem, FloatArray, FloatArray
 def constraints(problem: Problem, recording: Recording) -> list[Any]:
     """Return the physical constraints with the points at which they are imposed."""
     tire = problem.tire
-    ranges = operating_range(recording.with_signs("adapted-sae").table, tire.inputs)
+    ranges = operating_range(recording.with_signs("adapted-sae").table, tire)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
     every = [constraint for channel in CHANNELS for constraint in chosen_constraints(MODEL)[channel]]
     fine = [(constraint, grid(constraint, ranges, nominal, density=1)) for constraint in every]

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
+from tirefmu.estimation.nominal_values import check_nominal
 from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.measurements import Recording, TableLike, check_convention, recording_from
@@ -91,6 +92,8 @@ def diagnose(
     """
     recording = recording_from(table, signs=signs)
     check_convention(recording)
+    if tire is None:
+        check_nominal(nominal or {}, book_of(model), [recording.table])
     began = time.perf_counter()
     report = progress or (lambda sentence: None)
     no_single_text("candidates", candidates)
@@ -173,8 +176,6 @@ def _start_model(
     if tire is None:
         values: dict[str, float] = {}
         for name, value in (nominal or {}).items():
-            if name not in NOMINAL:
-                raise UnknownName("nominal value", name, NOMINAL)
             values |= dict.fromkeys(set(NOMINAL[name]) & book_of(model).coefficients.keys(), value)
         no_single_text("effects", effects)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)

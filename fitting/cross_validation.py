@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.nominal_values import NOMINAL
 from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
 from tirefmu.measurements.operating_conditions.held_levels import MOST_LEVELS
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
-from .fit import NOMINAL, fit
+from .fit import fit
 from .problem.rows import Rows
 from .results.fit_result import FitResult
 from .results.records import HeldOut

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from tirefmu.estimation.nominal_values import NOMINAL, check_nominal
 from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.measurements import TableLike, check_convention, recordings_from
 from tirefmu.measurements.provenance import table_digest
@@ -32,9 +33,6 @@ from .results.checkpoint import Checkpoint
 from .results.fit_result import FitResult
 from .solvers.interruption import Interruption, Progress
 from .solvers.selection import solver_for
-
-#: Names that --nominal accepts, and the coefficient that each sets.
-NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
 
 #: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
 STIFFNESS_WEIGHT = 10.0
@@ -115,9 +113,9 @@ def fit(
         Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
     checkpoint : path, optional
-        File in which completed stages are saved; it is removed when the fit is complete.
+        File in which completed stages are saved. It remains after the fit; remove it when the result is stored.
     resume : bool
-        Continue after the stages in that file.
+        Continue after the stages in that file; if all are complete, the result follows from them.
 
     Returns
     -------
@@ -165,6 +163,7 @@ def fit(
         raise FitError("no table to fit")
     for i in range(len(recordings)):
         check_convention(recordings[i])
+    check_nominal(nominal or {}, book, (recording.table for recording in recordings))
     present = _effects(book, tire_given, effects, without)
     data = prepare(recordings, book, screening=screening, rows=rows)
     names = [recording.source for recording in recordings]
@@ -194,10 +193,7 @@ def fit(
         run.run(saved)
     interruption.raise_failure()
     with one_blas_thread():
-        result = replace(run.result(names, time.perf_counter() - began), method=method).in_signs("iso")
-    if saved and not result.interrupted:
-        saved.remove()
-    return result
+        return replace(run.result(names, time.perf_counter() - began), method=method).in_signs("iso")
 
 
 def _start_tire(start: TireLike, radius: float | None) -> Tire:
@@ -250,10 +246,6 @@ def _starting_tire(
     notes: list[str],
 ) -> Tire:
     for name in nominal:
-        if name not in NOMINAL:
-            raise UnknownName("nominal value", name, NOMINAL)
-        if not nominal[name] > 0:
-            raise FitError(f"nominal {name} = {nominal[name]:g} is not positive")
         if NOMINAL[name] not in book.coefficients:
             notes.append(f"nominal {name} is not used by {book.name}")
     given = {NOMINAL[name]: value for name, value in nominal.items() if NOMINAL[name] in book.coefficients}

@@ -81,7 +81,7 @@ class FitRun:
         self._interruption = interruption
         self._notes, self._solver = notes, solver
         self._emphasis = emphasis(self._data, tire.outputs)
-        self._ranges = operating_range(self._data, tire.inputs)
+        self._ranges = operating_range(self._data, tire)
         self._constraints = VerifiedConstraints(
             tire, chosen_constraints(book.name) if constraints is None else constraints, self._ranges
         )
@@ -361,13 +361,12 @@ class FitRun:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
         sources = distinct(recordings)
         channels = channel_fits(self._fit_data, tire, sources, self._fitted, effective)
-        table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             tuple(self._stages), self._constraints.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), seconds, self._plan.name, directions,
             self._fit_data.excluded_rows, self._interrupted(),
-            evidence=Residuals(table, tuple(sources), self._tire, self._tire.signs),
+            evidence=Residuals.of(self._data, sources, self._tire),
             covariance=covariance,
             prediction_covariance=complete,
             solved=tuple(self._solved(*end) for end in self._ends),

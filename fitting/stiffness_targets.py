@@ -49,7 +49,7 @@ class StiffnessTargets:
         tire, weights = problem.tire, problem.weights
         if self._read is None or tire.states:  # simulated states are inputs
             groups = tuple(map(str, range(int(data["recording"].max()) + 1)))
-            self._read = slope_targets(Residuals(data, groups, tire, tire.signs))
+            self._read = slope_targets(Residuals.of(data, groups, tire))
         problem.targets = tuple(
             each for each in self._read if each.group < len(weights) and weights[each.group, each.output] > 0.0
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -11,17 +11,20 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.fitting import fit
+from tirefmu.measurements import CHANNELS
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 
 from .dialects import Host
-from .lacking import acting, without
+from .lacking import acting, nearest
 from .lint import Finding, host_named, lint, lost_effects
 
 #: Typical dimensions where a model has none, as shares of the unloaded radius; hosts draw the tire and do not compute
 #: forces with them.
 SHAPE = {"WIDTH": 0.65, "RIM_RADIUS": 0.65, "ASPECT_RATIO": 0.55}
+#: Relative error of the forces up to which an effect does not change them.
+UNCHANGED = 1e-4
 #: Kinds of physical constraints that a tire of another model may violate.
 NOT_ENFORCED = ("curvature", "friction_falling")
 #: Key and value that several hosts insist on and that a file may lack.
@@ -39,10 +42,11 @@ class Conversion:
         What the file contains.
     model : str
     refitted : bool
-        Whether coefficients of another model, or without those that the host lacks, were fitted to the tire's forces.
+        Whether coefficients were fitted to the tire's forces: of another model, without those that the host lacks, or
+        because added effects change the forces at nominal conditions, where their states are in equilibrium.
     errors : mapping of str to float
-        Root mean square of the difference of each force or moment from the tire without added effects, relative to the
-        root mean square of the tire's; empty if the coefficients are those of the tire.
+        Root mean square of the difference of each force or moment from the tire, relative to the root mean square of
+        the tire's, over its range, also of the inputs of added effects; empty if the file is the same tire.
     findings : list of Finding
     """
 
@@ -66,7 +70,7 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     model : str, optional
         One of the models that the host has; default: that of the tire if the host has it, else the host's first. The
         coefficients of another model than the tire's are fitted to its forces, and so are those of its own model if
-        it has coefficients that the host's model lacks.
+        it has coefficients that the host's model lacks, or added effects that change the forces at nominal conditions.
 
     Returns
     -------
@@ -79,21 +83,42 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     TirefmuError
         If the host has no such model, or the file cannot be written.
     """
-    rules, given = host_named(host), tire_from(tire).in_signs("iso")
-    chosen = model or (given.model if given.model in rules.dialects else next(iter(rules.dialects)))
+    rules, whole = host_named(host), tire_from(tire).in_signs("iso")
+    chosen = model or (whole.model if whole.model in rules.dialects else next(iter(rules.dialects)))
     if chosen not in rules.dialects:
         raise TirefmuError(f"{rules.title} has no {chosen}: choose from {', '.join(rules.dialects)}")
-    errors: Mapping[str, float] = {}
-    lost = lost_effects(given, rules)
     lacking = rules.dialects[chosen].lacking
-    if chosen != given.model or acting(given, lacking):
-        given, errors = refitted(given, chosen, lacking)
-    written = _for_host(given, rules, chosen)
+    plain = without_added(whole)
+    table = _operating_range(whole)
+    forces = whole.evaluate(table, steady=True)
+    folded = {name for name in whole.has - plain.has if _changes(name, whole, table, forces)}
+    converted = plain if chosen == plain.model else _of_model(plain, chosen, table, forces)
+    if acting(converted, lacking) or (folded and chosen == plain.model):
+        own = converted.evaluate(table, steady=True)  # outputs that the tire does not have stay as they are
+        target = np.stack([forces.get(name, own[name]) for name in converted.outputs])
+        converted = nearest(converted, target, lacking, table)
+    refitted = converted is not plain
+    errors: Mapping[str, float] = {}
+    if refitted or whole is not plain:
+        wide = _over_all_inputs(table, whole)
+        errors = relative_errors(converted, wide, whole.evaluate(wide, steady=True))
+    written = _for_host(converted if refitted else whole, rules, chosen)
     write_tir(written, path)
     findings = lint(path, host)
     known = {finding.text for finding in findings}
+    lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written)]
     findings += [Finding("note", 0, text) for text in lost if text not in known]
-    return Conversion(Path(path), written, chosen, bool(errors), errors, findings)
+    return Conversion(Path(path), written, chosen, refitted, errors, findings)
+
+
+def without_added(tire: Tire) -> Tire:
+    """Return a tire without its added effects and their coefficients: the tire itself if it has none."""
+    added = {effect.name for effect in tire.book.added}
+    if not added:
+        return tire
+    declared = MODELS[tire.model].coefficients
+    values = {name: value for name, value in tire.values.items() if name in declared and name not in tire.defaulted}
+    return replace(tire, values=values, effects=tire.has - added, added=())
 
 
 def _for_host(tire: Tire, rules: Host, model: str) -> Tire:
@@ -114,35 +139,25 @@ def _for_host(tire: Tire, rules: Host, model: str) -> Tire:
     return replace(tire, values=values, other_entries=(*kept, *own, *general, *shape_lines))
 
 
-def refitted(tire: Tire, model: str, lacking: Collection[str] = ()) -> tuple[Tire, dict[str, float]]:
-    """Fit the coefficients of a host's model to the forces of a tire over its range, without its added effects.
+def _changes(name: str, tire: Tire, table: pd.DataFrame, forces: pd.DataFrame) -> bool:
+    """Return whether an effect of a tire changes its forces at nominal conditions."""
+    without = replace(tire, effects=tire.has - {name})
+    return max(relative_errors(without, table, forces).values()) > UNCHANGED
 
-    Parameters
-    ----------
-    tire : Tire
-    model : str
-    lacking : collection of str
-        Coefficients of the model that stay neutral.
 
-    Returns
-    -------
-    (Tire, dict of str to float)
-        The tire, and the root mean square error of each force relative to that of the force.
-    """
-    effects = tire.has - {effect.name for effect in tire.added} - tire.book.relaxing_effects
-    plain = replace(tire, effects=effects, added=())
-    table = _operating_range(plain)
-    truth = plain.evaluate(table, steady=True)
-    fitted = plain if model == tire.model else _of_model(plain, model, table, truth)
-    if acting(fitted, lacking):
-        fitted = without(fitted, lacking, table)
-    ours = fitted.evaluate(table, steady=True)
-    outputs = [name for name in fitted.outputs if name in truth]
+def _lost_relaxation(tire: Tire, written: Tire) -> list[str]:
+    lost = tire.has & tire.book.relaxing_effects - {effect.name for effect in tire.book.added} - written.has
+    return [f"{name} is not converted: the file has no relaxation lengths of it" for name in sorted(lost)]
+
+
+def relative_errors(tire: Tire, table: pd.DataFrame, forces: pd.DataFrame) -> dict[str, float]:
+    """Return the root mean square difference of each output from given forces, relative to that of the force."""
+    computed = tire.evaluate(table, steady=True)
     errors = {}
-    for name in outputs:
-        size = float(np.sqrt(np.mean(truth[name] ** 2)))
-        errors[name] = float(np.sqrt(np.mean((ours[name] - truth[name]) ** 2))) / size if size else 0.0
-    return fitted, errors
+    for name in [name for name in tire.outputs if name in forces]:
+        size = float(np.sqrt(np.mean(forces[name] ** 2)))
+        errors[name] = float(np.sqrt(np.mean((computed[name] - forces[name]) ** 2))) / size if size else 0.0
+    return errors
 
 
 def _of_model(plain: Tire, model: str, table: pd.DataFrame, truth: pd.DataFrame) -> Tire:
@@ -161,6 +176,17 @@ def _of_model(plain: Tire, model: str, table: pd.DataFrame, truth: pd.DataFrame)
         without_constraints=NOT_ENFORCED,
     )  # fmt: skip
     return replace(found.tire.in_signs("iso"), name=plain.name, side=plain.side, ranges=plain.ranges)
+
+
+def _over_all_inputs(table: pd.DataFrame, tire: Tire) -> pd.DataFrame:
+    """Return the rows, and those at the ends of the range of each further input: temperature, pressure, speed."""
+    ends = [
+        table.assign(**{name: end})
+        for name in tire.inputs if name in CHANNELS and name in tire.ranges and name not in table
+        for end in tire.ranges[name]
+    ]  # fmt: skip
+    rows = pd.concat([table, *ends], ignore_index=True)
+    return rows.fillna({name: tire.nominal(name) for name in tire.inputs if name in rows})
 
 
 def _operating_range(tire: Tire) -> pd.DataFrame:

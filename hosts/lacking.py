@@ -1,4 +1,4 @@
-"""Coefficients that the model of a host lacks: set to neutral, and the others fitted to the tire's forces again."""
+"""Coefficients of a host's model, fitted to the forces of a tire that it cannot have; those it lacks are neutral."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ FloatArray = npt.NDArray[np.float64]
 #: Weight of a relative change of a coefficient against the relative error of the forces: coefficients without influence
 #: keep their values.
 CHANGE = 1e-3
+#: Relative decrease of the cost at which the fit ends: what follows changes no force by a tenth of its error.
+ENOUGH = 1e-4
 
 
 def acting(tire: Tire, lacking: Collection[str]) -> list[str]:
@@ -26,15 +28,19 @@ def acting(tire: Tire, lacking: Collection[str]) -> list[str]:
     return [name for name in lacking if name in declared and tire.values[name] != declared[name].neutral]
 
 
-def without(tire: Tire, lacking: Collection[str], table: pd.DataFrame) -> Tire:
-    """Return a tire in which some coefficients are neutral and all others are fitted to the forces of the tire.
+def nearest(tire: Tire, forces: FloatArray, lacking: Collection[str], table: pd.DataFrame) -> Tire:
+    """Return a tire with some neutral coefficients, all others fitted to forces.
 
     Parameters
     ----------
     tire : Tire
+        Where the fit starts.
+    forces : ndarray, shape (n_outputs, n)
+        Those of the tire's outputs, in its signs.
     lacking : collection of str
+        Coefficients that are neutral.
     table : pandas.DataFrame
-        The operating conditions of the fit, as for `Tire.evaluate`.
+        The operating conditions of the forces, as for `Tire.evaluate`, n rows.
 
     Returns
     -------
@@ -48,21 +54,19 @@ def without(tire: Tire, lacking: Collection[str], table: pd.DataFrame) -> Tire:
     >>> side = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "PCY1": 1.3, "PDY1": 1.0, "PKY1": 20.0}
     >>> tire = Tire("mf96", {**side, "QBZ1": 8.0, "QCZ1": 1.1, "QDZ1": 0.1, "QDZ2": 0.02})
     >>> table = pd.DataFrame({"alpha": np.linspace(-0.1, 0.1, 41), "Fz": 5000.0})
-    >>> fitted = without(tire, ["QDZ2"], table)
+    >>> fitted = nearest(tire, tire.evaluate(table)[list(tire.outputs)].to_numpy().T, ["QDZ2"], table)
     >>> fitted.values["QDZ2"], round(fitted.values["QDZ1"], 3)
     (0.0, 0.105)
     """
     declared, code = tire.book.coefficients, code_for(tire.book, "numpy")
     inputs = np.stack([np.broadcast_to(table.get(name, tire.nominal(name)), len(table)) for name in tire.inputs])
     inputs = tire.effective_inputs(inputs)
-    truth = code.forces(inputs, tire.parameters())
-    sizes = np.sqrt(np.mean(truth**2, axis=1))
+    sizes = np.sqrt(np.mean(forces**2, axis=1))
     sizes[sizes == 0.0] = 1.0
     neutral = {name: float(declared[name].neutral or 0.0) for name in acting(tire, lacking)}
     start = replace(tire, values={**tire.values, **neutral})
     owned = tire.book.core.union(*(tire.book.owned(name) for name in tire.has)) - {*lacking}
-    names = [name for name in declared if name in owned and declared[name].section.endswith("COEFFICIENTS")]
-    names = [name for name in names if not declared[name].section.startswith("SCALING")]
+    names = [name for name in declared if name in owned and declared[name].fitted]
     places = [list(declared).index(name) for name in names]
     parameters = start.parameters()
     at_start: FloatArray = parameters[places]
@@ -74,15 +78,15 @@ def without(tire: Tire, lacking: Collection[str], table: pd.DataFrame) -> Tire:
         return changed
 
     def residuals(change: FloatArray) -> FloatArray:
-        forces = (code.forces(inputs, vector(change)) - truth) / sizes[:, None]
-        return np.concatenate([forces.ravel() / np.sqrt(len(table)), CHANGE * change])
+        errors = (code.forces(inputs, vector(change)) - forces) / sizes[:, None]
+        return np.concatenate([errors.ravel() / np.sqrt(len(table)), CHANGE * change])
 
     def jacobian(change: FloatArray) -> FloatArray:
         matrix = code.jacobian_parameters(inputs, vector(change))[:, :, places] * scale / sizes[None, :, None]
         rows = matrix.transpose(1, 0, 2).reshape(-1, len(places)) / np.sqrt(len(table))
         return np.concatenate([rows, CHANGE * np.eye(len(places))])
 
-    found = least_squares(residuals, np.zeros(len(places)), jac=jacobian, method="lm", max_nfev=200)
+    found = least_squares(residuals, np.zeros(len(places)), jac=jacobian, method="lm", ftol=ENOUGH, max_nfev=200)
     factors = start.rescaled
     fitted = {name: float(value) / factors.get(name, 1.0)
               for name, value in zip(names, vector(found.x)[places], strict=True)}  # fmt: skip

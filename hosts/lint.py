@@ -92,12 +92,17 @@ def lint(path: str | Path, host: str) -> list[Finding]:
     return errors + [Finding("note", 0, note) for note in (*lost_effects(tire, rules), *rules.notes)]
 
 
-def lost_effects(tire: Tire, rules: Host) -> list[str]:
-    """Return a sentence for each effect of a tire that a host does not evaluate."""
+def lost_effects(tire: Tire, rules: Host, folded: Collection[str] = ()) -> list[str]:
+    """Return a sentence for each effect of a tire that a host does not evaluate.
+
+    Added effects in `folded` change coefficients that it evaluates.
+    """
     added = {effect.name for effect in tire.book.added}
     lost = []
     for name in sorted(tire.has):
-        if name in added:
+        if name in folded:
+            lost.append(f"the added effect {name} is folded into the coefficients: its forces at nominal conditions")
+        elif name in added:
             lost.append(f"the added effect {name} is not evaluated: the forces are those without it")
         elif name in rules.ignored and any(tire.values[key] != tire.book.coefficients[key].neutral
                                            for key in tire.book.owned(name)):  # fmt: skip

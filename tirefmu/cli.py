@@ -263,7 +263,9 @@ def draw(
         terminal.selection(*recordings)
         for recording in recordings:
             check_convention(recording)
-        points = pd.concat([each.with_signs("iso").table for each in recordings], ignore_index=True)
+        parts = [each.with_signs("iso").table for each in recordings]
+        nominal = loaded.in_signs("iso").nominal("Fz")
+        points = pd.concat([part.assign(Fz=part.get("Fz", nominal)) for part in parts], ignore_index=True)
         measured = dict.fromkeys(float(f"{level:.2g}") for level in levels(points["Fz"]))
         loads = tuple(measured) or None if loads is None else loads
     loads = default_loads(loaded) if loads is None else loads

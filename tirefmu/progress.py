@@ -136,7 +136,7 @@ class FitProgress:
 
     def planned(self, work: Sequence[tuple[str, float]]) -> None:
         """Announce the work of the stages; that of the evidence is similar to that of the last stage."""
-        self._stages.plan([*work, *[(EVIDENCE, work[-1][1])][: len(work)]])
+        self._stages.plan([*work, *((EVIDENCE, last) for _, last in work[-1:])])
 
     def __call__(self, stage: str, iteration: int, cost: float) -> None:
         """Report an iteration of a stage."""

@@ -32,6 +32,7 @@ import pandas as pd
 from tirefmu.symbolic.contract import PhysicalConstraint
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.models import model as model_of
+from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
 #: Tolerance within which a constraint is satisfied, in the unit of the quantity.
@@ -148,19 +149,20 @@ def chosen_constraints(
     }
 
 
-def operating_range(table: pd.DataFrame, inputs: tuple[str, ...]) -> dict[str, tuple[float, float]]:
-    """Return the range of each input in a table; (0, 0) for an absent input.
+def operating_range(table: pd.DataFrame, tire: Tire) -> dict[str, tuple[float, float]]:
+    """Return the range of each input of a tire in a table; of an absent input its nominal value, twice.
 
     Parameters
     ----------
     table : pandas.DataFrame
-    inputs : tuple of str
+    tire : Tire
 
     Returns
     -------
     dict of str to (float, float)
     """
-    return {n: (float(table[n].min()), float(table[n].max())) if n in table else (0.0, 0.0) for n in inputs}
+    given = {name: table[name] if name in table else np.array(tire.nominal(name)) for name in tire.inputs}
+    return {name: (float(values.min()), float(values.max())) for name, values in given.items()}
 
 
 def grid(

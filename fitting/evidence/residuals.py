@@ -49,6 +49,12 @@ class Residuals:
     tire: Tire
     signs: str
 
+    @classmethod
+    def of(cls, table: pd.DataFrame, sources: Sequence[str], tire: Tire) -> Residuals:
+        """Return the residuals of rows in which inputs may be absent: those have their nominal values, as in a fit."""
+        nominal = {name: tire.nominal(name) for name in tire.inputs if name not in table}
+        return cls(table.assign(**nominal), tuple(sources), tire, tire.signs)
+
     @cached_property
     def channels(self) -> tuple[str, ...]:
         """The outputs that were fitted."""

@@ -171,10 +171,6 @@ class Checkpoint:
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise FitError(f"{self.path}: invalid progress file ({error!r})") from error
 
-    def remove(self) -> None:
-        """Remove the file, if there is one."""
-        self.path.unlink(missing_ok=True)
-
 
 def _plain(value: Any) -> Any:
     """Return JSON values: infinite bounds as strings, arrays as lists."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,10 @@ from ..units import to_si
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
 MOST_COLUMNS, LONGEST_HEADER = 5000, 200
+#: Inputs by their names in FSAE TTC files.
+_BENCH_INPUTS = {name: CHANNELS[each] for each in INPUTS for name in CHANNELS[each].bench_names if name not in CHANNELS}
+#: Quantities that the bench does not measure in SI units: without a declared unit the name may be meant either way.
+_BENCH_UNITS = ("angle", "pressure", "speed")
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*\[(?P<unit>[^\[\]]*)\]")
 _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 
@@ -58,16 +62,20 @@ class Column:
         -------
         Column
         """
-        match = _HEADER.fullmatch(header.strip()) if len(header) <= LONGEST_HEADER else None
-        if match and match["name"] in CHANNELS:
-            return cls(match["name"], match["unit"])
-        return cls(header.strip())
+        name, unit = _name_and_unit(header)
+        return cls(name, unit) if name in CHANNELS else cls(header.strip())
+
+
+def _name_and_unit(header: str) -> tuple[str, str | None]:
+    match = _HEADER.fullmatch(header.strip()) if len(header) <= LONGEST_HEADER else None
+    return (match["name"], match["unit"]) if match else (header.strip(), None)
 
 
 def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     """Read the headers of a table.
 
-    Unknown columns are passed through, unless the name resembles an input that the table lacks (`check_names`).
+    A name of FSAE TTC files is that of the input if the table lacks it and the unit is clear. Other unknown columns are
+    passed through, unless the name resembles an input that the table lacks (`check_names`).
 
     Parameters
     ----------
@@ -89,6 +97,8 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     --------
     >>> [column.name for column in parse_header(["kappa", "Fz [kN]", "remark"], "a.csv")]
     ['kappa', 'Fz', 'remark']
+    >>> [column.name for column in parse_header(["alpha", "TSTC", "IA [deg]"], "a.csv")]
+    ['alpha', 'T', 'gamma']
     >>> parse_header(["kappa", "Alpha"], "a.csv")
     Traceback (most recent call last):
     ...
@@ -100,6 +110,8 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
         Column.parse(header) if header.strip() else Column(f"column {number}")
         for number, header in enumerate(headers, start=1)
     ]
+    given = {column.name for column in columns}
+    columns = [_by_contract(column, given) for column in columns]
     names = Counter(column.name for column in columns)
     for name, count in names.items():
         if count > 1:
@@ -108,6 +120,15 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     if not any(name in CHANNELS for name in names):
         raise DataError(f"{source}: no column is a channel: known are {', '.join(CHANNELS)}")
     return columns
+
+
+def _by_contract(column: Column, given: Collection[str]) -> Column:
+    """Return a column under the name of the contract if it has a name of the bench and the table lacks the channel."""
+    name, unit = _name_and_unit(column.name)
+    meant = _BENCH_INPUTS.get(name)
+    if meant is None or meant.name in given or (unit is None and meant.quantity in _BENCH_UNITS):
+        return column
+    return Column(meant.name, unit)
 
 
 def channels_in_si(

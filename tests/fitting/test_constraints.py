@@ -244,7 +244,7 @@ def test_an_extrapolation_widens_only_load_and_slip():
 
 def test_operating_range(known, make):
     table = make.sideways(known).table.drop(columns="kappa")
-    ranges = operating_range(table, known.inputs)
+    ranges = operating_range(table, known)
     assert list(ranges) == list(known.inputs)
     assert ranges["kappa"] == (0.0, 0.0)
     assert ranges["Fz"] == (220.0, 1120.0)

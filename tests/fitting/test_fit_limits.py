@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.measurements import Recording
-from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, UnknownName
+from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
+from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.models import model
 
 BOOK = model("mf96")
@@ -45,6 +45,19 @@ def test_one_load_without_inclination_does_not_determine_their_coefficients(know
         assert coefficients[name].determined, name
     assert result.channels[0].r2 > 0.99999
     assert result.tire.ranges.keys() == {"alpha"}  # constant inputs have no range
+
+
+def test_a_table_without_load_is_the_table_at_the_nominal_load(known, make):
+    recording = VirtualBench(known, Noise.none()).run(alpha_sweeps([700.0], sample_rate=20.0))
+    held = recording.table[["t", "alpha", "Fy"]].assign(Fz=700.0)
+    fits = [
+        fit([Recording(table, recording.signs, "a")], "mf96", effects=make.effects, nominal=make.nominal)
+        for table in (held, held.drop(columns="Fz"))
+    ]
+    with_load, without = ([vars(one) for one in result.findings.stiffnesses] for result in fits)
+    assert with_load == without
+    assert len(without) == 1
+    assert fits[0].tire.values == fits[1].tire.values
 
 
 def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, tmp_path):
@@ -84,13 +97,28 @@ def test_invalid_arguments_give_a_message_of_one_line(known, make):
         (UnknownName, "unknown nominal value 'Fz': did you mean Fz0", {"nominal": {"Fz": 700.0}}),
         (FitError, "nominal Fz0 = -1 is not positive", {"nominal": {"Fz0": -1.0}}),
         (FitError, "nominal Fz0 = nan is not positive", {"nominal": {"Fz0": float("nan")}}),
-        (TirefmuError, "FNOMIN is inf", {"nominal": {"Fz0": inf}}),
+        (
+            FitError,
+            "nominal Fz0 = inf N is far from the median of Fz, 650 N: in another unit?",
+            {"nominal": {"Fz0": inf}},
+        ),
+        (FitError, "nominal Fz0 = 0.7 N is far from the median of Fz", {"nominal": {"Fz0": 0.7}}),
+        (FitError, "nominal R0 = 230 m is outside 0.01 .. 3 m: in another unit?", {"nominal": {"R0": 230.0}}),
+        (FitError, "nominal p0 = 80 Pa is far from the median of p", {"model": "mf61", "nominal": {"p0": 80.0}}),
     ]
     for kind, message, options in cases:
         with pytest.raises(kind) as caught:
             fit([recording], **{"model": "mf96", **options})
         assert message in str(caught.value)
         assert "\n" not in str(caught.value)
+
+
+def test_nominal_values_of_a_table_without_their_channels_are_within_their_bounds(known, make):
+    recording = make.sideways(known)
+    bare = Recording(recording.table[["alpha", "Fy"]], recording.signs, "bare")
+    for name, value in (("Fz0", 0.7), ("R0", 230.0), ("p0", 80.0)):
+        with pytest.raises(FitError, match=rf"^nominal {name} = {value:g} \w+ is outside .*: in another unit\?$"):
+            fit([bare], "mf61", nominal={"Fz0": 700.0, **{name: value}})
 
 
 def test_tables_that_cannot_be_fitted(known, make):

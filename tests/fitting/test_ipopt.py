@@ -59,7 +59,7 @@ def bounds():
 def curvature(known, table):
     """Return the constraint E_y <= 1 with its points, and a function for E_y at points."""
     (constraint,) = (c for c in declared_constraints("mf96")["Fy"] if c.name == "curvature:E_y")
-    ranges = operating_range(table, known.inputs)
+    ranges = operating_range(table, known)
     nominal = {name: known.nominal(name) for name in known.inputs}
     code = code_for("mf96", "numpy")
 

@@ -63,7 +63,7 @@ def test_other_starts_have_the_same_solution(found, share, seed):
 def test_the_known_tires_satisfy_every_constraint(model):
     tire = known_tire(model)
     table = recorded(tire, 300, level=0.0).with_signs("adapted-sae").table
-    ranges = operating_range(table, tire.inputs)
+    ranges = operating_range(table, tire)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
     for constraint in (c for channel in CHANNELS for c in chosen_constraints(model)[channel]):
         values = measured_values(tire.book, constraint, grid(constraint, ranges, nominal, density=2), tire.parameters())

@@ -83,6 +83,7 @@ BAD = {
     "fit good.csv --nominal Fz0 {fit}": "'Fz0' is not like Fz0=1000",
     "fit good.csv --nominal Fz=220 {fit}": "unknown nominal value 'Fz': did you mean Fz0?",
     "fit good.csv --nominal Fz0=-220 {fit}": "nominal Fz0 = -220 is not positive",
+    "fit good.csv --nominal Fz0=0.22 {fit}": "nominal Fz0 = 0.22 N is far from the median of Fz",
     "fit good.csv --signs din {fit}": "'din' is not one of 'iso', 'sae', 'adapted-sae'",
     "fit good.csv --colour red {fit}": "No such option",
     "fit {fit}": "Missing argument 'TABLES...'",

@@ -176,6 +176,14 @@ def test_the_command_draws_a_published_tire_by_name(command, tmp_path):
     assert files == {"pure.png", "surfaces_60N.png", "surfaces_110N.png", "combined.png"}
 
 
+def test_rows_without_load_are_drawn_at_the_nominal_load(command, tmp_path):
+    table = tmp_path / "run.csv"
+    table.write_text("alpha,Fy\n" + "".join(f"{0.01 * n},{-100 * n}\n" for n in range(-9, 10)), encoding="utf-8")
+    outcome = command("draw", "unicamp_small_tire", table, "-o", tmp_path / "figures")
+    assert outcome.status == 0, outcome.err
+    assert "figures at 60 N" in outcome.out
+
+
 def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir, tmp_path):
     outcome = command(
         "draw", published_tir, "-o", tmp_path / "figures", "--loads", "500", "--format", "svg", "--quiet", "--json", "-"

@@ -10,6 +10,7 @@ import time
 
 import pytest
 
+from tirefmu.commands import fit_command
 from tirefmu.tires import read_tir
 
 EFFECTS = "load_friction,load_stiffness,camber_thrust,combined_Gxa,combined_Gyk"
@@ -49,6 +50,24 @@ def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
     assert not saved.exists()
     ends = [json.loads(path.read_text(encoding="utf-8")) for path in (where[1], tmp_path / "whole.json")]
     assert {**ends[0], "seconds": 0.0} == {**ends[1], "seconds": 0.0}
+
+
+def test_an_interrupt_before_all_results_are_written_is_resumed(command, bench_csv, tmp_path, monkeypatch):
+    tire, result = tmp_path / "tire.tir", tmp_path / "tire.json"
+    line = ["fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tire, "--json", result]
+
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as changed:
+        changed.setattr(fit_command, "write_json", interrupted)
+        assert command(*line).status == 130
+    assert tire.exists()
+    assert not result.exists()
+    resumed = command(*line, "--resume")
+    assert resumed.status in (0, 1), resumed.err
+    assert json.loads(result.read_text(encoding="utf-8"))["values"] == dict(read_tir(tire).values)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["tire.json", "tire.tir"]
 
 
 def test_resuming_without_a_file_is_one_clear_line(command, bench_csv, tmp_path):

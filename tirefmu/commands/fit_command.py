@@ -105,7 +105,7 @@ def fit(
     (exit code 1), with the reasons.
 
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
-    the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
+    the tire, has the completed stages. --resume continues after them. The file is deleted when all results are written.
     """
     check_output_paths(output, json_file, report, folder=figures)
     if scheduler and workers:
@@ -183,6 +183,8 @@ def fit(
         with terminal.working("writing the report"):
             write_report(result, recordings, report, drawn, findings=findings, command=command_line())
         terminal.print(f"report: {report}")
+    if not result.interrupted:
+        finished_stages.unlink(missing_ok=True)  # last: until then --resume has every result without the fit
     return 0 if result.verdict.usable else 1
 
 

@@ -38,9 +38,10 @@ def convert(tire: Path, output: Path, host: str, model: str | None, quiet: bool,
     summary = {"ok": ok, "model": result.model, "refitted": result.refitted, "errors": dict(result.errors)}
     write_json(json_file, {**summary, "findings": [vars(finding) for finding in result.findings]})
     terminal.print(f"{result.model} for {host}: {output}")
-    if result.refitted:
+    if result.errors:
         errors = ", ".join(f"{name} {error:.2%}" for name, error in result.errors.items())
-        terminal.print(f"coefficients fitted to the tire's forces; RMS error over its range: {errors}")
+        fitted = "coefficients fitted to the tire's forces" if result.refitted else "coefficients of the tire"
+        terminal.print(f"{fitted}; RMS error over its range, in steady state: {errors}")
     for finding in result.findings:
         terminal.print(f"{finding.severity}: {finding.text}")
     return 0 if ok else 1

@@ -45,7 +45,7 @@ def init(
     for table in tables:
         if not table.is_file():
             raise TirefmuError(f"{table}: no such file")
-    from tirefmu.fitting.fit import NOMINAL
+    from tirefmu.estimation.nominal_values import NOMINAL
     from tirefmu.symbolic.models import model as model_of
 
     from ..project.project_file import project_text

@@ -85,6 +85,18 @@ def test_a_similar_name_is_accepted_if_the_channel_is_present(written):
     assert list(read_recording(written("p,P,Fz,FX\n1e5,3,900,4\n")).table) == ["p", "P", "Fz", "FX"]
 
 
+def test_inputs_by_their_names_in_files_of_the_bench(written):
+    """The names of a quantity that the bench does not measure in SI units need a unit; outputs keep their names."""
+    read = read_recording(written("ET,SL,SA [deg],IA [deg],FZ,P [kPa],TSTC,FX\n1,0.1,90,0,900,83,61,5\n"))
+    row = {"t": 1.0, "kappa": 0.1, "alpha": np.pi / 2, "gamma": 0.0, "Fz": 900.0, "p": 83e3, "T": 61.0, "FX": 5.0}
+    assert read.table.iloc[0].to_dict() == pytest.approx(row)
+    assert read.about["declared"].split() == ["alpha", "gamma", "p"]
+    assert "column 'P' is not a channel" in complaint(written("alpha,P\n0.1,83\n"))
+    assert "column 'T' occurs 2 times" in complaint(written("alpha,TSTC,TSTC [deg F]\n0.1,60,140\n"))
+    both = read_recording(written("alpha,T,TSTC,P [kPa],p\n0.1,60,61,83,80e3\n"))
+    assert list(both.table) == ["alpha", "T", "TSTC", "P [kPa]", "p"]
+
+
 @pytest.mark.parametrize("column", ["SlipAngle", "F_z"])
 def test_a_column_that_looks_like_a_missing_input_is_refused_in_memory_too(written, column):
     assert f"column {column!r} is not a channel: did you mean" in complaint(written(f"kappa,{column}\n0.1,4\n"))

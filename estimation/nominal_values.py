@@ -1,0 +1,67 @@
+"""Nominal values that a user gives for a fit or a diagnosis, compared with the tables: a wrong unit is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.symbolic.model import Model
+
+#: Names of nominal values, and the coefficient that each sets.
+NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
+#: The channels of those that a table shows. Not V: a tire measured at walking speed may have any nominal speed.
+MEASURED = {"Fz0": "Fz", "p0": "p"}
+#: Largest ratio of a nominal value and the median of its channel, either way: about the geometric mean of 1 and 1000,
+#: the ratio of N and kN, Pa and kPa, m and mm.
+LARGEST_RATIO = 30.0
+
+
+def check_nominal(nominal: Mapping[str, float], model: Model, tables: Iterable[pd.DataFrame]) -> None:
+    """Refuse nominal values that are far outside the tables, or outside the bounds of the model where none shows them.
+
+    Parameters
+    ----------
+    nominal : mapping of str to float
+        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).
+    model : Model
+        Values that it does not have are not checked.
+    tables : iterable of pandas.DataFrame
+        In SI units, in any sign convention.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such nominal value.
+    FitError
+        If a value is not positive, or far outside the tables.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic.models import model
+    >>> check_nominal({"Fz0": 0.22, "R0": 0.23}, model("mf96"), [pd.DataFrame({"Fz": [220.0, 700.0, 1120.0]})])
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.FitError: nominal Fz0 = 0.22 N is far from the median of Fz, 700 N: in another unit?
+    """
+    tables = tuple(tables)
+    for name, value in nominal.items():
+        if name not in NOMINAL:
+            raise UnknownName("nominal value", name, NOMINAL)
+        if not value > 0.0:
+            raise FitError(f"nominal {name} = {value:g} is not positive")
+        coefficient = model.coefficients.get(NOMINAL[name])
+        if coefficient is None or name == "V0":
+            continue
+        given = f"nominal {name} = {value:g} {coefficient.unit}"
+        channel = MEASURED.get(name, "")
+        measured = [table[channel].abs() for table in tables if channel in table]
+        median = float(np.nanmedian(np.concatenate(measured))) if measured else 0.0
+        if median > 0.0 and not 1.0 / LARGEST_RATIO < value / median < LARGEST_RATIO:
+            near = f"{median:.3g} {coefficient.unit}"
+            raise FitError(f"{given} is far from the median of {channel}, {near}: in another unit?")
+        if not median > 0.0 and not coefficient.lower <= value <= coefficient.upper:
+            bounds = f"{coefficient.lower:g} .. {coefficient.upper:g} {coefficient.unit}"
+            raise FitError(f"{given} is outside {bounds}: in another unit?")
