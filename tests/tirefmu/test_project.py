@@ -164,7 +164,7 @@ def test_texts_of_results_do_not_change_the_page(project, monkeypatch, text):
         ('[data]\ntables = ["a.csv"]\n[export]\nfmi = "9"', "PATH: step export: Invalid value for '--fmi'"),
         ('[data]\ntables = ["tirefmu.toml"]\n[output]\nfolder = "x\\u0000"', "expected the path of a file"),
         ("[data\n", "is not TOML"),
-        ("\udcff", "is not TOML"),
+        ("\udcff", "not a text file"),
     ],
 )  # fmt: skip
 def test_a_wrong_file_is_one_line(tmp_path, command, text, message):
