@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from tirefmu.measurements.files.reading import READERS
+from tirefmu.symbolic.bounded_file import toml_file
 from tirefmu.symbolic.errors import FitError, path_from
 from tirefmu.symbolic.escaping import file_name, quoted
 
 from .resumable import Job
-from .toml_file import check_keys, content_of
+from .toml_file import check_keys
 
-#: Upper limit of the number of jobs.
-MOST_JOBS = 100_000
 #: Options of a job: the arguments of `tirefmu.fit` with their types.
 OPTIONS: Mapping[str, type] = {
     "model": str, "start": str, "effects": list, "without": list, "recipe": str, "loss": str, "method": str,
@@ -88,13 +87,13 @@ def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tup
         return unique(_jobs_of_folder(path, given), path)
     if options:
         raise FitError(f"{path}: [defaults] in the file sets {', '.join(options)}")
-    content = content_of(path)
+    content = toml_file(path, FitError)
     check_keys(content, {"defaults": dict, "jobs": list}, str(path))
     defaults = content.get("defaults", {})
     check_keys(defaults, {**OPTIONS, **READING}, f"{path}, defaults")
     items = content.get("jobs", [])
-    if not items or len(items) > MOST_JOBS:
-        raise FitError(f"{path}: {len(items)} [[jobs]], not 1 to {MOST_JOBS}")
+    if not items:
+        raise FitError(f"{path}: no [[jobs]]")
     return unique([_job(item, defaults, path, number) for number, item in enumerate(items, start=1)], path)
 
 

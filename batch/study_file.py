@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from tirefmu.symbolic.bounded_file import toml_file
 from tirefmu.symbolic.errors import FitError, path_from
 from tirefmu.symbolic.escaping import quoted
 
-from .toml_file import check_keys, content_of, is_number
+from .toml_file import check_keys, is_number
 
 #: Upper limit of the number of runs.
 MOST_RUNS = 1_000_000
@@ -81,7 +82,7 @@ def read_study(path: str | Path) -> Study:
     ({'LMUY': 0.5}, {'LMUY': 0.75}, {'LMUY': 1.0})
     """
     path = path_from(path)
-    content = content_of(path)
+    content = toml_file(path, FitError)
     check_keys(content, KEYS, str(path))
     if not content.get("tables"):
         raise FitError(f"{path}: tables is missing")

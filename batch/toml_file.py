@@ -1,44 +1,20 @@
-"""TOML files of jobs and studies: reading within limits, checks of keys and types."""
+"""Keys of job lists and studies and the types of their values."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
 from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.escaping import quoted
 
-#: Upper limit of the size of a file, bytes.
-LARGEST_FILE = 10_000_000
 KINDS = {
     str: "a text", list: "a list of texts", dict: "a table of numbers", int: "a whole number", bool: "true or false",
     float: "a number",
 }  # fmt: skip
 #: Keys whose lists and tables have other contents, which are checked later.
 NESTED = ("jobs", "defaults", "parameters")
-
-
-def content_of(path: Path) -> dict[str, Any]:
-    """Return the content of a TOML file.
-
-    Raises
-    ------
-    FitError
-        If it cannot be read.
-    """
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise FitError(f"{path}: larger than {LARGEST_FILE} bytes")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FitError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except UnicodeDecodeError as error:
-        raise FitError(f"{path}: not a text file (UTF-8)") from error
-    except (ValueError, RecursionError) as error:  # also integers with thousands of digits
-        raise FitError(f"{path}: {error}") from error
 
 
 def check_keys(table: Any, kinds: Mapping[str, type], location: str) -> None:

@@ -1,9 +1,33 @@
-"""Files read up to a size: what is larger than any sensible file of its kind is refused before it fills the memory."""
+"""Files read within limits: what is larger or deeper than any sensible file of its kind does not fill the memory.
+
+`tomllib` stores every beginning of a dotted key, so its memory grows with the square of the depth: a key of 80 KB takes
+6 GB. All TOML is therefore read here, and its depth is checked before it is parsed.
+"""
 
 from __future__ import annotations
 
 import errno
+import re
+import tomllib
+from itertools import accumulate
 from pathlib import Path
+from typing import Any
+
+from .errors import TirefmuError
+
+#: Upper limits of TOML: bytes of a file; parts of a key and levels of arrays and tables in each other. A job list of
+#: 10,000 tires has 1 MB; the keys and tables of effects, the deepest ones, have 4 levels.
+MOST_BYTES, DEEPEST = 2_000_000, 20
+
+# Texts and comments, as `tomllib` finds their ends; one without an end, which is an error there, extends to the end. No
+# character is tried twice: the time is proportional to the length.
+_TEXT_OR_COMMENT = re.compile(
+    r'''"""(?:[^"\\]+|\\.|"(?!""))*+(?:"{3,5})?|\'\'\'(?:[^']+|'(?!''))*+(?:'{3,5})?'''
+    r"""|"(?:[^"\\\n]+|\\.)*+"?|'[^'\n]*'?|#[^\n]*""",
+    re.DOTALL,
+)
+_DEEP_KEY = re.compile(rf"(?:\.[^.=,\[\]{{}}\n]*+){{{DEEPEST}}}")
+_LEVEL = {"[": 1, "{": 1, "]": -1, "}": -1}
 
 
 def read_bounded(path: Path, most: int) -> bytes:
@@ -41,3 +65,88 @@ def read_bounded(path: Path, most: int) -> bytes:
     if len(content) > most:
         raise OSError(errno.EFBIG, f"larger than {most / 1e6:g} MB", str(path))
     return content
+
+
+def toml_content(text: str, source: str, error: type[TirefmuError]) -> dict[str, Any]:
+    r"""Return the content of a TOML text.
+
+    Parameters
+    ----------
+    text : str
+    source : str
+        Its origin, for messages.
+    error : type of TirefmuError
+        Raised if the text is invalid.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    TirefmuError
+        If the text is not TOML, or a key, or arrays and tables in each other, have more than `DEEPEST` levels.
+
+    Examples
+    --------
+    >>> toml_content('a.b = "dots ...... and [[[[["', "a.toml", TirefmuError)
+    {'a': {'b': 'dots ...... and [[[[['}}
+    >>> toml_content("a." * 20 + "b = 1", "a.toml", TirefmuError)
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.TirefmuError: a.toml: a key or a value has more than 20 levels
+    """
+    structure = _TEXT_OR_COMMENT.sub("", text)
+    levels = accumulate(_LEVEL[sign] for sign in re.findall(r"[\[\]{}]", structure))
+    if _DEEP_KEY.search(structure) or max(levels, default=0) > DEEPEST:
+        raise error(f"{source}: a key or a value has more than {DEEPEST} levels")
+    try:
+        return tomllib.loads(text)
+    except ValueError as reason:  # also integers with thousands of digits
+        raise error(f"{source}: is not TOML: {reason}") from None
+
+
+def toml_file(path: Path, error: type[TirefmuError]) -> dict[str, Any]:
+    """Return the content of a TOML file.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    error : type of TirefmuError
+        Raised if the file is invalid.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    TirefmuError
+        As `toml_content`; also if the file cannot be read, is no text, or has more than `MOST_BYTES`.
+    """
+    return toml_content(text_file(path, error), str(path), error)
+
+
+def text_file(path: Path, error: type[TirefmuError]) -> str:
+    """Return the text of a file of `MOST_BYTES` at most.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    error : type of TirefmuError
+        Raised if the file cannot be read, is larger, or is no text.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    TirefmuError
+    """
+    try:
+        return read_bounded(path, MOST_BYTES).decode("utf-8")
+    except OSError as reason:
+        raise error(f"{path}: cannot be read ({reason.strerror or reason})") from None
+    except UnicodeDecodeError:
+        raise error(f"{path}: not a text file (UTF-8)") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -17,15 +16,13 @@ import pandas as pd
 from tirefmu.measurements.channels import CHANNELS
 from tirefmu.measurements.row_selection.expression import parse_range, parse_selection
 from tirefmu.measurements.row_selection.rows import Rows
-from tirefmu.symbolic.bounded_file import read_bounded
+from tirefmu.symbolic.bounded_file import toml_content, toml_file
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.models import model as model_of
 
-#: Largest size of a recipe file, bytes.
-LARGEST_FILE = 1_000_000
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling")
 #: The keys of a recipe and of a stage, with the types of their values.
@@ -162,21 +159,12 @@ def load_recipe(name: str | None, model: str) -> Recipe:
     name = book.recipe if name is None else name
     if name in book.recipes or name in RECIPES:
         folder = files(book.folder) if name in book.recipes else files("tirefmu.fitting") / "recipes"
-        text, where = (folder / f"{name}.toml").read_text(encoding="utf-8"), f"recipe {name}"
+        where = f"recipe {name}"
+        content = toml_content((folder / f"{name}.toml").read_text(encoding="utf-8"), where, FitError)
     elif name.endswith(".toml"):
-        where = name
-        try:
-            text = read_bounded(Path(name), LARGEST_FILE).decode("utf-8")
-        except OSError as error:
-            raise FitError(f"{name}: cannot be read ({error.strerror or error})") from error
-        except UnicodeDecodeError as error:
-            raise FitError(f"{name}: not a text file (UTF-8)") from error
+        where, content = name, toml_file(Path(name), FitError)
     else:
         raise UnknownName("recipe", name, (*RECIPES, *book.recipes))
-    try:
-        content = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # integers with thousands of digits raise ValueError, too
-        raise FitError(f"{where}: {error}") from error
     _check_keys(content, RECIPE_KEYS, where)
     models = content.get("models", list(MODELS))
     if model not in models:

@@ -22,11 +22,11 @@ True
 from __future__ import annotations
 
 import sys
-import tomllib
 from dataclasses import replace
 from math import isfinite
 from typing import Any
 
+from ..bounded_file import toml_content
 from ..declarations import Coefficient, Effect
 from ..detection import Detection
 from ..errors import EffectError
@@ -163,10 +163,7 @@ def read_declared(text: str, file: str) -> Effect | AddedEffect:
 def _parsed(text: str, source: str) -> dict[str, Any]:
     if len(text) > LONGEST_FILE:
         raise EffectError(f"{source}: the file of an effect has at most {LONGEST_FILE} characters")
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # also ValueError from integers with thousands of digits
-        raise EffectError(f"{source}: {visible(str(error))}") from None
+    return toml_content(text, source, EffectError)
 
 
 def effect_text(effect: AddedEffect) -> str:

@@ -37,7 +37,7 @@ def test_each_recording_of_a_folder_is_a_job(tmp_path):
 
 
 @pytest.mark.parametrize(("text", "message"), [
-    ("", "0 \\[\\[jobs\\]\\], not 1 to"),
+    ("", "no \\[\\[jobs\\]\\]"),
     ("jobs = 3", "jobs = '3' is not a list"),
     ("jobs = [3]", "job 1 is not a table"),
     (JOB.replace("name", "nam"), "unknown key in .*job 1 'nam': did you mean name"),

@@ -243,7 +243,7 @@ def test_files_that_cannot_be_read(tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("#" * 1_000_001, r"cannot be read \(larger than 1 MB\)"), ("a = " + "[" * 100_000, "recursion"),
+    [("#" * 2_000_001, r"cannot be read \(larger than 2 MB\)"), ("a = " + "[" * 100_000, "levels"),
      ("a = " + "9" * 5000, "digits")],
 )  # fmt: skip
 def test_an_excessive_recipe_gives_a_message_of_one_line(tmp_path, text, message):

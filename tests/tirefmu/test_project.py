@@ -164,7 +164,7 @@ def test_texts_of_results_do_not_change_the_page(project, monkeypatch, text):
         ('[data]\ntables = ["a.csv"]\n[export]\nfmi = "9"', "PATH: step export: Invalid value for '--fmi'"),
         ('[data]\ntables = ["tirefmu.toml"]\n[output]\nfolder = "x\\u0000"', "expected the path of a file"),
         ("[data\n", "is not TOML"),
-        ("\udcff", "is not TOML"),
+        ("\udcff", "not a text file"),
     ],
 )  # fmt: skip
 def test_a_wrong_file_is_one_line(tmp_path, command, text, message):
@@ -174,6 +174,27 @@ def test_a_wrong_file_is_one_line(tmp_path, command, text, message):
     assert (outcome.status, outcome.err.count("\n")) == (2, 1)
     assert message.replace("PATH", str(path)) in outcome.err
     assert [each.name for each in tmp_path.iterdir()] == ["tirefmu.toml"]
+
+
+@pytest.mark.parametrize("folder", ["../beside", "ABSOLUTE", "link", "inside/../../beside", "linked", "nested"])
+def test_results_outside_the_folder_of_the_project_are_refused(tmp_path, command, folder):
+    """The folder, or a result in it, may be a link that comes with the project."""
+    beside, own = tmp_path / "beside", tmp_path / "own"
+    for path in (beside, own, own / "linked", own / "nested" / "diagnosis_a"):
+        path.mkdir(parents=True)
+    (own / "link").symlink_to(beside)
+    (own / "linked" / "fit.json").symlink_to(beside / "fit.json")
+    (own / "nested" / "diagnosis_a" / "report.html").symlink_to(beside / "report.html")
+    (own / "a.csv").write_text("alpha,Fz,Fy\n0.0,1000,0.0\n")
+    text = '[data]\ntables = ["a.csv"]\n[output]\nfolder = "' + folder.replace("ABSOLUTE", beside.as_posix()) + '"'
+    (own / "tirefmu.toml").write_text(text)
+    outcome = command("run", own / "tirefmu.toml")
+    assert (outcome.status, outcome.err.count("\n")) == (2, 1)
+    assert "outside the folder of the project: --outside permits it" in outcome.err
+    assert not list(beside.iterdir())
+    project = read_project(own / "tirefmu.toml")
+    run_project(project, Commands(project), Terminal(quiet=True), outside=True)
+    assert (project.folder / "index.html").is_file()
 
 
 def test_every_key_has_an_option_of_its_command():

@@ -178,8 +178,6 @@ def _error_lines(summary: dict[str, Any]) -> list[str]:
 def user_effect(path: Path) -> Any:
     """Return the effect of an effect file."""
     from tirefmu.symbolic.added import read_effect
+    from tirefmu.symbolic.bounded_file import text_file
 
-    try:
-        return read_effect(path.read_text(encoding="utf-8"), str(path))
-    except (OSError, UnicodeDecodeError) as error:
-        raise TirefmuError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
+    return read_effect(text_file(path, TirefmuError), str(path))

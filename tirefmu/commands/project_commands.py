@@ -91,9 +91,10 @@ def _relative(path: Path, folder: Path) -> str:
 @click.command()
 @click.argument("project", type=FILE, default=DEFAULT)
 @click.option("--force", is_flag=True, help="Repeat all steps, also those whose results are up to date.")
+@click.option("--outside", is_flag=True, help="Results may be outside the folder of PROJECT.")
 @common
 @click.pass_context
-def run(context: click.Context, project: Path, force: bool, quiet: bool, json_file: Path | None) -> int:
+def run(context: click.Context, project: Path, force: bool, outside: bool, quiet: bool, json_file: Path | None) -> int:
     """Run the steps of PROJECT that are out of date.
 
     The steps of a project file: inspect, fit, explore, export, check, diagnose, and a page over all results. Only steps
@@ -119,7 +120,7 @@ def run(context: click.Context, project: Path, force: bool, quiet: bool, json_fi
             group.commands[step.command].make_context(step.command, list(step.arguments))
         except click.UsageError as error:
             raise TirefmuError(f"{project}: step {step.name}: {' '.join(error.format_message().split())}") from error
-    outcomes = run_project(read, command, terminal, force=force)
+    outcomes = run_project(read, command, terminal, force=force, outside=outside)
     failed = [each.step.name for each in outcomes if each.status]
     steps = [
         {"name": each.step.name, "ok": each.status == 0, "repeated": each.repeated, "summary": list(each.summary)}

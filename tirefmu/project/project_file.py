@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tirefmu.symbolic.bounded_file import read_bounded
+from tirefmu.symbolic.bounded_file import toml_file
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import quoted, toml_string
 
-#: Upper limit of its size, bytes.
-LARGEST = 1_000_000
 #: Kinds of values, as a message names them.
 KINDS = {
     "text": "a text",
@@ -156,12 +153,7 @@ def read_project(path: Path) -> Project:
     UnknownName
         If a section or a key does not exist.
     """
-    try:
-        content = tomllib.loads(read_bounded(path, LARGEST).decode("utf-8"))
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise TirefmuError(f"{path}: is not TOML: {error}") from error
+    content = toml_file(path, TirefmuError)
     for section, keys in content.items():
         if section not in SECTIONS:
             raise UnknownName(f"section of {path}", section, SECTIONS)

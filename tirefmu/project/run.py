@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
@@ -13,10 +15,12 @@ from tirefmu.tires.drawing.page import page_text, write_page
 
 from ..terminal import Terminal
 from .project_file import Project
-from .records import Records, files_of
+from .records import NAME, Records, files_of
 from .steps import Step, steps_of
 from .summaries import Headline, headline_of, summary_of
 
+#: Name of the page over all results, in their folder.
+INDEX = "index.html"
 #: Runs a command with arguments and returns its exit code.
 Command = Callable[[str, Sequence[str]], int]
 
@@ -45,7 +49,9 @@ class Outcome:
     summary: tuple[str, ...]
 
 
-def run_project(project: Project, command: Command, terminal: Terminal, *, force: bool = False) -> list[Outcome]:
+def run_project(
+    project: Project, command: Command, terminal: Terminal, *, force: bool = False, outside: bool = False
+) -> list[Outcome]:
     """Run the steps of a project and write the page ``index.html``.
 
     Parameters
@@ -57,6 +63,8 @@ def run_project(project: Project, command: Command, terminal: Terminal, *, force
         Shows the outcome of each step, a line or a few.
     force : bool
         Repeat also the steps whose results are up to date.
+    outside : bool
+        Results may be outside the folder of the project.
 
     Returns
     -------
@@ -65,19 +73,22 @@ def run_project(project: Project, command: Command, terminal: Terminal, *, force
     Raises
     ------
     TirefmuError
-        If a table does not exist, a folder or file cannot be written, or a step has invalid input; steps before it
-        are recorded.
+        If a table does not exist, a result would be outside the folder of the project, a folder or file cannot be
+        written, or a step has invalid input; steps before it are recorded.
     KeyboardInterrupt
         If a step was interrupted; it is repeated by the next run.
     """
     for table in (*project.tables, *project.diagnosed):
         if not table.is_file():
             raise TirefmuError(f"{project.path}: no such table: {table}")
+    steps = steps_of(project)
+    if not outside:
+        _check_inside(project, steps)
     try:
         project.folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise TirefmuError(f"{project.folder}: cannot be created ({error.strerror or error})") from error
-    records, steps = Records.of(project.folder), steps_of(project)
+    records = Records.of(project.folder)
     outcomes = []
     for number, step in enumerate(steps, 1):
         outcome = _run(step, records, command, terminal, force)
@@ -87,6 +98,15 @@ def run_project(project: Project, command: Command, terminal: Terminal, *, force
         terminal.print(*(f"  {line}" for line in outcome.summary))
     _write_index(project, outcomes)
     return outcomes
+
+
+def _check_inside(project: Project, steps: Sequence[Step]) -> None:
+    """Raise if a path of the project file, or a link, leads results out of the folder of the project."""
+    outputs = [path for step in steps for output in step.outputs for path in (output, *output.rglob("*"))]
+    root = Path(os.path.realpath(project.path.parent))
+    for path in (project.folder, project.folder / NAME, project.folder / INDEX, *outputs):
+        if not Path(os.path.realpath(path)).is_relative_to(root):
+            raise TirefmuError(f"{project.path}: {path} is outside the folder of the project: --outside permits it")
 
 
 def _run(step: Step, records: Records, command: Command, terminal: Terminal, force: bool) -> Outcome:
@@ -116,7 +136,7 @@ def _result(step: Step) -> dict[str, Any]:
 
 
 def _write_index(project: Project, outcomes: Sequence[Outcome]) -> None:
-    path = project.folder / "index.html"
+    path = project.folder / INDEX
     folder = project.folder
 
     def links(outcome: Outcome) -> list[tuple[str, str]]:
