@@ -43,7 +43,8 @@ COMMANDS = {
     "numpy": ("", PYTHON),
     "c": ("cc -std=c99 -O0 {} -lm -o selftest", "./selftest"),
     "cpp": ("c++ -std=c++17 -O0 {} -o selftest", "./selftest"),
-    "matlab": ("", "octave-cli --norc --no-history --quiet {}"),
+    # Octave warns that it ignores arguments blocks.
+    "matlab": ("", "octave-cli --norc --no-history --quiet --eval warning('off');{1}"),
     "javascript": ("", "node {}"),
     "casadi": ("", PYTHON),
     "jax": ("", PYTHON),
@@ -77,7 +78,8 @@ let sum = 0; const inputs = { ...NOMINAL }; let start = process.cpuUsage().user;
 for (let i = 0; i < 300000; i++) { inputs.alpha = 1e-7*i; inputs.kappa = 2e-7*i;
   const f = forces(inputs); sum += @sum@; }
 console.log(((process.cpuUsage().user - start)/300).toFixed(0), sum);""",
-    "matlab": """x = (1:100000)*1e-6; start = cputime(); [Fx, Fy] = @name@_forces(x, 2*x); y = sum(Fy);
+    "matlab": """in = @name@_inputs(); in.kappa = (1:100000)*1e-6; in.alpha = 2*in.kappa;
+start = cputime(); [Fx, Fy] = @name@_forces(in); y = sum(Fy);
 printf('%.0f %g\\n', (cputime() - start)*1e4, y);""",
     "numpy": """import time, numpy as np, @name@ as tire
 x = np.arange(100000)*1e-6; start = time.process_time(); y = tire.forces(alpha=x, kappa=2*x)["Fy"].sum()
@@ -159,7 +161,7 @@ def differences(found: Program, language: str) -> dict[str, str]:
         (source,) = (file for file in files if "_selftest." in file and not file.endswith(".txt"))
         if build:
             run(build.format(source).replace("LIBM", libm() if language == "rust" else ""), folder)
-        return dict(line.split() for line in run(command.format(source), folder).splitlines())
+        return dict(line.split() for line in run(command.format(source, Path(source).stem), folder).splitlines())
 
 
 def nanoseconds(tire: Tire, language: str) -> str:
@@ -178,7 +180,7 @@ def nanoseconds(tire: Tire, language: str) -> str:
         (folder / source).write_text(re.sub("@[a-z_]+@", lambda found: sums[found[0]], TIMED[language]))
         if build:
             run(build.format(source).replace("-O0", "-O2"), folder)
-        return run(command.format(source), folder).split()[0]
+        return run(command.format(source, Path(source).stem), folder).split()[0]
 
 
 def compared(name: str, language: str, rows: int, struct_rows: int) -> str:

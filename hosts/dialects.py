@@ -36,6 +36,8 @@ class Dialect:
         Accepted values of FITTYP; empty: the host ignores it.
     use_modes : tuple of int
         Accepted values of USE_MODE; empty: any.
+    fe_methods : tuple of str
+        Accepted values of FE_METHOD; empty: the host ignores it.
     required : tuple of str
         Keys that the host insists on.
     lacking : tuple of str
@@ -46,6 +48,7 @@ class Dialect:
     formats: tuple[str, ...] = ()
     fittyp: tuple[int, ...] = ()
     use_modes: tuple[int, ...] = ()
+    fe_methods: tuple[str, ...] = ()
     required: tuple[str, ...] = ()
     lacking: tuple[str, ...] = ()
 
@@ -144,7 +147,12 @@ HOSTS: dict[str, Host] = {
                     "PROPERTY_FILE_FORMAT": "'PAC2002'", "FITTYP": "6", "USE_MODE": "4", "FE_METHOD": "'NO'",
                 },
                 ("PAC2002", "MF_05"), use_modes=(3, 4),
-                required=("USE_MODE", "UNLOADED_RADIUS", "WIDTH", "FNOMIN", "VERTICAL_STIFFNESS", "VXLOW", "LONGVL"),
+                # Without it Chrono takes a friction ellipse for combined slip.
+                fe_methods=("NO",),
+                required=(
+                    "USE_MODE", "FE_METHOD", "UNLOADED_RADIUS", "WIDTH", "FNOMIN", "VERTICAL_STIFFNESS", "VXLOW",
+                    "LONGVL",
+                ),
                 lacking=SINCE_MF61,
             ),
         },

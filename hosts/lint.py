@@ -126,19 +126,22 @@ def _entries(text: str) -> list[_Entry]:
 def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[Finding]:
     """Check [MODEL] and the required keys."""
     by_key = {entry.key.upper(): entry for entry in entries}
-    found = [Finding("error", 0, f"{key} is missing") for key in dialect.required if key not in by_key]
-    texts = {"PROPERTY_FILE_FORMAT": dialect.formats}
-    numbers = {"FITTYP": dialect.fittyp, "USE_MODE": dialect.use_modes}
-    for key, accepted in {**texts, **{key: tuple(map(str, values)) for key, values in numbers.items()}}.items():
-        entry = by_key.get(key)
-        if not accepted or (entry is None and key not in dialect.required):
-            continue
-        if entry is None:
-            continue
+    values = {
+        "PROPERTY_FILE_FORMAT": dialect.formats,
+        "FITTYP": tuple(map(str, dialect.fittyp)),
+        "USE_MODE": tuple(map(str, dialect.use_modes)),
+        "FE_METHOD": dialect.fe_methods,
+    }
+    expected = {key: f": {' or '.join(accepted)} expected" for key, accepted in values.items() if accepted}
+    found = [
+        Finding("error", 0, f"{key} is missing{expected.get(key, '')}") for key in dialect.required if key not in by_key
+    ]
+    for key in [key for key in expected if key in by_key]:
+        entry = by_key[key]
         value = entry.value.strip("'\" ").upper()
         number = str(abs(int(float(value)))) if re.fullmatch(r"-?\d+(\.0*)?", value) else value
-        if number not in accepted:
-            found.append(Finding("error", entry.line, f"{key} is {quoted(value)}: {' or '.join(accepted)} expected"))
+        if number not in values[key]:
+            found.append(Finding("error", entry.line, f"{key} is {quoted(value)}{expected[key]}"))
     return found
 
 

@@ -62,6 +62,8 @@ def test_declarations_name_models_and_effects_that_exist():
 FAULTS = [
     ("PROPERTY_FILE_FORMAT = 'PAC2002'", "PROPERTY_FILE_FORMAT = 'USER'", "'USER': PAC2002 or MF_05 expected"),
     ("USE_MODE = 4", "USE_MODE = 14", "USE_MODE is '14': 3 or 4 expected"),
+    ("FE_METHOD = ", "$ FE_METHOD ", "FE_METHOD is missing: NO expected"),
+    ("FE_METHOD = 'NO'", "FE_METHOD = 'YES'", "FE_METHOD is 'YES': NO expected"),
     ("ANGLE = 'radians'", "ANGLE = 'degree'", "ANGLE is 'DEGREE'"),
     ("LONGVL = ", "$ LONGVL ", "LONGVL is missing"),
     ("PKX1 = ", "pkx1 = ", "'pkx1' is not in capital letters"),

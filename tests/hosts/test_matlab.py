@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
+import sys
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from tirefmu.cli import main
+from tirefmu.hosts.printout import generate, printed
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS
 from tirefmu.tires import Tire
 
-from .conftest import tool
+from .conftest import command_of, differences, tool, with_faults
 
 #: Columns of the worksheet and named quantities.
 COLUMNS = {
@@ -23,18 +28,26 @@ COLUMNS = {
     "CorneringStiffness_x": "F_x0_slope", "CorneringStiffness_y": "F_y0_slope",
 }  # fmt: skip
 
+#: Octave ignores arguments blocks with a warning, so all arguments are given.
 DRIVER = """
+warning('off');
 table = dlmread('rows.txt');
-[kappa, alpha, gamma, Fz] = deal(table(:, 1), table(:, 2), table(:, 3), table(:, 4));
+in = struct('kappa', table(:, 1), 'alpha', table(:, 2), 'gamma', table(:, 3), 'Fz', table(:, 4));
 values = trento_coefficients();
-[Fx, Fy, Mz] = trento_forces(kappa, alpha, gamma, Fz, values);
-q = trento_quantities(kappa, alpha, gamma, Fz, values);
-assert(isequal(Fy, trento_Fy(kappa, alpha, gamma, Fz)) && isequal(Mz, trento_Mz(kappa, alpha, gamma, Fz)));
-s = trento_stiffness(kappa, alpha, gamma, Fz);
+[Fx, Fy, Mz] = trento_forces(in, values);
+q = trento_quantities(in, values);
+assert(isequal(Fy, trento_Fy(in, values)) && isequal(Mz, trento_Mz(in, values)));
+s = trento_stiffness(in, values);
 h = 1e-6;
-slope = (trento_Fy(kappa, alpha + h, gamma, Fz) - trento_Fy(kappa, alpha - h, gamma, Fz))/(2*h);
+[left, right] = deal(in);
+left.alpha = in.alpha - h;
+right.alpha = in.alpha + h;
+slope = (trento_Fy(right, values) - trento_Fy(left, values))/(2*h);
 assert(max(abs(slope - s.Fy.alpha)) < 1e-4*max(abs(slope)));
-assert(isscalar(trento_Fy()) && isequal(size(trento_Fy([], zeros(2, 3))), [2 3]));
+in = trento_inputs();
+assert(isscalar(trento_Fy(in, values)));
+in.alpha = zeros(2, 3);
+assert(isequal(size(trento_Fy(in, values)), [2 3]));
 """
 
 
@@ -61,3 +74,41 @@ def test_the_worksheets_functions_from_one_command(golden, tmp_path):
     np.testing.assert_allclose(forces, reference, rtol=1e-9, atol=1e-9)
     # The sign of some quantities depends on the convention.
     np.testing.assert_allclose(np.abs(ours[:, 2:]), np.abs(rows[list(COLUMNS)].to_numpy()), rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("values", ["inline", "struct", "file"])
+def test_functions_take_a_structure_that_an_arguments_block_declares(trento, values):
+    """The functions read inputs and coefficients where they need them: no line only gives a value another name."""
+    files = printed(trento, "matlab", values=values, rows=1)
+    functions = {name: text for name, text in files.items() if "\n    arguments\n" in text}
+    assert functions.keys() == {name for name in files if name.endswith(".m")} - {
+        f"mf96_{name}.m" for name in ("inputs", "coefficients", "selftest")
+    }
+    given = "inputs" if values == "inline" else "inputs, c"
+    for name, text in functions.items():
+        assert re.match(rf"function (\w+|\[.*\]) = {name[:-2]}\({given}\)\n", text), name
+        assert "        inputs (1,1) struct = mf96_inputs()\n" in text
+        assert not re.search(r"^    (\w+) = (?:\w+\.)?\1;", text, re.MULTILINE), name
+
+
+def test_the_code_is_matlab(trento, tmp_path):
+    """Octave skips arguments blocks; this parser of MATLAB reads them."""
+    pytest.importorskip("miss_hit_core")
+    for values in ("inline", "struct", "file"):
+        generate(trento, "matlab", tmp_path, functions=FUNCTIONS[:3], values=values, rows=1)
+        command = [sys.executable, "-m", "miss_hit_core.mh_style", "--matlab", "2021a", "--no-style", "--brief", "."]
+        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert run.returncode == 0, run.stdout
+
+
+def test_a_session_outlives_its_self_test(trento, printout):
+    """The self-test is a function that ends with an error: it neither exits nor changes variables."""
+    folder = printout(trento, "matlab", "session", functions=["forces"], rows=3)
+    (stored,) = folder.glob("*_selftest.txt")
+    *command, code = command_of("matlab", folder)
+    assert differences([*command, code], folder)[0] == 0
+    stored.write_text(with_faults(stored.read_text())[0])
+    session = f"try, {code}, catch problem, disp('caught'), end, disp('alive'), disp(exist('expected'))"
+    run = subprocess.run([*command, session], cwd=folder, capture_output=True, text=True, check=False)
+    assert run.returncode == 0
+    assert run.stdout.split()[-3:] == ["caught", "alive", "0"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -56,10 +57,18 @@ def test_states_derivatives_and_hostile_texts(wet, printout):
     assert_agree(folder, "mf96", functions)
 
 
-PROBE = """model probe
-  mf61.WheelContact wheel(kappa = 0.05, alpha = -0.1, V = 10.0, Fz = 4000.0);
+#: A signal is connected as one of Modelica.Blocks; the other inputs have their values in the declaration.
+PROBE = """block Source
+  mf61.RealOutput y;
+equation
+  y = -0.1;
+end Source;
+model probe
+  Source steer;
+  mf61.WheelContact wheel(kappa = 0.05, gamma = 0.0, V = 10.0, Fz = 4000.0, p = {p}, phit = 0.0);
   Real Fx; Real Fy; Real rate;
 equation
+  connect(steer.y, wheel.alpha);
   (Fx, Fy) = mf61.forces(kappa = 0.1*time, alpha = 0.2*time);
   rate = der(Fy);
 end probe;
@@ -73,7 +82,7 @@ def test_the_block_lags_and_forces_have_a_derivative(mf61, printout):
     folder = printout(
         late, "modelica", "late", functions=["forces", "jacobian_inputs", "states"], only=["Fx", "Fy"], rows=1
     )
-    (folder / "probe.mo").write_text(PROBE)
+    (folder / "probe.mo").write_text(PROBE.format(p=late.nominal("p")))
     result = rumoca.Session().load(str(folder / "probe.mo"), model="probe").simulate(t=(0.0, 0.2), dt=0.05)
     t = np.array(result.time)
     motion = pd.DataFrame({"t": [-1.0, *t], "kappa": 0.05, "alpha": -0.1, "V": 10.0, "Fz": 4000.0})
@@ -84,6 +93,28 @@ def test_the_block_lags_and_forces_have_a_derivative(mf61, printout):
     h = 1e-5
     later, earlier = (late.forces(kappa=0.1 * x, alpha=0.2 * x)["Fy"] for x in (t + h, t - h))
     np.testing.assert_allclose(result["rate"], (later - earlier) / (2 * h), rtol=1e-6)
+
+
+def test_quantities_have_si_types_and_the_block_has_connectors_and_an_icon(mf61, printout):
+    """Types and signals are like those of the Modelica standard library, which the package does not need."""
+    text = (printout(mf61, "modelica", "types", functions=["forces"], values="struct", rows=1) / "mf61.mo").read_text()
+    assert 'type Force = Real(final quantity = "Force", final unit = "N");' in text
+    assert "Types.Pressure NOMPRES = " in text
+    used = set(re.findall(r"Types\.(\w+)", text))
+    assert used <= set(re.findall(r"^    type (\w+) = Real", text, re.MULTILINE))
+    function = text[text.index("  function forces") : text.index("  end forces;")]
+    assert re.findall(r"^    (?:input|output) Types\.(\w+) (\w+)", function, re.MULTILINE) == [
+        ("Angle", "alpha"), ("Angle", "gamma"), ("Force", "Fz"), ("Pressure", "p"), ("Velocity", "V"),
+        ("Force", "Fx"), ("Force", "Fy"), ("Torque", "Mz"), ("Torque", "Mx"), ("Torque", "My"),
+    ]  # fmt: skip
+    assert not re.search(r"^ +(\w+) := (?:\w+\.)?\1;", function, re.MULTILINE)
+    block = text[text.index("  block WheelContact") : text.index("  end WheelContact;")]
+    assert re.findall(r"^    RealInput (\w+)\(", block, re.MULTILINE) == list(mf61.inputs)
+    assert re.findall(r"^    RealOutput (\w+)\(", block, re.MULTILINE) == list(mf61.outputs)
+    assert 'RealInput Fz(quantity = "Force", unit = "N")' in block
+    assert "annotation(Icon(" in block
+    places = re.findall(r"extent = \{\{(-?\d+), (-?\d+)\}", block)
+    assert len(set(places)) == len(places) > len(mf61.inputs) + len(mf61.outputs)
 
 
 def test_coefficients_in_a_file_are_refused(trento, printout):

@@ -90,6 +90,17 @@ def tokens(text):
     return [line for line in lines if line and not re.match(r"\s*(//|%|#|\*|/\*|\$!)", line)]
 
 
+@pytest.mark.parametrize("language", [language for language in LANGUAGES if language != "latex"])
+@pytest.mark.parametrize(
+    ("name", "functions", "values"), [("mf61", FUNCTIONS[:4], "struct"), ("wet", FUNCTIONS[::2], "inline")]
+)
+def test_lines_have_less_than_200_characters(request, language, name, functions, values):
+    """Long formulas, Jacobians and lists are broken; the rows of a self-test's text file are data."""
+    files = printed(request.getfixturevalue(name), language, functions=functions, values=values, rows=2)
+    longest = {file: max(map(len, text.splitlines())) for file, text in files.items() if not file.endswith(".txt")}
+    assert max(longest.values()) < 200, longest
+
+
 def test_only_some_outputs(trento):
     whole, part = (printed(trento, "cpp", rows=2, only=only)["mf96.hpp"] for only in ((), ("Fy",)))
     assert "Scalar Mz" not in part

@@ -190,7 +190,8 @@ def _function(program: Program, routine: Routine) -> str:
     read += [f"const double {key} = inputs->{key};" for key in inputs]
     read += [] if used or not program.coefficients else ["(void) coefficients;"]
     read += [f"const double {key} = coefficients->{key};" for key in used]
-    written = [f"results[{i}] = {value};" for i, value in enumerate(LAYOUT.values(routine))]
+    values = enumerate(LAYOUT.values(routine))
+    written = [line for i, value in values for line in LAYOUT.lines(f"results[{i}] = {value};")]
     return (
         f"{comment(routine.summary)}\n"
         f"static inline void {name}_{routine.name}({', '.join(parameters)}, double results[])\n{{\n"

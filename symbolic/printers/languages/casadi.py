@@ -8,7 +8,7 @@ from .layout import Layout, filled, wrapped
 from .program import TOLERANCE, Program
 from .python_parts import coefficient_table, equations
 
-LAYOUT = Layout(CasadiPrinter(), "{name} = {value}", "# {}", python_comment)
+LAYOUT = Layout(CasadiPrinter(), "{name} = {value}", "# {}", python_comment, continued=" \\")
 
 _MODULE = '''@head@
 #

@@ -93,7 +93,7 @@ template <class Scalar>
 @read@
 @statements@
 
-    return {@values@};
+@values@
 }"""
 
 _READ_FILE = """\
@@ -242,9 +242,10 @@ def _function(program: Program, routine: Routine) -> str:
         default = " = {}" if program.placement == "struct" else ""
         parameters += f", const Coefficients<Scalar> &{'coefficients' if used else ''}{default}"
         read += [f"const Scalar &{name} = coefficients.{name};" for name in used]
-    rows = [", ".join(LAYOUT.printer.doprint(value) for value in row) for row in routine.results]
-    matrix = len(routine.results) > 1 or routine.name.startswith("jacobian_")
-    values = "{" + ", ".join(f"{{{{{row}}}}}" for row in rows) + "}" if matrix else rows[0]
+    if routine.name.startswith("jacobian_"):
+        values = ["return {{", *(f"    {line}" for line in LAYOUT.rows(routine, "{{{{{}}}}},")), "}};"]
+    else:
+        values = LAYOUT.lines(f"return {{{', '.join(LAYOUT.values(routine))}}};")
     return filled(
         _FUNCTION,
         {
@@ -254,7 +255,7 @@ def _function(program: Program, routine: Routine) -> str:
             "parameters": parameters,
             "read": LAYOUT.indented(read),
             "statements": LAYOUT.statements(routine),
-            "values": values,
+            "values": LAYOUT.indented(values),
         },
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -13,11 +14,18 @@ from ..expressions import CALLED_POWERS, PlainCPrinter
 class CallPrinter(PlainCPrinter):
     """Scalar text in which every function is a call; a language names the functions and writes choices.
 
+    Parameters
+    ----------
+    members : mapping of str to str
+        What is written for a symbol that is a member of a structure, by its name.
+
     Examples
     --------
     >>> x, y = sp.symbols("x y")
     >>> CallPrinter().doprint(sp.Piecewise((sp.sin(x) ** 2, x > 0), (1 / y, True)))
     '(x > 0.0 ? square(sin(x)) : 1.0/y)'
+    >>> CallPrinter({"x": "inputs.x"}).doprint(x * y)
+    'inputs.x*y'
     """
 
     #: Names of functions that differ from SymPy's.
@@ -30,6 +38,13 @@ class CallPrinter(PlainCPrinter):
     conjunction, disjunction, equal = " && ", " || ", "=="
     number = "{}"
     pi = "3.141592653589793"
+
+    def __init__(self, members: Mapping[str, str] | None = None) -> None:
+        super().__init__()
+        self._members = dict(members or {})
+
+    def _print_Symbol(self, expr: Any) -> str:
+        return self._members.get(expr.name) or str(super()._print_Symbol(expr))
 
     def _call(self, name: str, *arguments: Any) -> str:
         called = self.names.get(name, name)

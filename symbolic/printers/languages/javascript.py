@@ -141,10 +141,9 @@ def _parameters(program: Program) -> str:
 def _function(program: Program, routine: Routine) -> str:
     read = [f"const {key} = inputs.{key} ?? NOMINAL.{key};" for key in routine.uses(program.input_names)]
     used = routine.uses(list(program.coefficients))
-    read += [f"const {{ {', '.join(used)} }} = coefficients;"] if used else []
+    read += LAYOUT.lines(f"const {{ {', '.join(used)} }} = coefficients;") if used else []
     if routine.name.startswith("jacobian_"):
-        rows = [f"[{', '.join(LAYOUT.printer.doprint(value) for value in row)}]," for row in routine.results]
-        result = f"return [\n{LAYOUT.indented(rows, 2)}\n  ];"
+        result = f"return [\n{LAYOUT.indented(LAYOUT.rows(routine, '[{}],'), 2)}\n  ];"
     else:
         pairs = [f"{label}," for label in routine.labels]
         result = f"return {{\n{LAYOUT.indented(pairs, 2)}\n  }};"

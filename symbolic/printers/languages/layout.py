@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from textwrap import wrap
 from typing import Protocol
 
 from ..routines import Routine
 
-#: Characters of a line of comments.
+#: Characters of a line of comments, and of a line of code without its indentation.
 WIDTH = 110
+#: A line of code ends after a comma or an operator between blanks; in a product if that alone is too long.
+_BREAKS, _FACTORS = re.compile(r"(?<=[,+\-?:&|=] )"), re.compile(r"(?<=[^*]\*)(?!\*)")
 
 
 class Printer(Protocol):
@@ -35,6 +38,8 @@ class Layout:
     escape : callable
         Makes any text harmless in such a comment.
     indent : str
+    continued : str
+        What a line ends with if its statement continues on the next one.
     """
 
     printer: Printer
@@ -42,6 +47,7 @@ class Layout:
     comment: str
     escape: Callable[[str], str]
     indent: str = "    "
+    continued: str = ""
 
     def remark(self, text: str) -> str:
         """Return a comment."""
@@ -59,13 +65,31 @@ class Layout:
             if assignment.heading:
                 lines += ["", self.remark(assignment.heading)]
             value = self.printer.doprint(assignment.expression)
-            text = self.statement.format(name=assignment.symbol, value=value)
-            lines.append(f"{text}  {self.remark(assignment.remark)}" if assignment.remark else text)
+            lines += self.lines(self.statement.format(name=assignment.symbol, value=value), assignment.remark)
         return self.indented(lines, depth)
+
+    def lines(self, code: str, remark: str = "") -> list[str]:
+        """Return a statement as one line, or broken into several; a remark that does not fit is above it."""
+        after = f"  {self.remark(remark)}" if remark else ""
+        if len(code + after) <= WIDTH:
+            return [code + after]
+        above = self.head([remark]).splitlines()
+        if len(code) <= WIDTH:
+            return [*above, code]
+        width = WIDTH - len(self.indent + self.continued)
+        parts = ([part] if len(part) <= width else _FACTORS.split(part) for part in _BREAKS.split(code))
+        first, *others = wrapped(list(chain.from_iterable(parts)), width, "")
+        broken = [first, *(self.indent + other for other in others)]
+        return [*above, *(line.rstrip() + self.continued for line in broken[:-1]), broken[-1]]
 
     def values(self, routine: Routine) -> list[str]:
         """Return the results of a routine as expressions, row by row of a matrix."""
         return [self.printer.doprint(value) for row in routine.results for value in row]
+
+    def rows(self, routine: Routine, row: str = "{},") -> list[str]:
+        """Return the rows of a matrix of results as lines, each row in the brackets of the language."""
+        texts = (", ".join(map(self.printer.doprint, values)) for values in routine.results)
+        return [line for text in texts for line in self.lines(row.format(text))]
 
     def indented(self, lines: Iterable[str], depth: int = 1) -> str:
         """Return lines as a text, indented."""

@@ -1,7 +1,8 @@
 """A tire as MATLAB functions, which Octave runs, too.
 
-The functions take arrays of any equal shapes. They are those of the Trento report's library: one for each channel, one
-for the coefficients, one for the slip stiffnesses, one for all forces and one for all named quantities.
+The functions take a structure of inputs, arrays of any equal shapes. They are those of the Trento report's library: one
+for each channel, one for the coefficients, one for the slip stiffnesses, one for all forces and one for all named
+quantities.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ from .expressions import MatlabPrinter
 from .layout import Layout, filled, wrapped
 from .program import TOLERANCE, Program
 
-LAYOUT = Layout(MatlabPrinter(), "{name} = {value};", "% {}", line_comment)
+LAYOUT = Layout(MatlabPrinter(), "{name} = {value};", "% {}", line_comment, continued=" ...")
+#: What the functions call their coefficients: they are in most lines.
+COEFFICIENTS = "c"
 
 _FUNCTION = """\
 function @results@ = @name@_@function@(@parameters@)
@@ -24,7 +27,10 @@ function @results@ = @name@_@function@(@parameters@)
 %
 @help@
 @head@
-@defaults@@read@
+    arguments
+@arguments@
+    end
+
 @statements@
 
 @values@
@@ -42,6 +48,15 @@ function y = sgn1(x)
 % Sign of x, 1 at 0.
     y = sign(x);
     y(x == 0) = 1;
+end
+"""
+
+_INPUTS = """\
+function inputs = @name@_inputs()
+% Nominal inputs of the tire as a structure.
+%
+@head@
+@body@
 end
 """
 
@@ -69,19 +84,20 @@ _READ_FILE = """\
     end"""
 
 _SELF_TEST = """\
+function @name@_selftest()
 % Compare the functions of this folder with the stored results of tirefmu in @check_file@.
 %
-% Run it with "octave-cli @name@_selftest.m" or "matlab -batch @name@_selftest". It prints the largest difference of
-% each function, relative to the result or its typical size. Exit code 1: a difference exceeds the tolerance.
+% It prints the largest difference of each function, relative to the result or its typical size. A difference that
+% exceeds the tolerance is an error, with which "matlab -batch @name@_selftest" and "octave-cli --eval @name@_selftest"
+% end with exit code 1.
 @head@
-try
-    file = fopen('@check_file@', 'r');
+    [file, problem] = fopen('@check_file@', 'r');
+    assert(file >= 0, '@check_file@: %s', problem);
     numbers = fscanf(file, '%f');
     fclose(file);
     n = numbers(1);
     sizes = numbers(2:1 + @n_results@)';
     rows = reshape(numbers(2 + @n_results@:end), [], n)';
-@read_coefficients@    @arguments@ = deal(@columns@);
     expected = rows(:, @n_inputs@ + 1:end);
     results = zeros(n, @n_results@);
 @calls@
@@ -89,11 +105,8 @@ try
     differences(isnan(differences)) = Inf;
     ok = n > 0;
 @report@
-catch problem
-    fprintf(2, '%s\\n', problem.message);
-    ok = false;
+    assert(ok, 'the functions differ from the stored results');
 end
-exit(double(~ok));
 """
 
 
@@ -111,6 +124,7 @@ def files(program: Program) -> dict[str, str]:
     """
     name = program.name
     printed = {f"{name}_{routine.name}.m": _function(program, routine) for routine in _printed(program)}
+    printed[f"{name}_inputs.m"] = _inputs(program)
     if program.coefficients:
         printed[f"{name}_coefficients.m"] = _coefficients(program)
     return {**printed, f"{name}_selftest.m": _self_test(program), **program.data_files()}
@@ -131,51 +145,67 @@ def _printed(program: Program) -> list[Routine]:
 
 
 def _function(program: Program, routine: Routine) -> str:
-    help_lines = [f"{q.name}: {q.description} [{q.unit}]" for q in program.inputs]
-    help_lines.append("An absent or empty input has its nominal value; all inputs are scalars or arrays of one shape.")
-    if program.coefficients:
-        help_lines.append(f"coefficients: structure, see {program.name}_coefficients.")
-    parameters = [*program.input_names, *(["coefficients"] if program.coefficients else [])]
+    name, struct = program.name, bool(program.coefficients)
     results = f"[{', '.join(routine.labels)}]" if routine.name == "forces" else "result"
-    help_lines.append(f"Usage: {results} = {program.name}_{routine.name}([], 0.05);")
+    parameters = {"inputs": f"{name}_inputs()"}
+    help_lines = [f"inputs: structure of scalars or arrays of one shape, see {name}_inputs."]
+    if struct:
+        parameters[COEFFICIENTS] = f"{name}_coefficients({_path(program)})"
+        help_lines.append(f"{COEFFICIENTS}: structure of the coefficients, see {name}_coefficients.")
+    call, layout = f"{name}_{routine.name}", _layout(program)
+    help_lines.append(f"Usage: inputs = {name}_inputs(); inputs.alpha = 0.05; {results} = {call}(inputs);")
+    help_lines.append(f"Octave has no arguments blocks: call {call}({', '.join(_arguments(program))}).")
     values = {
         "results": results,
-        "name": program.name,
+        "name": name,
         "function": routine.name,
         "parameters": ", ".join(parameters),
         "summary": line_comment(routine.summary),
         "help": LAYOUT.head(help_lines),
         "head": LAYOUT.head(program.header),
-        "defaults": "".join(_default(program, i, parameter) for i, parameter in enumerate(parameters, 1)),
-        "read": LAYOUT.indented(f"{key} = coefficients.{key};" for key in routine.uses(list(program.coefficients))),
-        "statements": LAYOUT.statements(routine),
-        "values": LAYOUT.indented(_results(program, routine)),
+        "arguments": LAYOUT.indented((f"{key} (1,1) struct = {value}" for key, value in parameters.items()), 2),
+        "statements": layout.statements(routine),
+        "values": LAYOUT.indented(_results(program, routine, layout)),
     }
     return filled(_FUNCTION, values)
 
 
-def _default(program: Program, position: int, parameter: str) -> str:
-    value = f"{program.name}_coefficients()" if parameter == "coefficients" else repr(program.nominal.get(parameter))
-    if parameter == "coefficients" and program.placement == "file":
-        value = f"{program.name}_coefficients('{program.values_file}')"
-    return f"    if nargin < {position} || isempty({parameter}), {parameter} = {value}; end\n"
+def _layout(program: Program) -> Layout:
+    """Return the layout in which inputs and coefficients are read from their structures."""
+    members = {key: f"inputs.{key}" for key in program.input_names}
+    members |= {key: f"{COEFFICIENTS}.{key}" for key in program.coefficients}
+    return replace(LAYOUT, printer=MatlabPrinter(members))
 
 
-def _results(program: Program, routine: Routine) -> list[str]:
+def _arguments(program: Program) -> list[str]:
+    """Return the arguments of a call, all of them, as Octave needs them."""
+    return ["inputs", *([f"{program.name}_coefficients({_path(program)})"] if program.coefficients else [])]
+
+
+def _results(program: Program, routine: Routine, layout: Layout) -> list[str]:
     """Return the statements that assign the results; a result without inputs takes the shape of the inputs."""
-    shape = f"shape = zeros(size({' + '.join(program.input_names)}));"
+    shape = LAYOUT.lines(f"shape = zeros(size({' + '.join(f'inputs.{name}' for name in program.input_names)}));")
     if routine.name == "forces":
-        return [shape, *(f"{label} = {label} + shape;" for label in routine.labels)]
+        return [*shape, *(f"{label} = {label} + shape;" for label in routine.labels)]
     if routine.name in ("quantities", "states"):
-        return [shape, "result = struct();", *(f"result.{label} = {label} + shape;" for label in routine.labels)]
+        return [*shape, "result = struct();", *(f"result.{label} = {label} + shape;" for label in routine.labels)]
     if len(routine.results) == 1 and len(routine.results[0]) == 1 and routine.name == routine.labels[0]:
-        return [shape, f"result = {LAYOUT.values(routine)[0]} + shape;"]
+        return [*shape, *layout.lines(f"result = {layout.values(routine)[0]} + shape;")]
     rows = [str(quantity.name) for quantity in program.outputs]
-    lines = [shape, "% Derivative of a force by a column, such as result.Fy.alpha.", "result = struct();"]
+    lines = [*shape, "% Derivative of a force by a column, such as result.Fy.alpha.", "result = struct();"]
     for row, values in zip(rows, routine.results, strict=True):
         for label, value in zip(routine.labels, values, strict=True):
-            lines.append(f"result.{row}.{label} = {LAYOUT.printer.doprint(sp.sympify(value))} + shape;")
+            lines += layout.lines(f"result.{row}.{label} = {layout.printer.doprint(sp.sympify(value))} + shape;")
     return lines
+
+
+def _inputs(program: Program) -> str:
+    lines = [
+        f"inputs.{q.name} = {program.nominal[q.name]!r};  {LAYOUT.remark(f'{q.description} [{q.unit}]')}"
+        for q in program.inputs
+    ]
+    values = {"name": program.name, "head": LAYOUT.head(program.header), "body": LAYOUT.indented(lines)}
+    return filled(_INPUTS, values)
 
 
 def _coefficients(program: Program) -> str:
@@ -195,8 +225,9 @@ def _coefficients(program: Program) -> str:
 
 def _self_test(program: Program) -> str:
     name, inputs = program.name, program.input_names
-    argument = ", ".join([*inputs, *(["coefficients"] if program.coefficients else [])])
-    calls, report, start = [], [], 1
+    argument = ", ".join(_arguments(program))
+    calls = [f"inputs.{key} = rows(:, {i});" for i, key in enumerate(inputs, 1)]
+    report, start = [], 1
     outputs = [quantity.name for quantity in program.outputs]
     for routine, (function, size) in zip(program.routines, program.sizes(), strict=True):
         if function == "forces":
@@ -214,16 +245,12 @@ def _self_test(program: Program) -> str:
             f"ok = ok && largest <= {TOLERANCE[function]!r};",
         ]
         start += size
-    load = f"    coefficients = {name}_coefficients({_path(program)});\n"
     values = {
         "head": LAYOUT.head(program.header[:1]),
         "name": name,
         "check_file": program.check_file,
         "n_results": start - 1,
         "n_inputs": len(inputs),
-        "read_coefficients": load if program.coefficients else "",
-        "arguments": f"[{', '.join(inputs)}]",
-        "columns": ", ".join(f"rows(:, {i})" for i in range(1, len(inputs) + 1)),
         "calls": LAYOUT.indented(calls),
         "report": LAYOUT.indented(report),
     }

@@ -1,9 +1,10 @@
-"""A tire as a Modelica package: functions with derivatives, a record of coefficients, a wheel contact block."""
+"""A tire as a Modelica package: types, functions with derivatives, a record of coefficients, a wheel contact block."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from ...declarations import Quantity
 from ...errors import TirefmuError
@@ -11,10 +12,17 @@ from ...escaping import c_comment, python_comment
 from ..routines import Routine
 from ..states import ENDINGS
 from .expressions import ModelicaPrinter
-from .layout import Layout, filled
+from .layout import Layout, filled, wrapped
 from .program import TOLERANCE, Program
 
 LAYOUT = Layout(ModelicaPrinter(), "{name} := {value};", "// {}", c_comment, indent="  ")
+
+#: Types of the package by unit, equal to those of Modelica.Units.SI: name, which is also the quantity; unit of display.
+TYPES = {
+    "N": ("Force", ""), "N m": ("Torque", ""), "rad": ("Angle", "deg"), "rad/s": ("AngularVelocity", ""),
+    "Pa": ("Pressure", "bar"), "m": ("Length", ""), "m/s": ("Velocity", ""), "s": ("Time", ""),
+    "N/m": ("TranslationalSpringConstant", ""), "N s/m": ("TranslationalDampingConstant", ""),
+}  # fmt: skip
 
 #: What acts instead of a slip that lags: its state, and the slip as the state has it.
 ACTING = {"kappa": ("kappa_lagged", "kappa_lagged"), "alpha": ("tan_alpha_lagged", "atan(tan_alpha_lagged)")}
@@ -24,8 +32,13 @@ _PACKAGE = """\
 //
 // Usage:
 //     (@outputs@) = @name@.forces(alpha = 0.05@argument@);   // other inputs have their nominal values
+// Block WheelContact: an input that is not connected has a value in the declaration, such as wheel(Fz = @load@).
 // Self-test: simulate @name@_selftest from @name@_selftest.mo.
 package @name@ "@title@"
+
+  package Types "Types as in Modelica.Units.SI"
+@types@
+  end Types;
 
 @parts@
 
@@ -51,10 +64,24 @@ _FUNCTION = """\
   end @function@;"""
 
 _BLOCK = """\
+  connector RealInput = input Real "Input signal, as Modelica.Blocks.Interfaces.RealInput" annotation(Icon(
+    graphics = {Polygon(points = {{-100, 100}, {100, 0}, {-100, -100}}, lineColor = {0, 0, 127},
+    fillColor = {0, 0, 127}, fillPattern = FillPattern.Solid)}));
+
+  connector RealOutput = output Real "Output signal, as Modelica.Blocks.Interfaces.RealOutput" annotation(Icon(
+    graphics = {Polygon(points = {{-100, 100}, {100, 0}, {-100, -100}}, lineColor = {0, 0, 127},
+    fillColor = {255, 255, 255}, fillPattern = FillPattern.Solid)}));
+
   block WheelContact "Forces of the tire@with_states@"
 @declared@
   equation
 @equations@
+    annotation(Icon(coordinateSystem(extent = {{-100, -100}, {100, 100}}), graphics = {
+      Rectangle(extent = {{-100, 100}, {100, -100}}, fillColor = {255, 255, 255}, fillPattern = FillPattern.Solid),
+      Ellipse(extent = {{-70, 75}, {70, -65}}, fillColor = {64, 64, 64}, fillPattern = FillPattern.Solid),
+      Ellipse(extent = {{-40, 45}, {40, -35}}, fillColor = {215, 215, 215}, fillPattern = FillPattern.Solid),
+      Line(points = {{-90, -65}, {90, -65}}, thickness = 1),
+      Text(extent = {{-150, 140}, {150, 105}}, textString = "%name", textColor = {0, 0, 255})}));
   end WheelContact;"""
 
 _SELF_TEST = """\
@@ -112,16 +139,49 @@ def files(program: Program) -> dict[str, str]:
         "title": python_comment(program.model.title),
         "outputs": ", ".join(quantity.name for quantity in program.outputs),
         "argument": ", coefficients = coefficients" if program.coefficients else "",
+        "load": repr(program.nominal["Fz"]),
+        "types": LAYOUT.indented((_type(unit) for unit in TYPES), 2),
         "parts": "\n\n".join(parts),
     }
     return {f"{program.name}.mo": filled(_PACKAGE, values), f"{program.name}_selftest.mo": _self_test(program)}
 
 
 def _declared(kind: str, about: Quantity, value: str = "", attributes: str = "") -> str:
-    """Return the declaration of a Real with its unit and description."""
-    attributes = ", ".join(filter(None, [_unit(about.unit), attributes]))
-    text = f"{kind} Real {about.name}{f'({attributes})' if attributes else ''}{value}"
+    """Return the declaration of a Real with its type or unit and its description."""
+    type_ = f"Types.{TYPES[about.unit][0]}" if about.unit in TYPES else "Real"
+    attributes = ", ".join(filter(None, ["" if about.unit in TYPES else _unit(about.unit), attributes]))
+    text = f"{kind} {type_} {about.name}{f'({attributes})' if attributes else ''}{value}"
     return f'{text} "{python_comment(about.description)}";'.strip()
+
+
+def _type(unit: str) -> str:
+    """Return the definition of a type.
+
+    Examples
+    --------
+    >>> _type("N m")
+    'type Torque = Real(final quantity = "Torque", final unit = "N.m");'
+    """
+    return f"type {TYPES[unit][0]} = Real({_attributes(unit, 'final ')});"
+
+
+def _attributes(unit: str, prefix: str = "") -> str:
+    """Return quantity, unit and unit of display of a variable."""
+    quantity, display = TYPES.get(unit, ("", ""))
+    texts = [f'quantity = "{quantity}"' if quantity else "", _unit(unit)]
+    shown = [f'displayUnit = "{display}"'] if display else []
+    return ", ".join([*(prefix + text for text in texts if text), *shown])
+
+
+def _connectors(kind: str, quantities: Sequence[Quantity], x: int) -> list[str]:
+    """Return the declarations of signals, one below the other at a side of the icon."""
+    lines = []
+    for i, q in enumerate(quantities, 1):
+        y = 100 - 200 * i // (len(quantities) + 1)
+        lines.append(f'{kind} {q.name}({_attributes(q.unit)}) "{python_comment(q.description)}"')
+        place = f"{{{{{x - 10}, {y - 10}}}, {{{x + 10}, {y + 10}}}}}"
+        lines.append(f"  annotation(Placement(transformation(extent = {place})));")
+    return lines
 
 
 def _unit(text: str) -> str:
@@ -162,25 +222,25 @@ def _function(program: Program, routine: Routine) -> str:
     meanings = {str(e.symbol): Quantity(str(e.symbol), e.unit, e.description) for e in program.lines}
     meanings |= {quantity.name: quantity for quantity in program.outputs}
     matrix = routine.name.startswith("jacobian_")
-    used = routine.uses(list(program.coefficients))
+    members = {key: f"coefficients.{key}" for key in program.coefficients}
+    layout = replace(LAYOUT, printer=ModelicaPrinter(members))
     assigned = [str(assignment.symbol) for assignment in routine.body]
-    inner = [*used, *(name for name in assigned if matrix or name not in routine.labels)]
+    inner = [name for name in assigned if matrix or name not in routine.labels]
     if matrix:
         size = f"{len(routine.results)}, {len(routine.labels)}"
         outputs = [f'output Real result[{size}] "a row for each force, a column for each argument";']
-        rows = [", ".join(LAYOUT.printer.doprint(value) for value in row) for row in routine.results]
-        results = ["result := {", *(f"  {{{row}}}{',' if i < len(rows) - 1 else '};'}" for i, row in enumerate(rows))]
+        *rows, last = layout.rows(routine, "{{{}}},")
+        results = ["result := {", *(f"  {row}" for row in rows), f"  {last.removesuffix(',')}}};"]
     else:
         outputs = [_declared("output", meanings[label]) for label in routine.labels]
         results = []
-    body = [f"{key} := coefficients.{key};" for key in used]
     values = {
         "function": routine.name,
         "summary": python_comment(routine.summary),
         "inputs": LAYOUT.indented(_inputs(program), 2),
         "outputs": LAYOUT.indented(outputs, 2),
         "locals": LAYOUT.indented((f"Real {name};" for name in inner), 2),
-        "statements": "\n".join([LAYOUT.indented(body, 2), LAYOUT.statements(routine, 2)]).strip("\n"),
+        "statements": layout.statements(routine, 2),
         "assigned": LAYOUT.indented(results, 2),
         "annotation": _annotation(program) if routine.name == "forces" else "",
     }
@@ -230,14 +290,14 @@ def _block(program: Program, states: Routine | None) -> str:
     rates, equations = [], []
     if states:
         rates = [f"Real {label};" for label in states.labels]
-        equations = [f"({', '.join(states.labels)}) = states({', '.join(_arguments(program, program.input_names))});"]
+        call = f"states({', '.join(_arguments(program, program.input_names))});"
+        equations = LAYOUT.lines(f"({', '.join(states.labels)}) = {call}")
         equations += [f"der({name}) = {name}_{ENDINGS[0]};" for name in names]
     acting = [ACTING[name][1] if name in ACTING and ACTING[name][0] in names else name for name in program.input_names]
     outputs = [quantity.name for quantity in program.outputs]
-    equations.append(f"({', '.join(outputs)}) = forces({', '.join(_arguments(program, acting))});")
+    equations += LAYOUT.lines(f"({', '.join(outputs)}) = forces({', '.join(_arguments(program, acting))});")
     declared = ["parameter Coefficients coefficients;"] if program.coefficients else []
-    declared += [_declared("input", q, f" = {program.nominal[q.name]!r}") for q in given]
-    declared += [_declared("output", q) for q in program.outputs]
+    declared += [*_connectors("RealInput", given, -110), *_connectors("RealOutput", program.outputs, 110)]
     declared += [_declared("", q, attributes="start = 0.0, fixed = true") for q in program.inputs if q.name in names]
     values = {
         "with_states": " and its states" if states else "",
@@ -258,17 +318,17 @@ def _self_test(program: Program) -> str:
         call = f"{program.name}.{function}({', '.join(_arguments(program, given))});"
         if function.startswith("jacobian_"):
             declared.append(f"Real {function}_result[{len(routine.results)}, {len(routine.labels)}];")
-            equations.append(f"{function}_result = {call}")
+            equations += LAYOUT.lines(f"{function}_result = {call}")
             shape = ((i, k) for i in range(1, len(routine.results) + 1) for k in range(1, len(routine.labels) + 1))
             results = [f"{function}_result[{i}, {k}]" for i, k in shape]
         else:
             results = [f"{function}_{label}" for label in routine.labels]
             declared += [f"Real {name};" for name in results]
-            equations.append(f"({', '.join(results)}) = {call}")
+            equations += LAYOUT.lines(f"({', '.join(results)}) = {call}")
         terms = [f"abs({name} - expected[row, {k}])/max(sizes[{k}], abs(expected[row, {k}]))"
                  for k, name in enumerate(results, start + 1)]  # fmt: skip
         declared.append(f"Real {function};")
-        equations.append(f"{function} = {_largest(terms)};")
+        equations += LAYOUT.lines(f"{function} = max({{{', '.join(terms)}}});")
         equations.append(f'assert({function} <= {TOLERANCE[function]!r}, "{function} differ");')
         start += size
     values = {
@@ -287,13 +347,9 @@ def _self_test(program: Program) -> str:
     return filled(_SELF_TEST, values)
 
 
-def _largest(terms: Sequence[str]) -> str:
-    return f"max({{{', '.join(terms)}}})"
-
-
 def _matrix(rows: Iterable[Sequence[float]]) -> str:
     return ",\n".join(f"    {{{_numbers(row)}}}" for row in rows)
 
 
 def _numbers(values: Iterable[float]) -> str:
-    return ", ".join(map(repr, values))
+    return "\n      ".join(line.rstrip() for line in wrapped([*map(repr, values)]))

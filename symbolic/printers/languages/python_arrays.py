@@ -124,7 +124,7 @@ sys.exit(0 if ok else 1)
 
 def printer_for(library: ArrayLibrary) -> Callable[[Program], dict[str, str]]:
     """Return the function that prints a program for a library."""
-    layout = Layout(library.printer, "{name} = {value}", "# {}", python_comment)
+    layout = Layout(library.printer, "{name} = {value}", "# {}", python_comment, continued=" \\")
 
     def files(program: Program) -> dict[str, str]:
         name = program.name

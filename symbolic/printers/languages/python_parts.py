@@ -27,13 +27,13 @@ def coefficient_table(program: Program, layout: Layout) -> str:
 
 def equations(program: Program, routine: Routine, name: str, layout: Layout, decorator: str = "") -> str:
     """Return the function of a list of inputs and a list of coefficients, as a tuple or a tuple of rows."""
-    read = [f"{', '.join(program.input_names)} = inputs"]
+    read = layout.lines(f"{', '.join(program.input_names)} = inputs")
     if program.coefficients:
         names = "\n".join(wrapped(list(program.coefficients)))
         read.append(f"(\n{layout.indented(names.splitlines())},\n) = coefficients")
-    rows = ["(" + ", ".join(layout.printer.doprint(value) for value in row) + ",)" for row in routine.results]
-    result = rows[0] if not routine.name.startswith("jacobian_") else f"({', '.join(rows)},)"
+    matrix = routine.name.startswith("jacobian_")
+    results = layout.indented(layout.rows(routine, "({},)," if matrix else "{},"), 2)
     return (
         f"\n\n{decorator}def {name}(inputs, coefficients):\n{layout.indented(read)}\n\n"
-        f"{layout.statements(routine)}\n\n    return {result}\n"
-    ).rstrip() + "\n"
+        f"{layout.statements(routine)}\n\n    return (\n{results}\n    )\n"
+    )

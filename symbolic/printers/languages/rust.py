@@ -74,7 +74,7 @@ fn main() {
     let mut largest = [0.0_f64; @n_functions@];
     let mut rows = 0.0;
 @coefficients@    for row in lines {
-        let inputs = tire::Inputs { @inputs@ };
+@inputs@
         let mut results: Vec<f64> = Vec::new();
 @calls@
         for (k, result) in results.iter().enumerate() {
@@ -165,11 +165,10 @@ def _function(program: Program, routine: Routine) -> str:
     read += [f"let {key} = coefficients.{key};" for key in used]
     if routine.name.startswith("jacobian_"):
         kind = f"[[f64; {len(routine.results[0])}]; {len(routine.results)}]"
-        rows = [f"[{', '.join(LAYOUT.printer.doprint(value) for value in row)}]," for row in routine.results]
-        result = f"[\n{LAYOUT.indented(rows, 2)}\n    ]"
+        result = f"[\n{LAYOUT.indented(LAYOUT.rows(routine, '[{}],'), 2)}\n    ]"
     else:
         kind = routine.name.capitalize()
-        result = f"{kind} {{ {', '.join(routine.labels)} }}"
+        result = "\n    ".join(LAYOUT.lines(f"{kind} {{ {', '.join(routine.labels)} }}"))
     return (
         f"{LAYOUT.remark(routine.summary)}\npub fn {routine.name}({parameters}) -> {kind} {{\n"
         f"{LAYOUT.indented(read)}\n{LAYOUT.statements(routine)}\n    {result}\n}}"
@@ -187,13 +186,14 @@ def _self_test(program: Program) -> str:
             calls.append(f"{function}.iter().for_each(|row| results.extend_from_slice(row));")
         else:
             members = ", ".join(f"{function}.{label}" for label in routine.labels)
-            calls.append(f"results.extend_from_slice(&[{members}]);")
+            calls += LAYOUT.lines(f"results.extend_from_slice(&[{members}]);")
     load = "    let coefficients = tire::Coefficients::default();\n"
     if program.placement == "file":
         load = (
             f'    let values = std::fs::read_to_string("{program.values_file}").unwrap_or_default();\n'
             "    let Some(coefficients) = tire::Coefficients::parse(&values) else { std::process::exit(1) };\n"
         )
+    members = ", ".join(f"{key}: row[{i}]" for i, key in enumerate(program.input_names))
     values = {
         "head": LAYOUT.head(program.header[:1]),
         "name": program.name,
@@ -204,7 +204,7 @@ def _self_test(program: Program) -> str:
         "n_functions": len(ends),
         "n_inputs": len(program.inputs),
         "coefficients": load if program.coefficients else "",
-        "inputs": ", ".join(f"{key}: row[{i}]" for i, key in enumerate(program.input_names)),
+        "inputs": LAYOUT.indented(LAYOUT.lines(f"let inputs = tire::Inputs {{ {members} }};"), 2),
         "calls": LAYOUT.indented(calls, 2),
     }
     return filled(_SELF_TEST, values)
