@@ -37,28 +37,36 @@ static double load(const State *state)
     return state->contact.inputs[LOAD] > 0.0 ? state->contact.inputs[LOAD] : 0.0;
 }
 
-/* Some terms of a model change sign with the direction of travel. */
-static void blend(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+/* The forces in a direction of travel. */
+static void find_one_way(const State *state, double sense, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
-#ifdef SPEED
+    size_t i;
+
+    model_forces(inputs, model_parameters(state), forces);
+    for (i = 0; i < N_OUTPUTS; i++)
+        forces[i] *= output_sign(sense, i);
+}
+
+/* The forces; those of both directions at very low speed, because some terms change sign with the direction. */
+static void find_forces(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+{
+    const double sense = state->contact.sense;
     const double step = state->contact.speed < LOWEST_SPEED ? state->contact.speed / LOWEST_SPEED : 1.0;
     const double share = 0.5 * (1.0 + step * (1.5 - 0.5 * step * step));
     double turned[N_INPUTS], other[N_OUTPUTS];
     size_t i;
 
+    find_one_way(state, sense, inputs, forces);
     if (share >= 1.0)
         return;
     memcpy(turned, inputs, sizeof turned);
-    turned[SPEED] = -inputs[SPEED];
     turned[KAPPA] = -inputs[KAPPA];
-    model_forces(turned, model_parameters(state), other);
+#ifdef SPEED
+    turned[SPEED] = REVERSES ? -inputs[SPEED] : inputs[SPEED];
+#endif
+    find_one_way(state, -sense, turned, other);
     for (i = 0; i < N_OUTPUTS; i++)
         forces[i] = share * forces[i] + (1.0 - share) * other[i];
-#else
-    (void) state;
-    (void) inputs;
-    (void) forces;
-#endif
 }
 
 static void find_without_slip(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
@@ -67,8 +75,7 @@ static void find_without_slip(const State *state, const double inputs[N_INPUTS],
 
     memcpy(straight, inputs, sizeof straight);
     straight[KAPPA] = straight[ALPHA] = 0.0;
-    model_forces(straight, model_parameters(state), forces);
-    blend(state, straight, forces);
+    find_forces(state, straight, forces);
 }
 
 static void fade_shifts(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
@@ -157,13 +164,13 @@ static void limit_to_friction(State *state, const double quantities[N_QUANTITIES
             forces[FORCE[i]] = limits[i] * (used[i] + share * damped[i]);
 }
 
-void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
     double quantities[N_QUANTITIES];
 
+    find_forces(state, inputs, forces);
     if (contact_is_smooth(state))
         return;
-    blend(state, inputs, forces);
     if (state->contact.speed < standstill_speed(state))
         fade_shifts(state, inputs, forces);
     model_quantities(inputs, model_parameters(state), quantities);

@@ -5,7 +5,8 @@
  *   standstill is a spring.  The slip is limited to three times the slip of peak friction.
  * - A slip without lag uses a reference speed of at least half of LOW_SPEED.  There the force damps the sliding.
  * - Turn slip, yaw rate by reference speed, fades out: the twist of the contact patch replaces it.
- * standstill.c corrects the forces.
+ * A model that does not reverse with the speed is evaluated as a wheel that rolls forward, and its forces are mirrored.
+ * standstill.c computes the forces.
  * After Pacejka, Tire and Vehicle Dynamics (2012), section 8.6; the limits and the reference speed are tirefmu's own.
  */
 #include "contact.h"
@@ -56,10 +57,13 @@ static double rolling_speed(double speed)
     return share < 1.0 ? speed * share * (2.0 - share) : speed;
 }
 
+/* The sign of speed and turn slip in the model's equations, relative to those of the wheel. */
+static double frame(const Contact *contact) { return REVERSES ? 1.0 : contact->sense; }
+
 void contact_find(State *state)
 {
     Contact *contact = &state->contact;
-        double forward, turning, reference;
+    double forward, turning, reference;
     size_t i;
 
     if (state->contact_known)
@@ -77,14 +81,13 @@ void contact_find(State *state)
     turning = host_value(state, FIRST_INPUT + HOST_TURNING);
     contact->speed = fabs(forward);
     contact->rolling = rolling_speed(contact->speed);
-    contact->sense = 1.0;
+    contact->sense = forward < 0.0 ? -1.0 : 1.0;
     reference = contact->speed;
     if (reference < standstill_speed(state))
         reference = 0.5 * (reference * reference / standstill_speed(state) + standstill_speed(state));
 #ifdef SPEED
-    if (forward < 0.0)
-        contact->sense = -1.0;
-    contact->inputs[SPEED] = contact->speed < LOWEST_SPEED ? contact->sense * LOWEST_SPEED : forward;
+    contact->inputs[SPEED] =
+        frame(contact) * contact->sense * (contact->speed < LOWEST_SPEED ? LOWEST_SPEED : contact->speed);
 #endif
     contact->sliding[LONGITUDINAL] = turning * rolling_radius(contact->inputs, turning, model_parameters(state)) - forward;
     contact->sliding[LATERAL] = host_value(state, FIRST_INPUT + HOST_SIDEWAYS);
@@ -95,7 +98,7 @@ void contact_find(State *state)
     contact->inputs[ALPHA] = atan(contact->sliding[LATERAL] / reference);
 #ifdef TURN
     contact->yawing = host_value(state, FIRST_INPUT + HOST_YAWING);
-    contact->inputs[TURN] = contact->yawing / reference * (1.0 - standstill_share(state));
+    contact->inputs[TURN] = frame(contact) * contact->yawing / reference * (1.0 - standstill_share(state));
 #endif
     find_bounds(state, reference);
     state->contact_known = 1;
@@ -122,7 +125,7 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
     given[DISTANCE] = seeds[FIRST_DERIVATIVE - 1];
 #endif
 #ifdef SPEED
-    given[SPEED] = moved[HOST_SPEED];
+    given[SPEED] = frame(contact) * moved[HOST_SPEED];
 #endif
     for (i = 0; i < N_INPUTS; i++)
         radius_moved += radius->by[i] * given[i];
@@ -138,6 +141,6 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
     given[ALPHA] = slip[LATERAL] / (1.0 + contact->target[LATERAL] * contact->target[LATERAL]);
 #ifdef TURN
     tangent->motion[YAWING] = moved[HOST_YAWING];
-    given[TURN] = (moved[HOST_YAWING] - contact->inputs[TURN] * tangent->motion[ROLLING]) / speed;
+    given[TURN] = (frame(contact) * moved[HOST_YAWING] - contact->inputs[TURN] * tangent->motion[ROLLING]) / speed;
 #endif
 }
