@@ -14,17 +14,17 @@ from tirefmu.tires import states
 
 from ..description.arrays import arrays
 from ..description.interface import Interface, host_input_indices
-from ..description.variables import Variable
+from ..description.variables import Variable, read_inputs
 
 #: Roles of the quantities that the wrapper reads.
 ROLES = (
-    "friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y", "turning_torque",
+    "friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y", "turning_torque", "trail",
     "loaded_radius",
 )  # fmt: skip
 #: Outputs that a mirror across the direction of travel reverses.
 MIRRORED_ACROSS = frozenset({"Fx", "My", "Mz"})
 #: Parameters that the wrapper reads: with inputs of a wheel, and with those of a hub.
-STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA")
+STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA", "FRICTION_LIMIT")
 VERTICAL = (
     "FNOMIN",
     "UNLOADED_RADIUS",
@@ -191,7 +191,7 @@ def _indices(shown: Interface) -> Iterable[str]:
             yield f"#define {role.upper()} {prefix}_{tire.book.quantity(role)}"
     yield f"#define SIDE_FORCE_SENSE {-1.0 if tire.signs == 'iso' else 1.0}"
     inputs = [variable.name for variable in shown.contact_inputs]
-    if shown.twists:
+    if shown.wheel and "phit" in read_inputs(tire):
         yield f"#define TURN {prefix}_phit"
     hosts = {"HOST_SPEED": ("V", "V_x"), "HOST_SIDEWAYS": ("V_y",), "HOST_YAWING": ("psi_dot",)}
     hosts["HOST_TURNING"] = ("wheel_speed",) if shown.hub else ("omega",)

@@ -15,6 +15,7 @@
  *   bounds   largest magnitude of the lagged slips
  *   friction, stiffness   near standstill: mu Fz, N, and slip stiffness
  *   sense    the direction of travel: -1 backward.  The model's kappa is positive if it drives the wheel in this direction
+ *   frame    sign of speed and turn slip in the model's equations, relative to those of the wheel
  *   speed    |V|, m/s
  *   rolling  the speed at which deflections decay: |V|, smooth at 0, m/s
  *   yawing   yaw rate of the wheel, rad/s */

@@ -3,10 +3,11 @@
  * - Up to LOWEST_SPEED the forces of both directions of travel are interpolated.
  * - What the formula gives at zero slip (shifts, ply-steer, conicity, camber thrust) needs a rolling tire: it fades out
  *   towards rest.  The overturning moment of an inclined wheel remains.
- * - A twisted contact patch has a moment, up to the friction torque, in place of turn slip.
+ * - A twisted contact patch has a moment, up to the friction torque, in place of turn slip.  If the model has no such
+ *   torque, it is that of a patch with parabolic pressure whose length follows from the trail.
  * - A damper acts in parallel with the spring of a standing tire.
  * - The vector of Fx and Fy is limited to the friction ellipse, the damper to what the spring leaves of it.  No force
- *   then does more work than the sliding and the spring deliver.
+ *   then does more work than the sliding and the spring deliver.  With FRICTION_LIMIT = 1 the limit acts at every speed.
  */
 #include "standstill.h"
 
@@ -142,7 +143,8 @@ static double largest_share(const double a[N_SLIPS], const double b[N_SLIPS])
 static void limit_to_friction(State *state, const double quantities[N_QUANTITIES], double forces[N_OUTPUTS])
 {
     static const unsigned friction[] = {FRICTION_X, FRICTION_Y};
-    const double beyond = state->contact.speed / standstill_speed(state) - LIMIT_BEGIN;
+    const double free = 1.0 - state->values[FIRST_PARAMETER + FRICTION_LIMIT];
+    const double beyond = (state->contact.speed / standstill_speed(state) - LIMIT_BEGIN) / (LIMIT_END - LIMIT_BEGIN);
     double limits[N_SLIPS], used[N_SLIPS], damped[N_SLIPS], use, share;
     size_t i;
 
@@ -153,7 +155,7 @@ static void limit_to_friction(State *state, const double quantities[N_QUANTITIES
     }
     use = sqrt(used[0] * used[0] + used[1] * used[1]);
     if (use > 1.0) {
-        share = beyond > 0.0 ? beyond / (LIMIT_END - LIMIT_BEGIN) : 0.0;
+        share = free * (beyond > 1.0 ? 1.0 : beyond > 0.0 ? beyond : 0.0);
         use = use / (1.0 + (use - 1.0) * share);
         for (i = 0; i < N_SLIPS; i++)
             used[i] /= use;
@@ -163,6 +165,19 @@ static void limit_to_friction(State *state, const double quantities[N_QUANTITIES
         if (limits[i] > 0.0)
             forces[FORCE[i]] = limits[i] * (used[i] + share * damped[i]);
 }
+
+#if TWISTS
+/* By the integrals over a patch of length 2 a: the torque is 3/8 mu Fz a, and the trail of bristles on it is a/3. */
+static double turning_torque(const State *state, const double quantities[N_QUANTITIES])
+{
+#ifdef TURN
+    (void) state;
+    return quantities[TURNING_TORQUE];
+#else
+    return 9.0 / 8.0 * fabs(quantities[FRICTION_Y] * quantities[TRAIL]) * load(state);
+#endif
+}
+#endif
 
 void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
@@ -177,6 +192,6 @@ void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N
     limit_to_friction(state, quantities, forces);
 #if TWISTS
     forces[ALIGNING_MOMENT] +=
-        SIDE_FORCE_SENSE * standstill_share(state) * quantities[TURNING_TORQUE] * slips_twist(state);
+        SIDE_FORCE_SENSE * standstill_share(state) * turning_torque(state, quantities) * slips_twist(state);
 #endif
 }

@@ -57,9 +57,6 @@ static double rolling_speed(double speed)
     return share < 1.0 ? speed * share * (2.0 - share) : speed;
 }
 
-/* The sign of speed and turn slip in the model's equations, relative to those of the wheel. */
-static double frame(const Contact *contact) { return REVERSES ? 1.0 : contact->sense; }
-
 void contact_find(State *state)
 {
     Contact *contact = &state->contact;
@@ -82,12 +79,13 @@ void contact_find(State *state)
     contact->speed = fabs(forward);
     contact->rolling = rolling_speed(contact->speed);
     contact->sense = forward < 0.0 ? -1.0 : 1.0;
+    contact->frame = REVERSES ? 1.0 : contact->sense;
     reference = contact->speed;
     if (reference < standstill_speed(state))
         reference = 0.5 * (reference * reference / standstill_speed(state) + standstill_speed(state));
 #ifdef SPEED
     contact->inputs[SPEED] =
-        frame(contact) * contact->sense * (contact->speed < LOWEST_SPEED ? LOWEST_SPEED : contact->speed);
+        contact->frame * contact->sense * (contact->speed < LOWEST_SPEED ? LOWEST_SPEED : contact->speed);
 #endif
     contact->sliding[LONGITUDINAL] = turning * rolling_radius(contact->inputs, turning, model_parameters(state)) - forward;
     contact->sliding[LATERAL] = host_value(state, FIRST_INPUT + HOST_SIDEWAYS);
@@ -96,9 +94,11 @@ void contact_find(State *state)
             contact->sliding[i] / (contact->rolling > STANDSTILL_SPEED ? contact->rolling : STANDSTILL_SPEED);
     contact->inputs[KAPPA] = contact->sense * contact->sliding[LONGITUDINAL] / reference;
     contact->inputs[ALPHA] = atan(contact->sliding[LATERAL] / reference);
-#ifdef TURN
+#if TWISTS
     contact->yawing = host_value(state, FIRST_INPUT + HOST_YAWING);
-    contact->inputs[TURN] = frame(contact) * contact->yawing / reference * (1.0 - standstill_share(state));
+#endif
+#ifdef TURN
+    contact->inputs[TURN] = contact->frame * contact->yawing / reference * (1.0 - standstill_share(state));
 #endif
     find_bounds(state, reference);
     state->contact_known = 1;
@@ -106,7 +106,8 @@ void contact_find(State *state)
 
 int contact_is_smooth(const State *state)
 {
-    return state->contact.speed >= LIMIT_END * standstill_speed(state) && state->contact.speed >= LOWEST_SPEED;
+    return !(state->values[FIRST_PARAMETER + FRICTION_LIMIT] > 0.0) &&
+           state->contact.speed >= LIMIT_END * standstill_speed(state) && state->contact.speed >= LOWEST_SPEED;
 }
 
 void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
@@ -125,7 +126,7 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
     given[DISTANCE] = seeds[FIRST_DERIVATIVE - 1];
 #endif
 #ifdef SPEED
-    given[SPEED] = frame(contact) * moved[HOST_SPEED];
+    given[SPEED] = contact->frame * moved[HOST_SPEED];
 #endif
     for (i = 0; i < N_INPUTS; i++)
         radius_moved += radius->by[i] * given[i];
@@ -139,8 +140,10 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
         slip[i] = (sliding[i] - contact->target[i] * tangent->motion[ROLLING]) / speed;
     given[KAPPA] = contact->sense * slip[LONGITUDINAL];
     given[ALPHA] = slip[LATERAL] / (1.0 + contact->target[LATERAL] * contact->target[LATERAL]);
-#ifdef TURN
+#if TWISTS
     tangent->motion[YAWING] = moved[HOST_YAWING];
-    given[TURN] = (frame(contact) * moved[HOST_YAWING] - contact->inputs[TURN] * tangent->motion[ROLLING]) / speed;
+#endif
+#ifdef TURN
+    given[TURN] = (contact->frame * moved[HOST_YAWING] - contact->inputs[TURN] * tangent->motion[ROLLING]) / speed;
 #endif
 }

@@ -60,7 +60,7 @@ def read(compiler, tmp_path_factory):
     built = {}
 
     def program(shown):
-        folder = built[shown.tire.model, shown.twists] = tmp_path_factory.mktemp("reader")
+        folder = built[shown.tire.model, "turn_slip" in shown.tire.has] = tmp_path_factory.mktemp("reader")
         for file, content in sti_sources(shown, tire_header(shown, from_file=True), from_file=True).items():
             (folder / file).write_bytes(content)
         sources = [str(SOURCE.with_name("tir_program.c")), *(str(folder / name) for name in READER)]
@@ -210,7 +210,7 @@ def test_forces_are_those_of_the_fmu_of_the_file(program, tires, compiler, tmp_p
     given = motion("launch", 0.31)
     found, report, status = run(program, entry, *given, tire_file=tmp_path / "other.tir")
     assert status == 0, report
-    assert f"{len(tire.values) + 7 + 8 + 18} parameters" in report
+    assert f"{len(tire.values) + 8 + 8 + 18} parameters" in report
     values = simulate(export(tire, tmp_path / "tire.fmu", inputs="hub"), tmp_path, entry, 0.31, *given)
     size = 1.0 + np.abs(values).max(axis=0)
     assert np.abs((found[:, : values.shape[1]] - values) / size).max() < 1e-9
