@@ -86,7 +86,7 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
         "The tire file is resources/tire.tir. License: licenses/license.txt.</p>",
         *((f"<p>Assumption: {html_text(header.note)}.</p>",) if header.note else ()),
         *_about(tire),
-        *_how_to_connect(by_causality["input"]),
+        *_how_to_connect(tire, by_causality["input"]),
         "<h2>Inputs</h2>",
         *_table(by_causality["input"], "start value"),
         "<h2>Outputs</h2>",
@@ -113,7 +113,7 @@ def _about(tire: Tire) -> Iterable[str]:
         yield "</table>"
 
 
-def _how_to_connect(inputs: Sequence[Variable]) -> Iterable[str]:
+def _how_to_connect(tire: Tire, inputs: Sequence[Variable]) -> Iterable[str]:
     """Yield instructions for connecting the inputs and outputs."""
     names = {variable.name for variable in inputs}
     yield "<h2>How to connect</h2>"
@@ -130,7 +130,16 @@ def _how_to_connect(inputs: Sequence[Variable]) -> Iterable[str]:
         yield "Apply Fx at the loaded radius R_l, if it is an output, in the wheel's equation of motion.</p>"
         yield from _standstill("psi_dot" in names)
     else:
-        yield "<p>kappa = (omega R_e - V_x)/|V_x|, tan(alpha) = V_y/|V_x|.</p>"
+        yield f"<p>{_slips(tire)}</p>"
+
+
+def _slips(tire: Tire) -> str:
+    """Return the definition of the slips in both directions of travel."""
+    if tire.book.reverses:
+        return "kappa = (omega R_e - V_x)/V_x, also with V_x < 0; tan(alpha) = V_y/|V_x|."
+    if "V" in tire.inputs:
+        return "kappa = (omega R_e - V_x)/|V_x|, tan(alpha) = V_y/|V_x|; Mz is that of a wheel that rolls forward."
+    return "kappa = (omega R_e - V_x)/V_x, tan(alpha) = V_y/V_x; in reverse the host mirrors Fx and Mz."
 
 
 def _hub(spins: bool) -> Iterable[str]:
@@ -156,11 +165,11 @@ def _standstill(turns: bool) -> Iterable[str]:
     yield "relaxation length that the tire lacks is DEFAULT_SIGMA; with DEFAULT_SIGMA = 0 the slip has no lag,"
     yield "and the tire is a damper only. Below LOW_SPEED the forces at zero slip (shifts, ply-steer, conicity,"
     yield "camber thrust) fade out. The vector of Fx and Fy is limited to the friction ellipse below 2"
-    yield "LOW_SPEED; the limit fades out up to 3 LOW_SPEED.</p>"
+    yield "LOW_SPEED; the limit fades out up to 3 LOW_SPEED, unless FRICTION_LIMIT is 1.</p>"
     if turns:
         yield "<p>Turn slip psi_dot/V fades out below LOW_SPEED. A wheel that turns on the spot has no side force"
-        yield "and a moment that grows with the twist of the contact patch up to the friction torque"
-        yield "M_zphi_inf.</p>"
+        yield "and a moment that grows with the twist of the contact patch up to the friction torque: M_zphi_inf of"
+        yield "a tire with turn slip, otherwise 9/8 mu_y Fz times the trail at zero slip.</p>"
     yield "<p>A host that holds forces over a step must resolve the oscillation of the wheel on the tire's"
     yield "spring: with inertia J, slip stiffness K and relaxation length sigma, steps below sqrt(J sigma / K)"
     yield "/ R, 2 to 5 ms for a passenger car. Set the velocities at the end of the step before doStep: with"

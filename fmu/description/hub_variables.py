@@ -162,6 +162,14 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
     return [*found, replace(WHEEL_INERTIA, start=inertia)] if spins else found
 
 
+def with_damping(tire: Tire) -> Tire:
+    """Return a tire with the assumed vertical damping if its model has one that its file does not state."""
+    if "VERTICAL_DAMPING" not in tire.defaulted:
+        return tire
+    given = {name: value for name, value in tire.values.items() if name not in tire.defaulted}
+    return replace(tire, values={**given, "VERTICAL_DAMPING": DEFAULT_DAMPING})
+
+
 def _stiffness(tire: Tire) -> float:
     """Return the vertical stiffness of a tire whose model has none, N/m; a file without a value may state 0."""
     default = tire.values["FNOMIN"] / (DEFAULT_DEFLECTION * tire.values["UNLOADED_RADIUS"])

@@ -15,7 +15,7 @@ from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
 from tirefmu.tires.roads.road import Road
 
-from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters
+from .hub_variables import BRAKE_EVENT, hub_inputs, hub_motion, hub_outputs, hub_parameters, with_damping
 from .standstill import standstill_parameters, with_lengths
 from .variables import (
     TIME,
@@ -170,7 +170,7 @@ def interface(
     --------
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in interface(published("trento_hoosier"), inputs="wheel").group("input")]
-    ['V_x', 'V_y', 'omega', 'gamma', 'Fz']
+    ['V_x', 'V_y', 'omega', 'psi_dot', 'gamma', 'Fz']
     """
     for what, given, known in (("kind of inputs", inputs, INPUTS), ("kind of axes", axes, AXES)):
         if given not in known:
@@ -186,17 +186,19 @@ def interface(
         if not tire.values[needed] > 0.0:
             raise FmuError(f"{inputs} inputs need {needed} > 0, not {tire.values[needed]:g}")
     tire, note = with_lengths(tire) if wheel else (tire, "")
+    tire = with_damping(tire) if hub else tire
     read = read_inputs(tire)
+    twists = wheel and ("phit" in read or bool(book.quantity("trail")))
     states = [
         *(_state(slip) for slip in ((KAPPA_LAGGED, TAN_ALPHA_LAGGED) if tire.lags or wheel else ())),
-        *((_state(TWIST),) if wheel and "phit" in read else ()),
+        *((_state(TWIST),) if twists else ()),
         *(_memory_state(tire, name) for name in tire.states),
         *((_state(DISTANCE),) if "distance" in read else ()),
     ]
     if hub:
         hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins, road=road), *hub_motion()]
     else:
-        hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
+        hosts = _wheel_inputs(tire, read, twists) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
     extras = _extras(tire, inputs, quantities)
     parameters = [
@@ -242,14 +244,14 @@ def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
     return shown
 
 
-def _wheel_inputs(tire: Tire, read: set[str]) -> list[Variable]:
+def _wheel_inputs(tire: Tire, read: set[str], twists: bool) -> list[Variable]:
     """Return the wheel's motion, free rolling at the start, and the remaining inputs of the model."""
     speed, spin = free_rolling(tire)
     starts = {"V_x": speed, "V_y": 0.0, "omega": spin}
     moved = {"kappa", "alpha", "V", "phit", "distance", *tire.book.states}
     return [
         *(input_variable(quantity, starts[quantity.name]) for quantity in MOTION),
-        *((input_variable(YAWING, 0.0),) if "phit" in read else ()),
+        *((input_variable(YAWING, 0.0),) if twists else ()),
         *(input_variable(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - moved),
     ]
 

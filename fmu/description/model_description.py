@@ -15,7 +15,7 @@ from .variables import Variable, is_indicator
 
 #: Log categories of both FMI versions.
 LOG_CATEGORIES = {
-    "logEvents": "an assumption of the FMU at the end of initialization",
+    "logEvents": "an assumption of the FMU at the end of initialization; only if loggingOn is true",
     "logStatusWarning": "an input is outside the valid range of the tire",
     "logStatusDiscard": "a value was rejected or a result is not available: not finite, or outside its limits",
     "logStatusError": "a call was rejected: not allowed, not supported, or with a pointer that is NULL",

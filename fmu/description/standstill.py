@@ -15,6 +15,10 @@ LOW_SPEED = Variable("LOW_SPEED", "parameter", "m/s", "speed below which standst
 LOW_SPEED_DAMPING = Variable(
     "LOW_SPEED_DAMPING", "parameter", "1", "damping ratio of the tire at standstill", 0.7, 0.0, inf
 )
+FRICTION_LIMIT = Variable(
+    "FRICTION_LIMIT", "parameter", "1",
+    "share of the force beyond the friction ellipse that is removed above walking speed", 0.0, 0.0, 1.0,
+)  # fmt: skip
 DEFAULT_SIGMA = Variable(
     "DEFAULT_SIGMA", "parameter", "m", "relaxation length of a slip for which the tire has none", 0.15, 0.0, inf
 )
@@ -73,13 +77,14 @@ def standstill_parameters(tire: Tire) -> tuple[Variable, ...]:
     --------
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in standstill_parameters(published("trento_hoosier"))]
-    ['LOW_SPEED', 'LOW_SPEED_DAMPING', 'DEFAULT_SIGMA']
+    ['LOW_SPEED', 'LOW_SPEED_DAMPING', 'DEFAULT_SIGMA', 'FRICTION_LIMIT']
     """
     own = tire.values.get(tire.book.low_speed, 0.0)
     return (
         replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start),
         LOW_SPEED_DAMPING,
         replace(DEFAULT_SIGMA, start=_default_length(tire)),
+        FRICTION_LIMIT,
     )
 
 

@@ -7,21 +7,24 @@ from math import inf, isfinite
 
 from tirefmu.symbolic.added.state import SPEED
 from tirefmu.symbolic.escaping import c_string
+from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.printers.definitions import comment
 from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES, SPIN
 from tirefmu.tires import states
 
 from ..description.arrays import arrays
 from ..description.interface import Interface, host_input_indices
-from ..description.variables import Variable
+from ..description.variables import Variable, read_inputs
 
 #: Roles of the quantities that the wrapper reads.
 ROLES = (
-    "friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y", "turning_torque",
+    "friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y", "turning_torque", "trail",
     "loaded_radius",
 )  # fmt: skip
+#: Outputs that a mirror across the direction of travel reverses.
+MIRRORED_ACROSS = frozenset({"Fx", "My", "Mz"})
 #: Parameters that the wrapper reads: with inputs of a wheel, and with those of a hub.
-STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA")
+STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA", "FRICTION_LIMIT")
 VERTICAL = (
     "FNOMIN",
     "UNLOADED_RADIUS",
@@ -109,8 +112,9 @@ def model_config(shown: Interface) -> str:
         *_sizes(shown),
         *_indices(shown),
         "",
-        comment("By input of the model."),
+        comment("By input of the model, by output."),
         *_inputs(shown),
+        *table("BACKWARD_SIGNS", _backward_signs(shown.tire.book)),
         "",
         comment("By value reference."),
         *(line for name, entries in tables.items() for line in table(name, entries)),
@@ -159,6 +163,7 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define HUB {int(shown.hub)}"
     yield f"#define SPIN {int(shown.spins)}"
     yield f"#define ROAD {int(shown.road is not None)}"
+    yield f"#define REVERSES {int(shown.tire.book.reverses)}"
     names = [v.name for v in shown.contact_inputs]
     yield f"#define SPIN_PLACE {names.index(SPIN.name) if shown.spins else 0}"
     optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
@@ -186,7 +191,7 @@ def _indices(shown: Interface) -> Iterable[str]:
             yield f"#define {role.upper()} {prefix}_{tire.book.quantity(role)}"
     yield f"#define SIDE_FORCE_SENSE {-1.0 if tire.signs == 'iso' else 1.0}"
     inputs = [variable.name for variable in shown.contact_inputs]
-    if shown.twists:
+    if shown.wheel and "phit" in read_inputs(tire):
         yield f"#define TURN {prefix}_phit"
     hosts = {"HOST_SPEED": ("V", "V_x"), "HOST_SIDEWAYS": ("V_y",), "HOST_YAWING": ("psi_dot",)}
     hosts["HOST_TURNING"] = ("wheel_speed",) if shown.hub else ("omega",)
@@ -207,6 +212,11 @@ def _indices(shown: Interface) -> Iterable[str]:
         yield from table("FRICTION_PARAMETERS", [*scales, "-1"])
         if not scales:
             yield "#define HOST_FRICTION 0"  # not read
+
+
+def _backward_signs(book: Model) -> list[str]:
+    """Return the sign of each output of a wheel that rolls backward, relative to one that rolls forward."""
+    return ["-1" if q.name in MIRRORED_ACROSS and not book.reverses else "1" for q in book.outputs]
 
 
 def _memory(shown: Interface) -> list[str]:

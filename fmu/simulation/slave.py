@@ -81,7 +81,9 @@ class Slave:
             instanceName="check",
         )
         if self.version_3:
-            self.fmu.instantiate(logMessage=lambda _environment, _status, _category, line: self._note(line))
+            self.fmu.instantiate(
+                loggingOn=True, logMessage=lambda _environment, _status, _category, line: self._note(line)
+            )
         else:
             # fmpy's memory functions and our logger; fmpy holds a reference to them.
             callbacks = fmi2CallbackFunctions()
@@ -90,7 +92,7 @@ class Slave:
             )
             callbacks.allocateMemory = defaultCallbacks.allocateMemory
             callbacks.freeMemory = defaultCallbacks.freeMemory
-            self.fmu.instantiate(callbacks=callbacks)
+            self.fmu.instantiate(callbacks=callbacks, loggingOn=True)
 
     def _note(self, line: bytes | None) -> None:
         if len(self.log) == MOST_LINES:

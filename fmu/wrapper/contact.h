@@ -14,15 +14,15 @@
  *   sliding  target times rolling, m/s, finite at standstill
  *   bounds   largest magnitude of the lagged slips
  *   friction, stiffness   near standstill: mu Fz, N, and slip stiffness
- *   sense    sign of the model's kappa: -1 for some models in reverse
+ *   sense    the direction of travel: -1 backward.  The model's kappa is positive if it drives the wheel in this direction
+ *   frame    sign of speed and turn slip in the model's equations, relative to those of the wheel
  *   speed    |V|, m/s
  *   rolling  the speed at which deflections decay: |V|, smooth at 0, m/s
  *   yawing   yaw rate of the wheel, rad/s */
 void contact_find(State *state);
 
-/* Correct the forces near standstill; `inputs` are the model's inputs with the acting slips.  For wheel inputs it is
-   in standstill.c. */
-void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS]);
+/* Compute the forces; `inputs` are the model's inputs with the acting slips.  For wheel inputs it is in standstill.c. */
+void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS]);
 
 /* Tangents of the model's inputs for a change of the host's values. */
 typedef struct {
@@ -48,5 +48,7 @@ double host_value(const State *state, size_t reference);
 /* The parameters as the model reads them: with hub inputs, the friction of the road scales some of them. */
 const double *model_parameters(const State *state);
 double value_direction(unsigned reference);
+/* The sign of an output in a direction of travel: a model whose equations are those of forward rolling is mirrored. */
+double output_sign(double sense, size_t output);
 
 #endif

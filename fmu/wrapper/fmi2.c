@@ -36,7 +36,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 {
     const Kind kind = fmuType == fmi2ModelExchange ? MODEL_EXCHANGE : CO_SIMULATION;
 
-    return instance_create(instanceName, fmuGUID, fmuResourceLocation, kind, log_message,
+    return instance_create(instanceName, fmuGUID, fmuResourceLocation, kind, loggingOn, log_message,
                            functions ? (void (*)(void)) functions->logger : NULL,
                            functions ? functions->componentEnvironment : NULL);
 }

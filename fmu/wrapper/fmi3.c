@@ -37,7 +37,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     Instance *self =
-        instance_create(instanceName, instantiationToken, resourcePath, CO_SIMULATION, log_message,
+        instance_create(instanceName, instantiationToken, resourcePath, CO_SIMULATION, loggingOn, log_message,
                         (void (*)(void)) logMessage, instanceEnvironment);
 
     if (self && instance_use_events(self, eventModeUsed, earlyReturnAllowed) != STATUS_OK) {
@@ -52,7 +52,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage)
 {
-    return instance_create(instanceName, instantiationToken, resourcePath, MODEL_EXCHANGE, log_message,
+    return instance_create(instanceName, instantiationToken, resourcePath, MODEL_EXCHANGE, loggingOn, log_message,
                            (void (*)(void)) logMessage, instanceEnvironment);
 }
 

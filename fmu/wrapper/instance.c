@@ -35,7 +35,7 @@ static void start_again(Instance *self)
     memcpy(self->state.values, self->tire.starts, sizeof self->state.values);
 }
 
-Instance *instance_create(const char *name, const char *token, const char *resources, Kind kind,
+Instance *instance_create(const char *name, const char *token, const char *resources, Kind kind, int logs_events,
                           LogCallback *log_message, void (*logger)(void), void *environment)
 {
     Instance *self = calloc(1, sizeof *self);
@@ -46,7 +46,8 @@ Instance *instance_create(const char *name, const char *token, const char *resou
     self->log_message = log_message;
     self->logger = logger;
     self->environment = environment;
-    self->logs_events = self->logs_warnings = self->logs_discards = self->logs_errors = 1;
+    self->logs_events = logs_events;
+    self->logs_warnings = self->logs_discards = self->logs_errors = 1;
     self->state.kind = kind;
     self->name = malloc(strlen(given_name) + 1);
     if (!self->name) {

@@ -97,7 +97,7 @@ typedef struct {
     double sliding[N_SLIPS];
     double bounds[N_SLIPS];
     double friction[N_SLIPS], stiffness[N_SLIPS];
-    double sense;
+    double sense, frame;
     double speed, rolling;
     double yawing;
 } Contact;
@@ -163,7 +163,8 @@ struct Instance {
     int has_event_mode, returns_early; /* what the host uses in Co-Simulation */
 };
 
-Instance *instance_create(const char *name, const char *token, const char *resources, Kind kind,
+/* Without `logs_events` the host gets warnings and errors only. */
+Instance *instance_create(const char *name, const char *token, const char *resources, Kind kind, int logs_events,
                           LogCallback *log_message, void (*logger)(void), void *environment);
 void instance_free(Instance *self);
 

@@ -73,7 +73,8 @@ static int is_state(const Instance *self, const State *state)
         state->stop_time != state->stop_time || !isfinite(state->distance))
         return 0;
     for (i = 0; i < FIRST_STATE; i++)
-        if ((i < FIRST_COMPUTED || i >= FIRST_PARAMETER) && !isfinite(state->values[i]))
+        if ((i < FIRST_COMPUTED || i >= FIRST_PARAMETER) &&
+            !(state->values[i] >= self->tire.lower[i] && state->values[i] <= self->tire.upper[i])) /* NaN too */
             return 0;
 #if SPIN
     if (state->brake_sense < -1 || state->brake_sense > 1)

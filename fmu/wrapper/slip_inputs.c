@@ -68,9 +68,7 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
 #endif
 }
 
-void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
-    (void) state;
-    (void) inputs;
-    (void) forces;
+    model_forces(inputs, model_parameters(state), forces);
 }

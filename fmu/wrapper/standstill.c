@@ -3,10 +3,11 @@
  * - Up to LOWEST_SPEED the forces of both directions of travel are interpolated.
  * - What the formula gives at zero slip (shifts, ply-steer, conicity, camber thrust) needs a rolling tire: it fades out
  *   towards rest.  The overturning moment of an inclined wheel remains.
- * - A twisted contact patch has a moment, up to the friction torque, in place of turn slip.
+ * - A twisted contact patch has a moment, up to the friction torque, in place of turn slip.  If the model has no such
+ *   torque, it is that of a patch with parabolic pressure whose length follows from the trail.
  * - A damper acts in parallel with the spring of a standing tire.
  * - The vector of Fx and Fy is limited to the friction ellipse, the damper to what the spring leaves of it.  No force
- *   then does more work than the sliding and the spring deliver.
+ *   then does more work than the sliding and the spring deliver.  With FRICTION_LIMIT = 1 the limit acts at every speed.
  */
 #include "standstill.h"
 
@@ -37,28 +38,36 @@ static double load(const State *state)
     return state->contact.inputs[LOAD] > 0.0 ? state->contact.inputs[LOAD] : 0.0;
 }
 
-/* Some terms of a model change sign with the direction of travel. */
-static void blend(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+/* The forces in a direction of travel. */
+static void find_one_way(const State *state, double sense, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
-#ifdef SPEED
+    size_t i;
+
+    model_forces(inputs, model_parameters(state), forces);
+    for (i = 0; i < N_OUTPUTS; i++)
+        forces[i] *= output_sign(sense, i);
+}
+
+/* The forces; those of both directions at very low speed, because some terms change sign with the direction. */
+static void find_forces(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+{
+    const double sense = state->contact.sense;
     const double step = state->contact.speed < LOWEST_SPEED ? state->contact.speed / LOWEST_SPEED : 1.0;
     const double share = 0.5 * (1.0 + step * (1.5 - 0.5 * step * step));
     double turned[N_INPUTS], other[N_OUTPUTS];
     size_t i;
 
+    find_one_way(state, sense, inputs, forces);
     if (share >= 1.0)
         return;
     memcpy(turned, inputs, sizeof turned);
-    turned[SPEED] = -inputs[SPEED];
     turned[KAPPA] = -inputs[KAPPA];
-    model_forces(turned, model_parameters(state), other);
+#ifdef SPEED
+    turned[SPEED] = REVERSES ? -inputs[SPEED] : inputs[SPEED];
+#endif
+    find_one_way(state, -sense, turned, other);
     for (i = 0; i < N_OUTPUTS; i++)
         forces[i] = share * forces[i] + (1.0 - share) * other[i];
-#else
-    (void) state;
-    (void) inputs;
-    (void) forces;
-#endif
 }
 
 static void find_without_slip(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
@@ -67,8 +76,7 @@ static void find_without_slip(const State *state, const double inputs[N_INPUTS],
 
     memcpy(straight, inputs, sizeof straight);
     straight[KAPPA] = straight[ALPHA] = 0.0;
-    model_forces(straight, model_parameters(state), forces);
-    blend(state, straight, forces);
+    find_forces(state, straight, forces);
 }
 
 static void fade_shifts(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
@@ -135,7 +143,8 @@ static double largest_share(const double a[N_SLIPS], const double b[N_SLIPS])
 static void limit_to_friction(State *state, const double quantities[N_QUANTITIES], double forces[N_OUTPUTS])
 {
     static const unsigned friction[] = {FRICTION_X, FRICTION_Y};
-    const double beyond = state->contact.speed / standstill_speed(state) - LIMIT_BEGIN;
+    const double free = 1.0 - state->values[FIRST_PARAMETER + FRICTION_LIMIT];
+    const double beyond = (state->contact.speed / standstill_speed(state) - LIMIT_BEGIN) / (LIMIT_END - LIMIT_BEGIN);
     double limits[N_SLIPS], used[N_SLIPS], damped[N_SLIPS], use, share;
     size_t i;
 
@@ -146,7 +155,7 @@ static void limit_to_friction(State *state, const double quantities[N_QUANTITIES
     }
     use = sqrt(used[0] * used[0] + used[1] * used[1]);
     if (use > 1.0) {
-        share = beyond > 0.0 ? beyond / (LIMIT_END - LIMIT_BEGIN) : 0.0;
+        share = free * (beyond > 1.0 ? 1.0 : beyond > 0.0 ? beyond : 0.0);
         use = use / (1.0 + (use - 1.0) * share);
         for (i = 0; i < N_SLIPS; i++)
             used[i] /= use;
@@ -157,19 +166,32 @@ static void limit_to_friction(State *state, const double quantities[N_QUANTITIES
             forces[FORCE[i]] = limits[i] * (used[i] + share * damped[i]);
 }
 
-void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+#if TWISTS
+/* By the integrals over a patch of length 2 a: the torque is 3/8 mu Fz a, and the trail of bristles on it is a/3. */
+static double turning_torque(const State *state, const double quantities[N_QUANTITIES])
+{
+#ifdef TURN
+    (void) state;
+    return quantities[TURNING_TORQUE];
+#else
+    return 9.0 / 8.0 * fabs(quantities[FRICTION_Y] * quantities[TRAIL]) * load(state);
+#endif
+}
+#endif
+
+void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
     double quantities[N_QUANTITIES];
 
+    find_forces(state, inputs, forces);
     if (contact_is_smooth(state))
         return;
-    blend(state, inputs, forces);
     if (state->contact.speed < standstill_speed(state))
         fade_shifts(state, inputs, forces);
     model_quantities(inputs, model_parameters(state), quantities);
     limit_to_friction(state, quantities, forces);
 #if TWISTS
     forces[ALIGNING_MOMENT] +=
-        SIDE_FORCE_SENSE * standstill_share(state) * quantities[TURNING_TORQUE] * slips_twist(state);
+        SIDE_FORCE_SENSE * standstill_share(state) * turning_torque(state, quantities) * slips_twist(state);
 #endif
 }

@@ -18,6 +18,11 @@ static size_t add(Term terms[], size_t n, Point point, unsigned slot, double fac
     return n + 1;
 }
 
+static size_t add_force(const State *state, Term terms[], size_t n, unsigned i, double factor)
+{
+    return add(terms, n, ACTING, chain_force(i), output_sign(state->contact.sense, i) * factor);
+}
+
 /* sqrt(x^2 + y^2), where x and y are the forces as a share of friction: force / (mu load). */
 static size_t friction_terms(State *state, Term terms[MOST_TERMS])
 {
@@ -37,7 +42,7 @@ static size_t friction_terms(State *state, Term terms[MOST_TERMS])
         if (share[i] == 0.0)
             continue;
         limit = quantities[friction[i]] * load;
-        n = add(terms, n, ACTING, chain_force(force[i]), share[i] / use / limit);
+        n = add_force(state, terms, n, force[i], share[i] / use / limit);
         n = add(terms, n, ACTING, chain_quantity(friction[i]), -share[i] * share[i] / use * load / limit);
     }
     return use > 0.0 ? add(terms, n, GIVEN, LOAD, -use / load) : n;
@@ -109,7 +114,7 @@ static size_t hub_terms(const State *state, unsigned result, Term terms[MOST_TER
         return n;
     hub_by_forces(state, result, by);
     for (i = 0; i < N_OUTPUTS; i++)
-        n = add(terms, n, ACTING, chain_force(i), by[i]);
+        n = add_force(state, terms, n, i, by[i]);
     return n;
 }
 #endif
@@ -151,7 +156,7 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
         return hub_terms(state, unknown - FIRST_COMPUTED, terms);
 #endif
     if (unknown < FIRST_PARAMETER)
-        return add(terms, 0, ACTING, chain_force(unknown - FIRST_OUTPUT), 1.0);
+        return add_force(state, terms, 0, unknown - FIRST_OUTPUT, 1.0);
 #if LAGS
     if (unknown < FIRST_DERIVATIVE + N_SLIPS)
         return rate_terms(state, unknown - FIRST_DERIVATIVE, terms);

@@ -16,6 +16,8 @@ static const unsigned char KINDS[] = VALUE_KINDS;
 static const int EXTRA[] = EXTRAS;
 /* -1 where host and model use opposite signs. */
 static const signed char DIRECTIONS[] = VALUE_DIRECTIONS;
+/* By output of the model: its sign for a wheel that rolls backward. */
+static const signed char BACKWARD[] = BACKWARD_SIGNS;
 static const char *const MODEL_INPUTS[] = MODEL_INPUT_NAMES;
 
 /* The generated header and the model's code must have the same number of values. */
@@ -41,6 +43,8 @@ double value_scale(const State *state, unsigned reference)
 int value_shows(unsigned reference) { return EXTRA[reference - FIRST_EXTRA]; }
 
 double value_direction(unsigned reference) { return DIRECTIONS[reference]; }
+
+double output_sign(double sense, size_t output) { return sense < 0.0 ? BACKWARD[output] : 1.0; }
 
 double host_value(const State *state, size_t reference)
 {
@@ -118,8 +122,7 @@ void state_compute_outputs(State *state)
         return;
     contact_find(state);
     slips_acting(state, inputs);
-    model_forces(inputs, model_parameters(state), forces);
-    contact_settle(state, inputs, forces);
+    contact_forces(state, inputs, forces);
     for (i = 0; i < N_OUTPUTS; i++)
         forces[i] *= DIRECTIONS[FIRST_OUTPUT + i];
 #if HUB

@@ -5,7 +5,8 @@
  *   standstill is a spring.  The slip is limited to three times the slip of peak friction.
  * - A slip without lag uses a reference speed of at least half of LOW_SPEED.  There the force damps the sliding.
  * - Turn slip, yaw rate by reference speed, fades out: the twist of the contact patch replaces it.
- * standstill.c corrects the forces.
+ * A model that does not reverse with the speed is evaluated as a wheel that rolls forward, and its forces are mirrored.
+ * standstill.c computes the forces.
  * After Pacejka, Tire and Vehicle Dynamics (2012), section 8.6; the limits and the reference speed are tirefmu's own.
  */
 #include "contact.h"
@@ -59,7 +60,7 @@ static double rolling_speed(double speed)
 void contact_find(State *state)
 {
     Contact *contact = &state->contact;
-        double forward, turning, reference;
+    double forward, turning, reference;
     size_t i;
 
     if (state->contact_known)
@@ -77,14 +78,14 @@ void contact_find(State *state)
     turning = host_value(state, FIRST_INPUT + HOST_TURNING);
     contact->speed = fabs(forward);
     contact->rolling = rolling_speed(contact->speed);
-    contact->sense = 1.0;
+    contact->sense = forward < 0.0 ? -1.0 : 1.0;
+    contact->frame = REVERSES ? 1.0 : contact->sense;
     reference = contact->speed;
     if (reference < standstill_speed(state))
         reference = 0.5 * (reference * reference / standstill_speed(state) + standstill_speed(state));
 #ifdef SPEED
-    if (forward < 0.0)
-        contact->sense = -1.0;
-    contact->inputs[SPEED] = contact->speed < LOWEST_SPEED ? contact->sense * LOWEST_SPEED : forward;
+    contact->inputs[SPEED] =
+        contact->frame * contact->sense * (contact->speed < LOWEST_SPEED ? LOWEST_SPEED : contact->speed);
 #endif
     contact->sliding[LONGITUDINAL] = turning * rolling_radius(contact->inputs, turning, model_parameters(state)) - forward;
     contact->sliding[LATERAL] = host_value(state, FIRST_INPUT + HOST_SIDEWAYS);
@@ -93,9 +94,11 @@ void contact_find(State *state)
             contact->sliding[i] / (contact->rolling > STANDSTILL_SPEED ? contact->rolling : STANDSTILL_SPEED);
     contact->inputs[KAPPA] = contact->sense * contact->sliding[LONGITUDINAL] / reference;
     contact->inputs[ALPHA] = atan(contact->sliding[LATERAL] / reference);
-#ifdef TURN
+#if TWISTS
     contact->yawing = host_value(state, FIRST_INPUT + HOST_YAWING);
-    contact->inputs[TURN] = contact->yawing / reference * (1.0 - standstill_share(state));
+#endif
+#ifdef TURN
+    contact->inputs[TURN] = contact->frame * contact->yawing / reference * (1.0 - standstill_share(state));
 #endif
     find_bounds(state, reference);
     state->contact_known = 1;
@@ -103,7 +106,8 @@ void contact_find(State *state)
 
 int contact_is_smooth(const State *state)
 {
-    return state->contact.speed >= LIMIT_END * standstill_speed(state) && state->contact.speed >= LOWEST_SPEED;
+    return !(state->values[FIRST_PARAMETER + FRICTION_LIMIT] > 0.0) &&
+           state->contact.speed >= LIMIT_END * standstill_speed(state) && state->contact.speed >= LOWEST_SPEED;
 }
 
 void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
@@ -122,7 +126,7 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
     given[DISTANCE] = seeds[FIRST_DERIVATIVE - 1];
 #endif
 #ifdef SPEED
-    given[SPEED] = moved[HOST_SPEED];
+    given[SPEED] = contact->frame * moved[HOST_SPEED];
 #endif
     for (i = 0; i < N_INPUTS; i++)
         radius_moved += radius->by[i] * given[i];
@@ -136,8 +140,10 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
         slip[i] = (sliding[i] - contact->target[i] * tangent->motion[ROLLING]) / speed;
     given[KAPPA] = contact->sense * slip[LONGITUDINAL];
     given[ALPHA] = slip[LATERAL] / (1.0 + contact->target[LATERAL] * contact->target[LATERAL]);
-#ifdef TURN
+#if TWISTS
     tangent->motion[YAWING] = moved[HOST_YAWING];
-    given[TURN] = (moved[HOST_YAWING] - contact->inputs[TURN] * tangent->motion[ROLLING]) / speed;
+#endif
+#ifdef TURN
+    given[TURN] = (contact->frame * moved[HOST_YAWING] - contact->inputs[TURN] * tangent->motion[ROLLING]) / speed;
 #endif
 }

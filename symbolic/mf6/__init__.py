@@ -106,6 +106,7 @@ def _model(name: str, title: str, file: PropertyFile, carcass: tuple[str, ...] =
         relaxation=("SIGX", "SIGY", "SIGC", "SIGK"),
         own_relaxation=("SIGK", *carcass),
         low_speed="VXLOW",
+        reverses=True,
         friction_scales=("LMUX", "LMUY"),
     )
 

@@ -64,6 +64,10 @@ class ModelDeclaration:
         known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
     low_speed : str
         The coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
+    reverses : bool
+        Whether its forces at a given kappa change their direction with the sign of V: kappa is then positive where it
+        drives the wheel in its direction of travel. The equations of other models are those of a wheel that rolls
+        forward: an FMU that computes slips mirrors their forces where the wheel rolls backward.
     friction_scales : tuple of str
         The coefficients to which friction is proportional: a road with another friction multiplies each of them.
     added : tuple of AddedEffect
@@ -92,5 +96,6 @@ class ModelDeclaration:
     relaxation: tuple[str, ...] = ()
     own_relaxation: tuple[str, ...] = ()
     low_speed: str = ""
+    reverses: bool = False
     friction_scales: tuple[str, ...] = ()
     added: tuple[AddedEffect, ...] = ()

@@ -3,6 +3,8 @@
 The two differ in the signs of the coefficients declared with `flips`, and in the option `signs` where the lines read
 it; the inputs are the same. Where a mark is missing or too many, a fit to a table in one convention would save a tire
 with a wrong sign in the other. So the lines are computed in both at a few random tires and rows.
+
+In the same way: whether Fx reverses with the speed, as the model declares.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from ..declarations import Coefficient, Quantity
 from ..errors import ModelError
 from ..options import signs
 from ..printers.operations import Tape, taped
+from ..quantities import V
 from .definition import Model
 from .lines import reaching
 
@@ -65,6 +68,34 @@ def check_signs(model: Model) -> None:
         raise ModelError(f"{broken}: no marks of coefficients mend it; let a line read the option signs")
     wrong = [f"{name} {'must not flip' if name in marked else 'has to flip'}" for name in sorted(marked ^ mended)]
     raise ModelError(f"{broken}: {', '.join(wrong)}")
+
+
+def check_reversal(model: Model) -> None:
+    """Raise `ModelError` unless the declaration `reverses` is what Fx does where V changes its sign.
+
+    Parameters
+    ----------
+    model : Model
+
+    Raises
+    ------
+    ModelError
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic.models import model
+    >>> check_reversal(model("fiala"))
+    """
+    tape = taped(reaching(model.lines(), ["Fx"]), [*(quantity.name for quantity in model.inputs), *model.parameters])
+    reversed_rows = 0
+    for seed in range(ROWS):
+        row = _row(model, random.Random(seed), second=False)
+        driven = {**row.coefficients, **row.given, "kappa": 0.3, "alpha": 0.0, signs.parameter: 1.0}
+        forward, backward = (_run(tape, {**driven, "V": speed})["Fx"] for speed in (V.typical, -V.typical))
+        reversed_rows += forward * backward < 0.0
+    if model.reverses != (2 * reversed_rows > ROWS):
+        how = "does not reverse" if model.reverses else "reverses"
+        raise ModelError(f"{model.name}: reverses is {model.reverses}, but Fx {how} with V")
 
 
 @dataclass(frozen=True)

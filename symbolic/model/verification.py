@@ -1,7 +1,7 @@
 """Whether a model satisfies its declarations: checked before its code is printed.
 
 All numbers of a model come from its printed code, so a model that fails here can be neither
-evaluated nor fitted. Most checks compare names. The sign law is checked by numbers
+evaluated nor fitted. Most checks compare names. The sign laws are checked by numbers
 (`tirefmu.symbolic.model.sign_law`).
 """
 
@@ -13,7 +13,7 @@ from ..contract import ROLES
 from ..errors import ModelError, nearest
 from ..quantities import BEYOND
 from .definition import INDISPENSABLE, Model
-from .sign_law import check_signs
+from .sign_law import check_reversal, check_signs
 
 
 def verify(model: Model) -> None:
@@ -37,6 +37,7 @@ def verify(model: Model) -> None:
     _check_coefficients(model)
     _check_quantities(model)
     check_signs(model)
+    check_reversal(model)
 
 
 def _check_tables(model: Model) -> None:

@@ -28,6 +28,13 @@ GOLDEN = {
     "mf62": ("mf62", {"relax_mf"}, {"turn_slip"}, {"SIGK": 1.0}),
     "rolling": ("mf61", {"relax_lon", "relax_load"}, set(), {"SIGX": 0.2, "SIGY": 0.5, "SIGC": 0.4}),
 }
+#: Tires of physical models by their values.
+PHYSICAL = {
+    "fiala": {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.32, "WIDTH": 0.2, "UMAX": 1.0, "UMIN": 0.8, "CSLIP": 6e4,
+              "CALPHA": 5e4, "VERTICAL_STIFFNESS": 2e5, "ROLLING_RESISTANCE": 0.01},
+    "brush": {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.23, "CKAPPA": 1.8e4, "CALPHA": 1.4e4, "MUX": 1.2, "MUY": 1.1,
+              "PATCH": 0.05},
+}  # fmt: skip
 TIRES = ("first", "second", *GOLDEN)
 LAGGING = ("mf62", "rolling")
 
@@ -134,11 +141,12 @@ def compiler():
 
 @pytest.fixture(scope="session")
 def tires(golden):
-    """Return tires in ISO signs: the published one, one with other values everywhere, and those of `GOLDEN`."""
+    """Return tires in ISO signs: the published one, one with other values, those of `GOLDEN` and `PHYSICAL`."""
     first = published("trento_hoosier").in_signs("iso")
     values = {name: 1.07 * value for name, value in first.values.items()}
     second = replace(first, values=values, name='a <wide> & "strange" tire, é')
     others = {name: golden_tire(golden, name, *reported) for name, reported in GOLDEN.items()}
+    others |= {name: Tire(name, values, name=name) for name, values in PHYSICAL.items()}
     return {"first": first, "second": second, **others}
 
 

@@ -14,6 +14,7 @@ from .conftest import Host
 from .hub_car import GRAVITY, HubCar
 
 MASS, INERTIA, STEP = 30.0, 0.4, 5e-4
+LIGHT = 4.0  # kg, on a tire that has the assumed damping only
 
 
 @pytest.fixture(scope="module")
@@ -85,3 +86,12 @@ def test_a_bouncing_wheel_loses_the_work_of_its_damper(car, tires):
     # Its momentum changes by the impulse of load and weight.
     impulse = 1e-4 * (load[landed : top + 1].sum() - MASS * GRAVITY * (top + 1 - landed))
     assert MASS * (rate[top] - rate[landed]) == pytest.approx(impulse, rel=1e-2, abs=0.01)
+
+
+def test_a_tire_whose_file_has_no_damping_comes_to_rest(tires, compiler, tmp_path, make_host):
+    """The model has a coefficient of damping, which is 0 if it is not stated; the FMU assumes 50 N s/m."""
+    host = make_host(export(tires["fiala"], tmp_path / "fiala.fmu", inputs="hub"))
+    radius = tires["fiala"].values["UNLOADED_RADIUS"]
+    z = HubCar(host, LIGHT).start(1.01 * radius).run(2.0, 1e-4)[2]
+    assert host.get("VERTICAL_DAMPING")[0] == 50.0
+    assert np.ptp(z[-1000:]) < 1e-3 * np.ptp(z[:10000])

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import ctypes
+import struct
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
+from fmpy import extract, read_model_description
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi3 import FMU3Model, FMU3Slave
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -350,3 +355,51 @@ def test_arbitrary_bytes_are_rejected_as_a_state(hosts, fmi):
         assert stranger.call(name, buffer, len(bad), ctypes.byref(slot)) == ERROR
         assert slot.value is None
     assert np.array_equal(stranger.everything(), before)
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_serialized_value_outside_its_limits_is_rejected(hosts, fmi, way):
+    host = hosts("first", fmi)
+    known, start = host.variables["PCY1"], 1.2345678
+    assert host.set(PCY1=start) == OK
+    host.start()
+    state = saved(host)
+    content = host.fmu.serializeFMUState(state)
+    free(host, state)
+    position = content.index(struct.pack("d", start))
+    limit = float(known.max if way > 0 else known.min)
+    name = "DeserializeFMUState" if fmi == 3 else "DeSerializeFMUstate"
+    kind = ctypes.c_uint8 if fmi == 3 else ctypes.c_char
+    for value, status in ((limit, OK), (limit + way * 1e-9, ERROR)):
+        changed = content[:position] + struct.pack("d", value) + content[position + 8 :]
+        buffer = ctypes.cast(ctypes.create_string_buffer(changed, len(changed)), ctypes.POINTER(kind))
+        slot = ctypes.c_void_p()
+        assert host.call(name, buffer, len(changed), ctypes.byref(slot)) == status
+        free(host, slot)
+
+
+@pytest.mark.parametrize("exchange", [False, True])
+@pytest.mark.parametrize("on", [False, True])
+def test_the_note_at_the_start_is_logged_on_request_only(wheel_fmus, tmp_path, fmi, exchange, on):
+    description = read_model_description(str(wheel_fmus["first", fmi]))
+    kinds = {2: (FMU2Slave, FMU2Model), 3: (FMU3Slave, FMU3Model)}[fmi]
+    fmu = kinds[exchange](guid=description.guid, unzipDirectory=extract(str(wheel_fmus["first", fmi]), str(tmp_path)),
+                          modelIdentifier=description.coSimulation.modelIdentifier, instanceName="wheel")  # fmt: skip
+    log = []
+    if fmi == 3:
+        fmu.instantiate(loggingOn=on, logMessage=lambda _environment, _status, _category, line: log.append(line))
+    else:
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(
+            lambda _environment, _name, _status, _category, line: log.append(line)
+        )
+        fmu.instantiate(callbacks=callbacks, loggingOn=on)
+        fmu.setupExperiment()
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    assert [line.startswith(b"the tire has no relaxation") for line in log] == [True] * on
+    # A rejected call is logged in any case.
+    with pytest.raises(FMICallException):
+        fmu.exitInitializationMode()
+    assert len(log) == on + 1
+    fmu.freeInstance()

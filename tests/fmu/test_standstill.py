@@ -72,6 +72,30 @@ def test_the_limit_of_friction_fades_out_without_a_jump(standing):
     assert used[-1] > 1.02
 
 
+@pytest.mark.parametrize("name", ["first", "mf52", "mf61", "mf62", "fiala", "brush"])
+def test_the_limit_acts_at_every_speed_on_request(standing, tires, name):
+    """By default the resultant is that of the formulas; some of them exceed the friction ellipse."""
+    host, rng, used = standing(name, DEFAULT_SIGMA=0.0), np.random.default_rng(4), []
+    for _ in range(200):
+        V_x = rng.uniform(5.0, 40.0)
+        host.set(V_x=V_x, V_y=rng.uniform(-0.5, 0.5) * V_x, omega=V_x / 0.3 * rng.uniform(0.0, 1.5), FRICTION_LIMIT=0.0)
+        assert host.step(host.get("time")[0], 10.0) == OK
+        free, use = host.get("Fx", "Fy"), host.get("friction_use")[0]
+        assert host.set(FRICTION_LIMIT=1.0) == OK
+        assert host.get("Fx", "Fy") == pytest.approx(free / max(use, 1.0), rel=1e-12)
+        used.append(use)
+        assert host.get("friction_use")[0] <= 1.0 + 1e-12
+    assert (max(used) > 1.01) == (name != "brush")  # the formulas of the brush model respect it
+    assert host.set(FRICTION_LIMIT=1.1) == DISCARD
+
+
+def test_derivatives_are_those_of_the_limited_forces(standing):
+    host = standing("fiala", DEFAULT_SIGMA=0.0, V_x=20.0, V_y=6.0, omega=40.0, FRICTION_LIMIT=1.0)
+    assert host.step(0.0, 10.0) == OK
+    assert host.get("friction_use")[0] == pytest.approx(1.0, rel=1e-12)
+    assert host.derivative(["friction_use"], ["V_y"], [1.0])[1] == pytest.approx([0.0], abs=1e-8)
+
+
 # ------------------------------------------------------------------ turning on the spot
 
 
@@ -99,6 +123,24 @@ def test_turning_on_the_spot_has_a_moment_up_to_the_friction_torque(standing, ti
     host.set(psi_dot=-way * 0.5)
     assert host.step(3.0, 2.0) == OK
     assert host.get("Mz")[0] == pytest.approx(way * torque, rel=1e-3)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("name", ["first", "mf52", "fiala", "brush"])
+def test_without_turn_slip_the_torque_is_that_of_a_patch_with_parabolic_pressure(standing, tires, name, way):
+    """The integral of friction times lever over a patch whose half length is three times the trail."""
+    host, book = standing(name), tires[name].book
+    row = tires[name].evaluate(pd.DataFrame({"kappa": [0.0]}), steady=True).iloc[0]
+    load, a = tires[name].nominal("Fz"), 3.0 * abs(row[book.quantity("trail")])
+    x = np.linspace(-a, a, 20001)
+    pressure = 0.75 * load / a * (1.0 - (x / a) ** 2)
+    torque = abs(row[book.quantity("friction_y")]) * np.trapezoid(pressure * np.abs(x), x)
+    assert torque > 1.0
+    host.set(psi_dot=way * 0.5)
+    for k in range(100):
+        assert host.step(0.02 * k, 0.02) == OK
+    assert host.get("Mz")[0] == pytest.approx(-way * torque, rel=1e-3)
+    assert np.hypot(*host.get("Fx", "Fy")) < 1e-6
 
 
 def test_the_moment_of_turning_does_not_depend_on_the_step(standing):

@@ -12,6 +12,7 @@ from .test_standstill import LOAD, OK, wheel_radius
 STEPS = ((1e-4, False), (1e-3, False), (2e-3, False), (5e-3, True), (1e-2, True), (2e-2, True))
 COARSE = (STEPS[2], STEPS[-1])
 CARS = {"mf61": (LOAD, 1.0), "first": (1100.0, 0.16), "rolling": (LOAD, 1.0)}
+CARS |= {"fiala": (4000.0, 1.0), "brush": (1000.0, 0.2)}
 
 #: One tire with every step, the others with the coarsest step of either coupling.
 DRIVES = [("mf61", *step) for step in STEPS] + [(name, *step) for name in ("first", "rolling") for step in COARSE]

@@ -23,7 +23,7 @@ from .solver import Solver
 SOURCE = Path(__file__).with_name("sti_host.c")
 #: The subroutines, and the jobs before the simulation of a host that calls them.
 ENTRIES = {"tirefmu_sti_": "1,2", "tirefmu_sti": "1,2,11,6", "dtyre_": "1,2"}
-NAMES = ("mf61", "second")
+NAMES = ("mf61", "second", "fiala", "brush")
 STEP, ROWS = 0.002, 150
 WRENCH_NAMES, CARRIER_NAMES = ([quantity.name for quantity in each] for each in (WRENCH, CARRIER))
 WARNING, DO_NOT_USE, FATAL = 1, 2, 3
@@ -124,7 +124,10 @@ def simulate(fmu, folder, entry, radius, r, turned, v, w, spin):
 
 
 @pytest.mark.parametrize("manoeuvre", ["launch", "slalom", "landing", "reverse"])
-@pytest.mark.parametrize(("name", "entry"), [("mf61", "tirefmu_sti_"), ("mf61", "dtyre_"), ("second", "tirefmu_sti")])
+@pytest.mark.parametrize(
+    ("name", "entry"),
+    [("mf61", "tirefmu_sti_"), ("mf61", "dtyre_"), *((name, "tirefmu_sti") for name in NAMES[1:])],
+)
 def test_library_and_fmu_agree(programs, fmus, tires, tmp_path, name, entry, manoeuvre):
     radius = tires[name].values["UNLOADED_RADIUS"]
     given = motion(manoeuvre, radius)

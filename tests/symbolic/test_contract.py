@@ -65,6 +65,13 @@ def test_a_wrong_sign_mark_is_reported(name, coefficient, monkeypatch):
         verify(MODELS[name])
 
 
+@pytest.mark.parametrize("name", ["mf61", "fiala", "mf96"])
+def test_a_wrong_statement_about_reverse_is_reported(name):
+    wrong = replace(MODELS[name], reverses=not MODELS[name].reverses)
+    with pytest.raises(ModelError, match=f"{name}: reverses is {wrong.reverses}, but Fx"):
+        verify(wrong)
+
+
 def test_both_conventions_are_one_tire(tire):
     forces, mirrored = tire.forces(alpha=0.1, kappa=0.05), tire.in_signs("iso").forces(alpha=0.1, kappa=0.05)
     assert forces["Fy"] > 0
