@@ -19,8 +19,10 @@ from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES,
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
 from tirefmu.diagnosis.verdict.delivery import reasons_against
+from tirefmu.diagnosis.verdict.findings import Finding
 from tirefmu.diagnosis.verdict.fit_error import Residuals
 from tirefmu.diagnosis.verdict.operating_range import operating_points, undetermined_change
+from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.estimation.noise_floor import NoiseFloor
 
 from .independent import kinds as independent
@@ -163,6 +165,12 @@ def test_a_residual_far_above_the_floor_is_inadequate():
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
+
+
+def test_a_coefficient_at_its_bound_is_in_the_verdict():
+    one = Finding("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, at_bounds=("LLEN",))
+    text = verdict_text([one], (), {}, (), (), {}, (), {"derived_columns": [], "ignored_columns": []})
+    assert text == "Missing: load_lag (at its bound: LLEN)"
 
 
 # ------------------------------------------------------------------ confirmation
