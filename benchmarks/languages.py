@@ -110,7 +110,7 @@ def tires() -> dict[str, Tire]:
     mf61 = found["mf61"]
     values = {**mf61.values, "TREF": 60.0, "TMU1": -0.002, "TMU2": -3e-5}
     warm = replace(mf61, values=values, effects={*mf61.has, "temp_friction"})
-    states = {"HMU": 4e-6, "SHMU": 0.05, "SIGX": 0.2, "SIGY": 0.4}
+    states = {"HMU": 4e-6, "SHMUX": 0.05, "SHMUY": 0.05, "SIGX": 0.2, "SIGY": 0.4}
     late = replace(mf61, values={**mf61.values, **states}, effects={*mf61.has, *WITH_STATES})
     return {**found, "fiala": Tire("fiala", FIALA), "brush": Tire("brush", BRUSH), "mf61 + temp_friction": warm,
             "mf61 + states": late}  # fmt: skip

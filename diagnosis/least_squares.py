@@ -20,6 +20,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Width of a coefficient's bounds in standard deviations of its weak prior.
 RANGE_IN_DEVIATIONS = 4.0
+#: Distance from a bound, as a share of the range, at which a coefficient is at the bound: a clipped step ends there.
+AT_BOUND = 1e-6
 #: Damping is scaled by the curvature, as coefficients have different units. Any step that lowers the cost is accepted.
 DAMPING = Damping(first=1e-3, least=1e-7, most=10.0, up=8.0, down=0.1, by_curvature=True, trusted=0.0)
 
@@ -77,6 +79,14 @@ class LeastSquares:
         upper = np.array([declarations[name].upper for name in free])
         factor = self._factors(free)
         return lower * factor, upper * factor
+
+    def at_bounds(self, parameters: FloatArray, free: Sequence[str]) -> tuple[str, ...]:
+        """Return the coefficients that are at a bound, except at a neutral value, where the effect is absent."""
+        declarations, ends = self.simulator.book.coefficients, np.stack(self.bounds(free))
+        values = parameters[[self.simulator.index[name] for name in free]]
+        neutral = np.array([np.nan if (one := declarations[name].neutral) is None else one for name in free])
+        close = np.isclose(values, ends, rtol=0.0, atol=AT_BOUND * np.ptp(ends, axis=0)).any(axis=0)
+        return tuple(name for name, at in zip(free, close & ~np.isclose(values, neutral), strict=True) if at)
 
     def prior(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return means and standard deviations of the weak priors of coefficients."""

@@ -176,12 +176,9 @@ COEFFICIENT_BOUND_FACTOR = 10.0
 
 # ------------------------------------------------------------------ the delivered tire and the verdict
 
-#: Largest ratio of residuals, improved over baseline tire, of all channels together. From the requirements of the
-#: diagnosis: a tire that is worse on either set is not delivered.
-MAX_WORSE = 1.0
-#: The same for one channel, by set: a joint fit makes a channel slightly worse where another one becomes much better.
-#: The hold-out set has few blocks. Convention.
-MAX_WORSE_CHANNEL: Mapping[str, float] = {"train": 1.05, "holdout": 1.1}
+#: Probability with which a tire that is as good as the baseline tire, in each channel and on both sets, is not
+#: delivered. Convention.
+WORSE_P = 0.05
 #: Largest uncertainty of an effect over the operating range, as a share of its spread among tires; the same for the
 #: coefficients of a refinement. Derived: above it,
 #: three quarters of the knowledge about the effect's variance come from other tires, not from the recording.

@@ -108,7 +108,8 @@ def confirmation(
     without = problem.solve(removed, others, iterations=ITERATIONS)
     screen = Screen(problem, without)
     change = problem.simulator.forces(solution.parameters) - problem.simulator.forces(removed)
-    columns = problem.weighted(np.nan_to_num(change))[:, :, None]
+    # In the linear case the change by the effect alone, but right, too, if the other coefficients follow nonlinearly.
+    columns = problem.weighted(without.residual - solution.residual)[:, :, None]
     screen.learn_noise({0: columns})
     response = screen.response(columns)
     size = float(response.estimate[0] / response.error[0]) if np.isfinite(response.error[0]) else 0.0

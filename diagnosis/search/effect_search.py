@@ -229,11 +229,13 @@ class Search:
     def _is_part_of_memory(self, refit: Refit) -> bool:
         """Return whether a candidate of the past, or of what heats, gains little beside a found effect of the past.
 
-        The form of an effect with states is uncertain, and its error resembles a further one. A recorded temperature
+        The form of an effect with states is uncertain, and its error resembles a further one, also a relaxation. A
+        recorded temperature
         follows the sliding, too: the error of its effect resembles an effect with states.
         """
         candidate = self.candidates.get(refit.name)
-        if candidate is None or not (candidate.has_states or PAST.intersection(candidate.requires)):
+        lags = refit.name in self.problem.simulator.book.relaxing_effects
+        if candidate is None or not (lags or candidate.has_states or PAST.intersection(candidate.requires)):
             return False
         resembled = [
             float(one.gains.sum())

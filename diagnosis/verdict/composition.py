@@ -100,14 +100,17 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(one, added=outcome.start.added) for one in (base_tire, tire))
     screens, loaded = (before, after), outcome.signals.loaded
-    residuals = delivered_residuals(complete, outcome.recording, screens, loaded)
+    residuals = judged = delivered_residuals(complete, outcome.recording, screens, loaded)
     floors = floors_of(outcome.recording, after)
     errors = compared = fit_errors(before, after, residuals, floors)
     if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
         without_noise = preprocessed(outcome.recording, outcome.signals)
-        compared = fit_errors(*screens, delivered_residuals(complete, without_noise, screens, loaded), floors)
+        judged = delivered_residuals(complete, without_noise, screens, loaded)
+        compared = fit_errors(*screens, judged, floors)
     against = (
-        reasons_against(compared, undetermined_change(settled.whitened, added)) if added or search.refinements else ()
+        reasons_against(compared, judged, undetermined_change(settled.whitened, added))
+        if added or search.refinements
+        else ()
     )
     if against:
         tire = base_tire
@@ -244,6 +247,7 @@ def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Findin
         _stretches(refit, outcome.signals),
         _size(outcome, refit),
         frozenset(name for name in refit.form.free if declarations[name].flips),
+        outcome.search.problem.at_bounds(solution.parameters, refit.form.free),
     )
 
 

@@ -41,6 +41,8 @@ class Finding:
         By channel: root mean square and largest change of the force by the effect in the recording, N and N m.
     flips : frozenset of str
         Coefficients whose sign depends on the convention.
+    at_bounds : tuple of str
+        Coefficients at a bound: the form of the effect is not that of the tire, or the recording does not determine it.
     """
 
     effect: str
@@ -52,6 +54,7 @@ class Finding:
     when: tuple[tuple[float, float], ...] = ()
     size: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     flips: frozenset[str] = frozenset()
+    at_bounds: tuple[str, ...] = ()
 
     def mirrored(self) -> Finding:
         """Return the finding in the other sign convention of coefficients."""

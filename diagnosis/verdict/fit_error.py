@@ -44,6 +44,8 @@ class Residuals:
     holdout : ndarray of bool, shape (m,)
     compared : ndarray of int, shape (n,)
         Positions of the rows that the diagnosis compared.
+    block : ndarray of int, shape (m,)
+        Time block of each row.
     """
 
     rows: IntArray
@@ -52,6 +54,7 @@ class Residuals:
     used: npt.NDArray[np.bool_]
     holdout: npt.NDArray[np.bool_]
     compared: IntArray
+    block: IntArray
 
     def outlier_rows(self, channels: Sequence[str]) -> dict[str, list[int]]:
         """Return the rows that are outliers by channel, counted from 0."""
@@ -90,7 +93,8 @@ def delivered_residuals(
     holdout = np.zeros(len(rows), dtype=bool)
     for start, end in signals.holdout_stretches():
         holdout[compared[start] : compared[end] + 1] = True
-    return Residuals(rows, first, last, used, holdout, compared)
+    block = signals.block[np.maximum(np.searchsorted(compared, np.arange(len(rows)), side="right") - 1, 0)]
+    return Residuals(rows, first, last, used, holdout, compared, block)
 
 
 def preprocessed(recording: Recording, signals: Signals) -> Recording:

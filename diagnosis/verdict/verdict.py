@@ -61,7 +61,8 @@ def _missing(
             continue
         size = confounded.get(one.effect, {})
         others = ", ".join(sorted((name for name in size if size[name] > CONFOUNDED), key=lambda x: -size[x]))
-        missing.append(one.effect + (f" (confounded with {others})" if others else ""))
+        bounds = f" (at its bound: {', '.join(one.at_bounds)})" if one.at_bounds else ""
+        missing.append(one.effect + bounds + (f" (confounded with {others})" if others else ""))
     return f"Missing: {'; '.join(missing)}" if missing else ""
 
 

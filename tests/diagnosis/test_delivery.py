@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
@@ -14,11 +15,14 @@ from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.search import settling
 from tirefmu.diagnosis.search.confirmation import Confirmation, _stretches, confirmation, joint_z
 from tirefmu.diagnosis.search.settling import _undetermined_refinements, settle
-from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES
+from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES, WORSE_P
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
 from tirefmu.diagnosis.verdict.delivery import reasons_against
+from tirefmu.diagnosis.verdict.findings import Finding
+from tirefmu.diagnosis.verdict.fit_error import Residuals
 from tirefmu.diagnosis.verdict.operating_range import operating_points, undetermined_change
+from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.estimation.noise_floor import NoiseFloor
 
 from .independent import kinds as independent
@@ -101,20 +105,54 @@ def test_the_size_of_an_effect_is_in_newton(worn):
     assert 0.0 < rms < largest < np.abs(diagnosis.rows["Fy"]).max()
 
 
-def test_a_worse_tire_is_not_delivered():
-    def errors(before, after):
-        return {"Fx": {"before": before, "after": after}}
+def compared(seed=0, fx=0.0, fy=0.0, of_fy=1.0):
+    """Return residuals of two tires in Fx and Fy with correlated noise of 1 N; the second one has the misfits given."""
+    noise = lfilter([0.6], [1.0, -0.8], np.random.default_rng(seed).standard_normal((2, 6000)))
+    block = np.arange(6000) // 100
+    before = noise + np.array([[0.0], [of_fy]]) * np.sin(np.arange(6000) / 40.0)
+    after = noise + np.stack([np.broadcast_to(one, 6000) for one in (fx, fy)])
+    known = np.ones((2, 6000), dtype=bool)
+    return Residuals(np.arange(6000), before, after, known, block % 8 == 5, np.arange(6000), block)
 
-    good, bad = errors(10.0, 8.0), errors(10.0, 12.0)
-    assert reasons_against({"train": errors(10.0, 10.01), "holdout": good}, {})
-    assert reasons_against({"train": good, "holdout": good}, {}) == ()
-    assert "hold-out set" in reasons_against({"train": good, "holdout": bad}, {})[0]
-    assert "fitted rows" in reasons_against({"train": bad, "holdout": good}, {})[0]
-    slightly = {"Fx": {"before": 10.0, "after": 10.4}, "Fy": {"before": 10.0, "after": 8.0}}
-    assert reasons_against({"train": slightly, "holdout": slightly}, {}) == ()  # one channel only
-    assert "hold-out set" in reasons_against({"train": good, "holdout": errors(10.0, 10.01)}, {})[0]
-    assert "nan" in reasons_against({"train": errors(10.0, np.nan), "holdout": good}, {})[0]
-    assert "combined_Gxa" in reasons_against({"train": good, "holdout": good}, {"combined_Gxa": 1.9})[0]
+
+def judged(residuals, undetermined=None):
+    parts = {"train": ~residuals.holdout, "holdout": residuals.holdout}
+    errors = {
+        part: {
+            name: {"before": np.sqrt(np.mean(before[rows] ** 2)), "after": np.sqrt(np.mean(after[rows] ** 2))}
+            for name, before, after in zip(("Fx", "Fy"), residuals.before, residuals.after, strict=True)
+        }
+        for part, rows in parts.items()
+    }
+    return reasons_against(errors, residuals, undetermined or {})
+
+
+def test_a_worse_tire_is_not_delivered():
+    wave, block = np.cos(np.arange(6000) / 23.0), compared().block
+    assert judged(compared()) == ()
+    assert judged(compared(), {"combined_Gxa": 1.9})[0].startswith("over the operating range combined_Gxa")
+    in_all, in_holdout = (judged(compared(fx=2.0 * wave * part)) for part in (1.0, block % 8 == 5))
+    assert "fitted rows" in in_all[0]
+    assert "hold-out set" in in_all[1]
+    assert ["hold-out set" in one for one in in_holdout] == [True]
+    assert "(Fx: " in in_all[0]
+    # Where the other channel becomes much better, too, and where one block alone is worse: this is no scatter.
+    assert judged(compared(fx=0.5 * wave, of_fy=20.0))
+    assert judged(compared(fx=4.0 * wave * (block == 17)))
+    assert "nan" in judged(compared(fx=np.where(block == 17, np.nan, 0.0)))[0]
+
+
+def test_a_tire_that_is_worse_within_the_noise_is_delivered():
+    """Coefficients that are fitted to the noise make another channel worse on the hold-out set, but insignificantly."""
+    shapes, refused, worse = np.sin(np.outer(np.arange(1, 6), np.arange(6000) / 31.0)), 0, 0
+    for seed in range(60):
+        one = compared(seed)
+        fitted = np.linalg.lstsq(shapes[:, ~one.holdout].T, one.before[0, ~one.holdout], rcond=None)[0]
+        one = compared(seed, fx=-fitted @ shapes)
+        refused += bool(judged(one))
+        worse += np.mean(one.after[0, one.holdout] ** 2) > np.mean(one.before[0, one.holdout] ** 2)
+    assert worse > 20
+    assert refused <= 60 * 2 * WORSE_P
 
 
 def test_a_residual_far_above_the_floor_is_inadequate():
@@ -127,6 +165,12 @@ def test_a_residual_far_above_the_floor_is_inadequate():
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
+
+
+def test_a_coefficient_at_its_bound_is_in_the_verdict():
+    one = Finding("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, at_bounds=("LLEN",))
+    text = verdict_text([one], (), {}, (), (), {}, (), {"derived_columns": [], "ignored_columns": []})
+    assert text == "Missing: load_lag (at its bound: LLEN)"
 
 
 # ------------------------------------------------------------------ confirmation

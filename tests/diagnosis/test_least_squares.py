@@ -1,6 +1,7 @@
 """Least squares of the diagnosis: cost, derivatives, bounds, recovery of a known tire, disturbances."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -58,8 +59,25 @@ def test_a_coefficient_beyond_its_bound_ends_at_the_bound(problem, tire):
     assert tire.parameters()[index] > 1.5
     solution = bound.solve(tire.parameters(), FREE)
     assert solution.parameters[index] == 1.5
+    assert bound.at_bounds(solution.parameters, FREE) == ("PDY1",)
+    assert bound.at_bounds(tire.parameters(), ("PKY1", "PHY1")) == ()
     _, descent = bound._normal(solution.parameters, FREE, solution.disturbance)
     assert descent[FREE.index("PDY1")] > 0.0  # a larger value would decrease the cost
+
+
+def test_a_coefficient_that_is_neutral_at_its_bound_is_absent_not_limited():
+    carcass = library()["carcass_2nd_order"]
+    tire = Tire("mf61", {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}, added=(carcass,))
+    simulator = SimpleNamespace(
+        book=tire.book, tire=tire, index={name: i for i, name in enumerate(tire.book.parameters)}
+    )
+    problem, parameters = LeastSquares(simulator, None, None, {}), tire.parameters()
+    names = ("CASIG", "CAFREQ", "CADAMP")
+    assert tire.book.coefficients["CASIG"].lower == tire.values["CASIG"] == 0.0
+    assert problem.at_bounds(parameters, names) == ()
+    for name, value in (("CASIG", 10.0), ("CADAMP", 0.0)):  # without damping is not without effect
+        parameters[simulator.index[name]] = value
+    assert problem.at_bounds(parameters, names) == ("CASIG", "CADAMP")
 
 
 def test_excluded_rows_have_no_influence(problem, tire):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -21,7 +22,8 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
 from tirefmu.tires import Tire
 
-from .independent import memory_kinds
+from .independent import memory_kinds, memory_laws
+from .independent.programs import smooth
 
 BASE = ("load_friction", "load_stiffness")
 NOMINAL = {"Fz0": 4000.0, "R0": 0.31, "p0": 220e3, "V0": 16.7}
@@ -30,7 +32,7 @@ VALUES = {
     "PDY1": 1.05, "PDY2": -0.15, "PEY1": -0.4, "PKY1": 21.0, "PKY2": 1.8, "QBZ1": 8.0, "QCZ1": 1.1, "QDZ1": 0.11,
 }  # fmt: skip
 ADDED = tuple(effect for effect in library().values() if effect.detection)
-SLIP_HISTORY = {"SHMU": 0.04, "SHK": 0.05, "SHWID": 0.025, "SHLEN": 0.05}
+SLIP_HISTORY = {"SHMUX": 0.04, "SHMUY": 0.04, "SHKX": 0.05, "SHKY": 0.05, "SHWID": 0.025, "SHLEN": 0.05}
 
 
 def tire_with(*effects, **values):
@@ -50,10 +52,11 @@ def program():
     return table
 
 
-def recorded(tire, seed=1):
-    """Return program and forces with noise."""
-    table, rng = program(), np.random.default_rng(seed)
-    forces = tire.evaluate(table, signs=FORMULA_SIGNS)[["Fy", "Mz"]]
+def recorded(tire, seed=1, table=None):
+    """Return a program and forces with noise."""
+    table, rng = program() if table is None else table, np.random.default_rng(seed)
+    channels = ["Fx", "Fy", "Mz"] if "kappa" in table else ["Fy", "Mz"]
+    forces = tire.evaluate(table, signs=FORMULA_SIGNS)[channels]
     return table.assign(
         **{
             name: values + 0.006 * values.abs().max() * rng.standard_normal(len(table))
@@ -113,10 +116,64 @@ def test_the_history_of_slip_is_identified_and_shown(tmp_path):
     assert [one.effect for one in result.found] == ["slip_history"]
     assert result.delivered
     found = result.in_signs(FORMULA_SIGNS).found[0].coefficients
-    assert found["SHMU"].value == pytest.approx(0.04, abs=0.012)
+    assert found["SHMUY"].value == pytest.approx(0.04, abs=0.012)
     assert result.gap["holdout"]["Fy"]["after"] < 0.5 * result.gap["holdout"]["Fy"]["before"]
     page = write_report(result, table.assign(Fy=table["Fy"]), tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<h2>Memory</h2>" in page
+
+
+def test_hysteresis_of_one_axis_leaves_the_other_one():
+    """Both slips take turns; the brake force has no hysteresis."""
+    table = program()
+    part = np.arange(len(table)) // 150 % 2
+    braking = 0.12 * np.sin(np.arange(len(table)) / 11.0)
+    table = table.assign(alpha=table["alpha"] * (part == 0), kappa=braking * (part == 1))
+    table = recorded(tire_with("slip_history", **SLIP_HISTORY | {"SHMUX": 0.0, "SHKX": 0.0}), table=table)
+    result = diagnose(
+        table, signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL, candidates=["slip_history", "heat_friction"]
+    )
+    assert [one.effect for one in result.found] == ["slip_history"]
+    assert set(result.found[0].coefficients) == {"SHMUY", "SHKY", "SHWID"}
+    assert result.delivered
+    errors = result.gap["train"]
+    assert errors["Fy"]["after"] < 0.7 * errors["Fy"]["before"]
+    assert errors["Fx"]["after"] == pytest.approx(errors["Fx"]["before"], rel=0.01)
+
+
+def test_a_load_that_leaves_late_is_followed_at_once():
+    """The distance is exp(LLDIR) times LLEN while the load falls, and as many times shorter while it grows."""
+    tire = tire_with("load_lag", LLMU=1.0, LLEN=1.0, LLDIR=0.7)
+    t = np.arange(0.0, 4.0, 0.001)
+    table = pd.DataFrame({"t": t, "alpha": 0.05, "Fz": np.where((t > 0.5) & (t < 2.0), 5000.0, 3000.0), "V": 10.0})
+    late = tire.evaluate(table, signs=FORMULA_SIGNS, hold=True)["late_load"].to_numpy()
+    for time, share in ((0.5, (late - 3000.0) / 2000.0), (2.0, (5000.0 - late) / 2000.0)):
+        followed = t[(t > time) & (share > 1.0 - np.exp(-1.0))][0] - time
+        assert followed == pytest.approx(0.1 * np.exp(-0.7 if time == 0.5 else 0.7), abs=0.003)
+
+
+def test_a_moving_carcass_is_no_skew_and_no_relaxation():
+    """A true spring is loaded by a force that saturates; the recording has a skew besides."""
+    rng, rate = np.random.default_rng(4), 100.0
+    t = np.arange(2600) / rate
+    parts = [0.05 * np.sin(2.0 * np.pi * np.outer(t, rng.uniform(0.4, 7.0, 5)) + rng.uniform(0.0, 6.0, 5)).sum(axis=1),
+             0.2 * np.sin(1.7 * t)]  # fmt: skip
+    alpha = np.where(t % 6.0 < 3.0, *parts)
+    load = np.repeat([4000.0, 2500.0, 5500.0, 3200.0], 650)
+    table = pd.DataFrame({"t": t, "alpha": smooth(alpha, 3.0), "Fz": smooth(load, 8.0), "V": 15.0})
+    tire, specimen = tire_with(), SimpleNamespace(radius=0.31)
+    acting = memory_laws.carcass_slip(1.0, specimen, {name: table[name].to_numpy() for name in table})
+    forces = tire.evaluate(table.assign(alpha=acting).drop(columns="t"), signs=FORMULA_SIGNS)
+    for name, size in (("Fy", 25.0), ("Mz", 1.0)):
+        late = np.interp(t - 0.009, t, forces[name])
+        table[name] = late + size * rng.standard_normal(len(t))
+    result = diagnose(
+        table, signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL,
+        candidates=["carcass_2nd_order", "relax_lat", "relax_slip", "hysteresis_force"],
+    )  # fmt: skip
+    assert [one.effect for one in result.found] == ["carcass_2nd_order"]
+    assert result.delivered
+    assert result.found[0].coefficients["CAFREQ"].value == pytest.approx(45.0, rel=0.1)
+    assert result.recording["skew"] == pytest.approx(0.009, abs=0.002)
 
 
 def test_a_load_error_in_the_direction_of_slip_is_no_effect():

@@ -12,8 +12,8 @@ from tirefmu.tires import Tire
 from .test_page import until
 
 VALUES = {
-    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0, "SHMU": 0.05,
-    "SHK": 0.08, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5,
+    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0,
+    "SHMUX": 0.05, "SHMUY": 0.05, "SHKX": 0.08, "SHKY": 0.08, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5,
 }  # fmt: skip
 EFFECTS = ("relax_lat", "relax_lon", "heat_friction", "slip_history", "break_in", "load_lag")
 #: Slips that lag, states that inputs drive, that forces drive, a hysteresis and an accumulation. The model has the

@@ -19,11 +19,11 @@ def test_coefficients_of_memory_are_found():
     """The start tire heats its tread otherwise: the fit simulates the states again with its own result."""
     t = np.linspace(0.0, 16.0, 900)
     table = pd.DataFrame({"t": t, "alpha": 0.16 * np.sin(1.6 * t), "Fz": 3000.0 + 80.0 * t, "V": 12.0})
-    truth = Tire("mf61", {**VALUES, "HMU": 0.24, "SHMU": 0.05}, effects=EFFECTS, added=ADDED)
+    truth = Tire("mf61", {**VALUES, "HMU": 0.24, "SHMUX": 0.05, "SHMUY": 0.05}, effects=EFFECTS, added=ADDED)
     table["Fy"] = truth.evaluate(table)["Fy"]
     start = Tire("mf61", {**VALUES, "PDY1": 0.9, "PKY1": -17.0}, effects=EFFECTS, added=ADDED)
     result = fit(table, start=start, screening=False)
-    for name, share in (("HMU", 0.05), ("SHMU", 0.02), ("PDY1", 0.01)):
+    for name, share in (("HMU", 0.05), ("SHMUY", 0.02), ("PDY1", 0.01)):
         assert abs(result.tire.values[name] / truth.values[name] - 1.0) < share, name
     assert result.tire.values["HTAU"] == 5.0  # in the equation of a state: not fitted
     error = result.tire.evaluate(table)["Fy"] - table["Fy"]

@@ -18,8 +18,9 @@ from tirefmu.tires import Tire
 OK, ERROR = 0, 3
 EFFECTS = ("heat_friction", "slip_history", "hysteresis_force", "break_in", "load_lag", "carcass_2nd_order")
 VALUES = {
-    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0, "SHMU": 0.05,
-    "SHK": 0.08, "HFPLAY": 0.02, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5, "CASIG": 0.3, "CAFREQ": 60.0,
+    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0,
+    "SHMUX": 0.05, "SHMUY": 0.05, "SHKX": 0.08, "SHKY": 0.08, "HFPLAY": 0.02,
+    "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5, "LLDIR": 0.5, "CASIG": 0.3, "CAFREQ": 60.0, "CASAT": 4.0,
 }  # fmt: skip
 POINT = {"kappa": 0.03, "alpha": -0.09, "Fz": 4200.0, "V": 14.0}
 #: Slips that lag and slips that act at once.

@@ -47,7 +47,7 @@ def wet():
     """Return an MF96 tire with a user-defined effect, whose texts are all hostile, and effects with states."""
     trento = published("trento_hoosier")
     effects = {*trento.has, "wet_grip", "heat_friction", "slip_history"}
-    values = {**trento.values, "GRIPT": 0.01, "HMU": 0.016, "SHMU": 0.05, "SHK": 0.1}
+    values = {**trento.values, "GRIPT": 0.01, "HMU": 0.016, "SHMUX": 0.05, "SHMUY": 0.05, "SHKX": 0.1, "SHKY": 0.1}
     return replace(trento, values=values, effects=effects, name=HOSTILE, added=(wet_grip(),))
 
 

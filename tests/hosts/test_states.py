@@ -13,8 +13,8 @@ from .test_gradients import module_of
 
 #: The effects of tests/fmu/test_memory.py: their code is printed once for both.
 EFFECTS = ("heat_friction", "slip_history", "break_in", "load_lag", "relax_lat", "relax_lon")
-STATES = {"HTAU": 0.5, "HMU": 0.016, "SHLEN": 0.3, "SHWID": 0.02, "SHMU": 0.05, "BIMU": 0.1, "BIWORK": 5.0, "SIGX": 0.2,
-          "SIGY": 0.4}  # fmt: skip
+STATES = {"HTAU": 0.5, "HMU": 0.016, "SHLEN": 0.3, "SHWID": 0.02, "SHMUX": 0.05, "SHMUY": 0.05,
+          "BIMU": 0.1, "BIWORK": 5.0, "SIGX": 0.2, "SIGY": 0.4}  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -18,16 +18,16 @@ from tirefmu.tires.signs import convert_signs
 ACTIVE = {
     "heat_friction": {"HMU": 0.2, "HTAU": 6.0, "HSLOW": 0.5, "HBODY": 20.0, "HLOAD": 0.5, "HCOOL": 0.02},
     "heat_stiffness": {"HK": 0.2, "HTAU": 6.0},
-    "slip_history": {"SHMU": 0.05, "SHK": 0.08},
+    "slip_history": {"SHMUX": 0.05, "SHMUY": 0.05, "SHKX": 0.08, "SHKY": 0.08},
     "hysteresis_force": {"HFY": 0.03, "HFPLAY": 0.02, "HFARM": -0.1},
-    "load_lag": {"LLMU": 1.0, "LLK": 0.8},
+    "load_lag": {"LLMU": 1.0, "LLK": 0.8, "LLDIR": 0.6},
     "break_in": {"BIMU": 0.2, "BIWORK": 2.5},
     "carcass_2nd_order": {"CASIG": 0.3, "CAFREQ": 60.0, "CADAMP": 0.2},
 }
 #: Step with held inputs, s: an oscillation is seen before it has ended.
 STEP = {"carcass_2nd_order": 0.02}
-#: Largest error of a held step of 0.5 s against small ones: forces drive a state, or they do not.
-BOUND = {"heat_friction": 1e-5, "heat_stiffness": 1e-5, "break_in": 1e-5}
+#: Largest error of a held step of 0.5 s against small ones, where forces or the state itself determine its rate.
+BOUND = {"heat_friction": 1e-5, "heat_stiffness": 1e-5, "break_in": 1e-5, "load_lag": 1e-5}
 #: Two nodes: the tread heats the carcass, which cools to a measured temperature; friction falls with both.
 TWO_NODES = """
 name = "two_nodes"

@@ -26,7 +26,7 @@ enum {
     BRUSH_slip_growth, /* 1 while the slip grows, -1 while it falls [1] */
 };
 
-#define BRUSH_N_PARAMETERS 41
+#define BRUSH_N_PARAMETERS 44
 enum {
     BRUSH_UNLOADED_RADIUS, /* free radius R_0 [m] */
     BRUSH_FNOMIN, /* nominal load F_z0 [N] */
@@ -53,12 +53,15 @@ enum {
     BRUSH_HFPLAY, /* largest force per load that turns linearly, as that of an elastic element in series with dry friction [1] */
     BRUSH_HFARM, /* lever of the force about the vertical over the free radius, negative behind the wheel centre [1] */
     BRUSH_LLEN, /* distance within which the side force follows the load [m] */
+    BRUSH_LLDIR, /* logarithm of the ratio by which the distance is longer than LLEN while the load falls and shorter while it grows [1] */
     BRUSH_LLMU, /* share of the side force at large slip that follows late [1] */
     BRUSH_LLK, /* share of the cornering stiffness that follows late [1] */
     BRUSH_SHLEN, /* distance within which the contact follows the slip [m] */
     BRUSH_SHWID, /* change of slip over which the hysteresis turns [1] */
-    BRUSH_SHMU, /* friction, half the difference between growing and falling slip [1] */
-    BRUSH_SHK, /* slip stiffness, half the difference between growing and falling slip [1] */
+    BRUSH_SHMUX, /* longitudinal friction, half the difference between growing and falling slip [1] */
+    BRUSH_SHMUY, /* lateral friction, half the difference between growing and falling slip [1] */
+    BRUSH_SHKX, /* longitudinal slip stiffness, half the difference between growing and falling slip [1] */
+    BRUSH_SHKY, /* cornering stiffness, half the difference between growing and falling slip [1] */
     BRUSH_TREF, /* reference temperature of the coefficients [degC] */
     BRUSH_TMU1, /* friction, change with temperature [1/K] */
     BRUSH_TMUA, /* friction, exponential decrease with temperature [1/K] */
@@ -71,7 +74,7 @@ enum {
     BRUSH_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 
-#define BRUSH_N_COEFFICIENTS 40
+#define BRUSH_N_COEFFICIENTS 43
 
 #define BRUSH_N_FORCES 3
 enum {

@@ -250,8 +250,10 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
     const double HFARM = parameters[BRUSH_HFARM];
     const double LLMU = parameters[BRUSH_LLMU];
     const double LLK = parameters[BRUSH_LLK];
-    const double SHMU = parameters[BRUSH_SHMU];
-    const double SHK = parameters[BRUSH_SHK];
+    const double SHMUX = parameters[BRUSH_SHMUX];
+    const double SHMUY = parameters[BRUSH_SHMUY];
+    const double SHKX = parameters[BRUSH_SHKX];
+    const double SHKY = parameters[BRUSH_SHKY];
     const double TREF = parameters[BRUSH_TREF];
     const double TMU1 = parameters[BRUSH_TMU1];
     const double TMUA = parameters[BRUSH_TMUA];
@@ -287,23 +289,23 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
         const lanes mu_x_without_slip_history_part1 = tread_heat + HSLOW*carcass_heat;
-        const lanes mu_x_part1 = 1.0 + SHMU*slip_growth;
+        const lanes mu_x_part1 = 1.0 + SHMUX*slip_growth;
         const lanes mu_x_part2 = T - TREF;
         const lanes mu_x_part4 = 1.0 + WMU1*distance + WMU2*lanes_square(distance);
         const lanes mu_y_without_load_lag_part1 = tread_heat + HSLOW*carcass_heat;
         const lanes mu_y_without_slip_history_part1 = 1.0 + lanes_square(Fz);
         const lanes mu_y_without_slip_history_part4 = late_load - Fz;
-        const lanes mu_y_part1 = 1.0 + SHMU*slip_growth;
+        const lanes mu_y_part1 = 1.0 + SHMUY*slip_growth;
         const lanes mu_y_part2 = T - TREF;
         const lanes mu_y_part4 = 1.0 + WMU1*distance + WMU2*lanes_square(distance);
         const lanes K_xkappa_without_slip_history_part1 = -HK*tread_heat;
-        const lanes K_xkappa_part1 = 1.0 + SHK*slip_growth;
+        const lanes K_xkappa_part1 = 1.0 + SHKX*slip_growth;
         const lanes K_xkappa_part2 = T - TREF;
         const lanes K_xkappa_part4 = 1.0 + WK1*distance;
         const lanes K_yalpha_without_load_lag_part1 = -HK*tread_heat;
         const lanes K_yalpha_without_slip_history_part1 = 1.0 + lanes_square(Fz);
         const lanes K_yalpha_without_slip_history_part4 = late_load - Fz;
-        const lanes K_yalpha_part1 = 1.0 + SHK*slip_growth;
+        const lanes K_yalpha_part1 = 1.0 + SHKY*slip_growth;
         const lanes K_yalpha_part2 = T - TREF;
         const lanes K_yalpha_part4 = 1.0 + WK1*distance;
         const lanes tan_alpha = lanes_tan(alpha); /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
@@ -608,14 +610,14 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dF_y_sticking_dkappa = K_yalpha*dsticking_dkappa;
         const lanes dFy_dF_y_sticking = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part2*tan_alpha;
         const lanes dMz_dF_y_sticking = -Fy*dtrail_dF_y_sticking;
-        const lanes dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHK;
+        const lanes dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHKX;
         const lanes dK_xkappa_dT = K_xkappa_by_K_xkappa_part3*TK1 + K_xkappa_by_K_xkappa_part6*dK_xkappa_part6_dT;
         const lanes dK_xkappa_ddistance = K_xkappa_by_K_xkappa_part4*WK1;
         const lanes dK_xkappa_dtread_heat = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dtread_heat;
         const lanes dK_xkappa_dFz = dK_xkappa_dload_ratio*dload_ratio_dFz;
         const lanes dpsi_dK_xkappa = dpsi_dreach_x*reach_x_by_K_xkappa;
         const lanes dFx_dK_xkappa = dFx_dFx_part1*sticking;
-        const lanes dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHK;
+        const lanes dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHKY;
         const lanes dK_yalpha_dT = K_yalpha_by_K_yalpha_part3*TK1 + K_yalpha_by_K_yalpha_part6*dK_yalpha_part6_dT;
         const lanes dK_yalpha_ddistance = K_yalpha_by_K_yalpha_part4*WK1;
         const lanes dK_yalpha_dtread_heat = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dtread_heat;
@@ -633,7 +635,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dFy_dsliding = F_y_sliding_by_sliding*dFy_dF_y_sliding;
         const lanes dFx_dsliding = Fx_part1_by_sliding*dFx_dFx_part1;
         const lanes dMz_dsliding = -Fy*dtrail_dsliding;
-        const lanes dmu_x_dslip_growth = SHMU*mu_x_by_mu_x_part1;
+        const lanes dmu_x_dslip_growth = SHMUX*mu_x_by_mu_x_part1;
         const lanes dmu_x_dT = dmu_x_part6_dT*mu_x_by_mu_x_part6 + mu_x_by_mu_x_part3*mu_x_part3_by_mu_x_part2;
         const lanes dmu_x_ddistance = mu_x_by_mu_x_part4*mu_x_part4_by_distance;
         const lanes dmu_x_dsliding_work = dmu_x_without_slip_history_dsliding_work*mu_x_by_mu_x_without_slip_history;
@@ -644,7 +646,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dFx_dmu_x = Fx_part1_by_mu_x*dFx_dFx_part1 + dFx_dsliding*dsliding_dmu_x;
         const lanes dFy_dmu_x = dFy_dsliding*dsliding_dmu_x;
         const lanes dMz_dmu_x = dMz_dsliding*dsliding_dmu_x;
-        const lanes dmu_y_dslip_growth = SHMU*mu_y_by_mu_y_part1;
+        const lanes dmu_y_dslip_growth = SHMUY*mu_y_by_mu_y_part1;
         const lanes dmu_y_dT = dmu_y_part6_dT*mu_y_by_mu_y_part6 + mu_y_by_mu_y_part3*mu_y_part3_by_mu_y_part2;
         const lanes dmu_y_ddistance = mu_y_by_mu_y_part4*mu_y_part4_by_distance;
         const lanes dmu_y_dFz = dload_ratio_dFz*dmu_y_dload_ratio + dmu_y_without_slip_history_dFz*mu_y_by_mu_y_without_slip_history;

@@ -11,171 +11,172 @@ enum {
 
 /* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */
 
-#define BRUSH_N_LEAVES 58
-#define BRUSH_N_CONSTANTS 12
-#define BRUSH_N_OPERATIONS 225
+#define BRUSH_N_LEAVES 61
+#define BRUSH_N_CONSTANTS 13
+#define BRUSH_N_OPERATIONS 238
 
-#define BRUSH_N_SLOTS 295
+#define BRUSH_N_SLOTS 312
 
 #define BRUSH_ROLLING_RADIUS 16
 
 #define BRUSH_CONSTANTS { \
-    1e-06, 1.0, 0.0, 0.5, -1.0, 0.3333333333333333, 1e-30, 3.0, 2.0, 9.0, 4.0, 1e-24 \
+    1e-06, 1.0, 0.0, 0.5, -1.0, 0.3333333333333333, 1e-30, 3.0, 2.0, 9.0, 4.0, 0.0001, 1e-24 \
 }
 
 #define BRUSH_FORCE_SLOTS { \
-    205, 213, 229 \
+    213, 221, 237 \
 }
 
 #define BRUSH_QUANTITY_SLOTS { \
-    107, 122, 142, 153, 155, 161, 162, 178, 214, 223, 237, 238, 60, 60, 238, 248, 249, 60, 251, 7, 252, 60, 254, 156, \
-    255, 60, 257, 257, 258, 60, 263, 257, 258, 60, 267, 269, 2, 270, 60, 272, 0, 273, 60, 275, 156, 273, 60, 277, 288, \
-    289, 60, 294 \
+    111, 128, 148, 161, 163, 169, 170, 186, 222, 231, 245, 246, 63, 63, 246, 256, 257, 63, 259, 7, 260, 63, 262, 164, \
+    263, 63, 265, 265, 266, 63, 271, 265, 266, 63, 275, 277, 2, 287, 63, 289, 0, 290, 63, 292, 164, 290, 63, 294, 305, \
+    306, 63, 311 \
 }
 
 #define BRUSH_OPERATIONS { \
     /* [tirefmu] F_z */ \
-    {AT_MOST,2,58}, {CHOOSE,70,58,2}, \
+    {AT_MOST,2,61}, {CHOOSE,74,61,2}, \
     /* [tirefmu] load_ratio */ \
-    {DIVIDE,71,17}, \
+    {DIVIDE,75,17}, \
     /* [tirefmu] stiffness_ratio */ \
-    {POWER,72,23}, \
+    {POWER,76,23}, \
     /* [tirefmu] friction_ratio */ \
-    {POWER,72,24}, \
+    {POWER,76,24}, \
     /* [tirefmu] mu_x_without_break_in */ \
-    {MULTIPLY,20,74}, \
+    {MULTIPLY,20,78}, \
     /* [tirefmu] mu_x_without_heat_friction */ \
-    {DIVIDE,6,27}, {SUBTRACT,60,76}, {EXP,77}, {MULTIPLY,26,78}, {ADD,59,79}, {MULTIPLY,75,80}, \
+    {DIVIDE,6,27}, {SUBTRACT,63,80}, {EXP,81}, {MULTIPLY,26,82}, {ADD,62,83}, {MULTIPLY,79,84}, \
     /* [tirefmu] mu_x_without_slip_history */ \
-    {MULTIPLY,8,33}, {ADD,7,82}, {MULTIPLY,31,83}, {SUBTRACT,60,84}, {EXP,85}, {MULTIPLY,81,86}, \
+    {MULTIPLY,8,33}, {ADD,7,86}, {MULTIPLY,31,87}, {SUBTRACT,63,88}, {EXP,89}, {MULTIPLY,85,90}, \
     /* [tirefmu] mu_x */ \
-    {MULTIPLY,15,45}, {ADD,59,88}, {SUBTRACT,3,47}, {MULTIPLY,48,90}, {MULTIPLY,90,90}, {MULTIPLY,50,92}, {ADD,59,91}, \
-    {ADD,93,94}, {MULTIPLY,4,53}, {MULTIPLY,4,4}, {MULTIPLY,54,97}, {ADD,59,96}, {ADD,98,99}, {MULTIPLY,49,90}, \
-    {SUBTRACT,60,101}, {EXP,102}, {MULTIPLY,87,89}, {MULTIPLY,95,104}, {MULTIPLY,100,105}, {MULTIPLY,103,106}, \
+    {MULTIPLY,15,46}, {ADD,62,92}, {SUBTRACT,3,50}, {MULTIPLY,51,94}, {MULTIPLY,94,94}, {MULTIPLY,53,96}, {ADD,62,95}, \
+    {ADD,97,98}, {MULTIPLY,4,56}, {MULTIPLY,4,4}, {MULTIPLY,57,101}, {ADD,62,100}, {ADD,102,103}, {MULTIPLY,52,94}, \
+    {SUBTRACT,63,105}, {EXP,106}, {MULTIPLY,91,93}, {MULTIPLY,99,108}, {MULTIPLY,104,109}, {MULTIPLY,107,110}, \
     /* [tirefmu] mu_y_without_break_in */ \
-    {MULTIPLY,21,74}, \
+    {MULTIPLY,21,78}, \
     /* [tirefmu] mu_y_without_heat_friction */ \
-    {MULTIPLY,80,108}, \
+    {MULTIPLY,84,112}, \
     /* [tirefmu] mu_y_without_load_lag */ \
-    {MULTIPLY,86,109}, \
+    {MULTIPLY,90,113}, \
     /* [tirefmu] mu_y_without_slip_history */ \
-    {SUBTRACT,12,2}, {MULTIPLY,41,111}, {MULTIPLY,2,2}, {ADD,59,113}, {ROOT,114}, {DIVIDE,112,115}, {ADD,59,116}, \
-    {MULTIPLY,110,117}, \
+    {SUBTRACT,12,2}, {MULTIPLY,42,115}, {MULTIPLY,2,2}, {ADD,62,117}, {ROOT,118}, {DIVIDE,116,119}, {ADD,62,120}, \
+    {MULTIPLY,114,121}, \
     /* [tirefmu] mu_y */ \
-    {MULTIPLY,89,118}, {MULTIPLY,95,119}, {MULTIPLY,100,120}, {MULTIPLY,103,121}, \
+    {MULTIPLY,15,47}, {ADD,62,123}, {MULTIPLY,122,124}, {MULTIPLY,99,125}, {MULTIPLY,104,126}, {MULTIPLY,107,127}, \
     /* [tirefmu] side */ \
-    {LESS,61,56}, {CHOOSE,123,59,62}, \
+    {LESS,64,59}, {CHOOSE,129,62,65}, \
     /* [3.2.2] K_xkappa_without_heat_stiffness */ \
-    {MULTIPLY,18,73}, \
+    {MULTIPLY,18,77}, \
     /* [3.2.2] K_xkappa_without_slip_history */ \
-    {MULTIPLY,7,34}, {SUBTRACT,60,126}, {EXP,127}, {MULTIPLY,125,128}, \
+    {MULTIPLY,7,34}, {SUBTRACT,63,132}, {EXP,133}, {MULTIPLY,131,134}, \
     /* [3.2.2] K_xkappa */ \
-    {MULTIPLY,15,46}, {ADD,59,130}, {MULTIPLY,51,90}, {ADD,59,132}, {MULTIPLY,4,55}, {ADD,59,134}, {MULTIPLY,52,90}, \
-    {SUBTRACT,60,136}, {EXP,137}, {MULTIPLY,129,131}, {MULTIPLY,133,139}, {MULTIPLY,135,140}, {MULTIPLY,138,141}, \
+    {MULTIPLY,15,48}, {ADD,62,136}, {MULTIPLY,54,94}, {ADD,62,138}, {MULTIPLY,4,58}, {ADD,62,140}, {MULTIPLY,55,94}, \
+    {SUBTRACT,63,142}, {EXP,143}, {MULTIPLY,135,137}, {MULTIPLY,139,145}, {MULTIPLY,141,146}, {MULTIPLY,144,147}, \
     /* [3.2.1] K_yalpha_without_heat_stiffness */ \
-    {MULTIPLY,19,124}, {MULTIPLY,73,143}, \
+    {MULTIPLY,19,130}, {MULTIPLY,77,149}, \
     /* [3.2.1] K_yalpha_without_load_lag */ \
-    {MULTIPLY,128,144}, \
+    {MULTIPLY,134,150}, \
     /* [3.2.1] K_yalpha_without_slip_history */ \
-    {MULTIPLY,42,111}, {DIVIDE,146,115}, {ADD,59,147}, {MULTIPLY,145,148}, \
+    {MULTIPLY,43,115}, {DIVIDE,152,119}, {ADD,62,153}, {MULTIPLY,151,154}, \
     /* [3.2.1] K_yalpha */ \
-    {MULTIPLY,131,149}, {MULTIPLY,133,150}, {MULTIPLY,135,151}, {MULTIPLY,138,152}, \
+    {MULTIPLY,15,49}, {ADD,62,156}, {MULTIPLY,155,157}, {MULTIPLY,139,158}, {MULTIPLY,141,159}, {MULTIPLY,144,160}, \
     /* [tirefmu] a */ \
-    {POWER,72,25}, {MULTIPLY,22,154}, \
+    {POWER,76,25}, {MULTIPLY,22,162}, \
     /* [3.2.3] tan_alpha */ \
     {TAN,1}, \
     /* [3.2.3] rolling */ \
-    {ADD,59,0}, {ABSOLUTE,157}, {LESS,158,58}, {CHOOSE,159,58,158}, \
+    {ADD,62,0}, {ABSOLUTE,165}, {LESS,166,61}, {CHOOSE,167,61,166}, \
     /* [3.2.3] slip_x */ \
-    {DIVIDE,0,160}, \
+    {DIVIDE,0,168}, \
     /* [3.2.3] slip_y */ \
-    {DIVIDE,156,160}, \
+    {DIVIDE,164,168}, \
     /* [3.2.3] reach_x */ \
-    {MULTIPLY,63,142}, {MULTIPLY,161,163}, {MULTIPLY,71,107}, {DIVIDE,164,165}, \
+    {MULTIPLY,66,148}, {MULTIPLY,169,171}, {MULTIPLY,75,111}, {DIVIDE,172,173}, \
     /* [3.2.3] reach_y */ \
-    {MULTIPLY,63,153}, {MULTIPLY,162,167}, {MULTIPLY,71,122}, {DIVIDE,168,169}, \
+    {MULTIPLY,66,161}, {MULTIPLY,170,175}, {MULTIPLY,75,128}, {DIVIDE,176,177}, \
     /* [3.2.3] psi_squared */ \
-    {MULTIPLY,166,166}, {MULTIPLY,170,170}, {ADD,171,172}, \
+    {MULTIPLY,174,174}, {MULTIPLY,178,178}, {ADD,179,180}, \
     /* [3.2.3] psi_bounded */ \
-    {AT_MOST,59,173}, {LESS,173,64}, {CHOOSE,175,64,173}, {CHOOSE,174,59,176}, \
+    {AT_MOST,62,181}, {LESS,181,67}, {CHOOSE,183,67,181}, {CHOOSE,182,62,184}, \
     /* [3.2.3] psi */ \
-    {ROOT,177}, \
+    {ROOT,185}, \
     /* [tirefmu] sliding_squared */ \
-    {MULTIPLY,0,0}, {MULTIPLY,107,107}, {MULTIPLY,179,180}, {MULTIPLY,122,122}, {MULTIPLY,156,156}, \
-    {MULTIPLY,182,183}, {ADD,181,184}, \
+    {MULTIPLY,0,0}, {MULTIPLY,111,111}, {MULTIPLY,187,188}, {MULTIPLY,128,128}, {MULTIPLY,164,164}, \
+    {MULTIPLY,190,191}, {ADD,189,192}, \
     /* [tirefmu] sliding_nonzero */ \
-    {LESS,185,64}, {CHOOSE,186,64,185}, \
+    {LESS,193,67}, {CHOOSE,194,67,193}, \
     /* [tirefmu] sliding */ \
-    {MULTIPLY,178,178}, {MULTIPLY,66,178}, {SUBTRACT,65,189}, {MULTIPLY,71,188}, {MULTIPLY,190,191}, {ROOT,187}, \
-    {DIVIDE,192,193}, \
+    {MULTIPLY,186,186}, {MULTIPLY,69,186}, {SUBTRACT,68,197}, {MULTIPLY,75,196}, {MULTIPLY,198,199}, {ROOT,195}, \
+    {DIVIDE,200,201}, \
     /* [3.2.3] sticking */ \
-    {SUBTRACT,59,178}, {MULTIPLY,195,195}, {DIVIDE,196,160}, \
+    {SUBTRACT,62,186}, {MULTIPLY,203,203}, {DIVIDE,204,168}, \
     /* [3.2.3] F_y_sticking */ \
-    {MULTIPLY,153,197}, \
+    {MULTIPLY,161,205}, \
     /* [3.2.3] F_y_sliding */ \
-    {MULTIPLY,124,194}, {MULTIPLY,182,199}, \
+    {MULTIPLY,130,202}, {MULTIPLY,190,207}, \
     /* [3.2.3] Fx */ \
-    {MULTIPLY,142,197}, {MULTIPLY,180,194}, {ADD,201,202}, {MULTIPLY,0,203}, {CHOOSE,70,60,204}, \
+    {MULTIPLY,148,205}, {MULTIPLY,188,202}, {ADD,209,210}, {MULTIPLY,0,211}, {CHOOSE,74,63,212}, \
     /* [3.2.3] Fy_without_hysteresis_force */ \
-    {ADD,198,200}, {MULTIPLY,156,206}, {CHOOSE,70,60,207}, \
+    {ADD,206,208}, {MULTIPLY,164,214}, {CHOOSE,74,63,215}, \
     /* [3.2.3] Fy */ \
-    {MULTIPLY,11,38}, {MULTIPLY,10,37}, {ADD,209,210}, {MULTIPLY,2,211}, {ADD,208,212}, \
+    {MULTIPLY,11,38}, {MULTIPLY,10,37}, {ADD,217,218}, {MULTIPLY,2,219}, {ADD,216,220}, \
     /* [3.2.1] D_t */ \
-    {MULTIPLY,63,155}, \
+    {MULTIPLY,66,163}, \
     /* [3.2.1] arm_sliding */ \
-    {MULTIPLY,67,196}, {DIVIDE,215,190}, \
+    {MULTIPLY,70,204}, {DIVIDE,223,198}, \
     /* [3.2.1] trail */ \
-    {MULTIPLY,200,216}, {MULTIPLY,68,178}, {SUBTRACT,59,218}, {MULTIPLY,198,219}, {ADD,217,220}, {MULTIPLY,214,221}, \
-    {DIVIDE,222,206}, \
+    {MULTIPLY,208,224}, {MULTIPLY,71,186}, {SUBTRACT,62,226}, {MULTIPLY,206,227}, {ADD,225,228}, {MULTIPLY,222,229}, \
+    {DIVIDE,230,214}, \
     /* [3.2.1] Mz_without_hysteresis_force */ \
-    {MULTIPLY,213,223}, {SUBTRACT,60,224}, \
+    {MULTIPLY,221,231}, {SUBTRACT,63,232}, \
     /* [3.2.1] Mz */ \
-    {MULTIPLY,2,39}, {MULTIPLY,16,226}, {MULTIPLY,211,227}, {ADD,225,228}, \
+    {MULTIPLY,2,39}, {MULTIPLY,16,234}, {MULTIPLY,219,235}, {ADD,233,236}, \
     /* [tirefmu] sliding_power */ \
-    {MULTIPLY,5,205}, {MULTIPLY,0,230}, {ABSOLUTE,231}, {SIN,1}, {MULTIPLY,5,213}, {MULTIPLY,233,234}, {ABSOLUTE,235}, \
-    {ADD,232,236}, \
+    {MULTIPLY,5,213}, {MULTIPLY,0,238}, {ABSOLUTE,239}, {SIN,1}, {MULTIPLY,5,221}, {MULTIPLY,241,242}, {ABSOLUTE,243}, \
+    {ADD,240,244}, \
     /* [tirefmu] sliding_work_target */ \
-    {DIVIDE,237,17}, \
+    {DIVIDE,245,17}, \
     /* [tirefmu] tread_heat_target */ \
-    {MULTIPLY,17,17}, {DIVIDE,114,239}, {MULTIPLY,61,30}, {POWER,240,241}, {ABSOLUTE,5}, {MULTIPLY,29,243}, \
-    {ADD,59,244}, {MULTIPLY,17,242}, {MULTIPLY,245,246}, {DIVIDE,237,247}, \
+    {MULTIPLY,17,17}, {DIVIDE,118,247}, {MULTIPLY,64,30}, {POWER,248,249}, {ABSOLUTE,5}, {MULTIPLY,29,251}, \
+    {ADD,62,252}, {MULTIPLY,17,250}, {MULTIPLY,253,254}, {DIVIDE,245,255}, \
     /* [tirefmu] tread_heat_rate */ \
-    {DIVIDE,245,28}, \
+    {DIVIDE,253,28}, \
     /* [tirefmu] tread_heat_derivative */ \
-    {SUBTRACT,248,7}, {MULTIPLY,249,250}, \
+    {SUBTRACT,256,7}, {MULTIPLY,257,258}, \
     /* [tirefmu] carcass_heat_rate */ \
-    {DIVIDE,59,32}, \
+    {DIVIDE,62,32}, \
     /* [tirefmu] carcass_heat_derivative */ \
-    {SUBTRACT,7,8}, {MULTIPLY,252,253}, \
+    {SUBTRACT,7,8}, {MULTIPLY,260,261}, \
     /* [tirefmu] carcass_slip_rate */ \
-    {DIVIDE,243,35}, \
+    {DIVIDE,251,35}, \
     /* [tirefmu] carcass_slip_derivative */ \
-    {SUBTRACT,156,9}, {MULTIPLY,255,256}, \
+    {SUBTRACT,164,9}, {MULTIPLY,263,264}, \
     /* [tirefmu] inner_friction_rate */ \
-    {DIVIDE,59,36}, \
+    {DIVIDE,62,36}, \
     /* [tirefmu] inner_friction_derivative */ \
-    {SGN,257}, {SUBTRACT,259,10}, {ABSOLUTE,257}, {MULTIPLY,258,260}, {MULTIPLY,261,262}, \
+    {SGN,265}, {SUBTRACT,267,10}, {ABSOLUTE,265}, {MULTIPLY,266,268}, {MULTIPLY,269,270}, \
     /* [tirefmu] inner_play_margin */ \
-    {MULTIPLY,11,259}, {LESS,264,59}, {SUBTRACT,59,264}, {CHOOSE,265,266,62}, \
+    {MULTIPLY,11,267}, {LESS,272,62}, {SUBTRACT,62,272}, {CHOOSE,273,274,65}, \
     /* [tirefmu] inner_play_derivative */ \
-    {MULTIPLY,257,258}, {CHOOSE,265,268,60}, \
+    {MULTIPLY,265,266}, {CHOOSE,273,276,63}, \
     /* [tirefmu] late_load_rate */ \
-    {DIVIDE,243,40}, \
+    {MULTIPLY,41,115}, {MULTIPLY,115,115}, {MULTIPLY,72,247}, {ADD,279,280}, {ROOT,281}, {DIVIDE,278,282}, \
+    {SUBTRACT,63,283}, {EXP,284}, {MULTIPLY,251,285}, {DIVIDE,286,40}, \
     /* [tirefmu] late_load_derivative */ \
-    {SUBTRACT,2,12}, {MULTIPLY,270,271}, \
+    {SUBTRACT,2,12}, {MULTIPLY,287,288}, \
     /* [tirefmu] contact_slip_x_rate */ \
-    {DIVIDE,243,43}, \
+    {DIVIDE,251,44}, \
     /* [tirefmu] contact_slip_x_derivative */ \
-    {SUBTRACT,0,13}, {MULTIPLY,273,274}, \
+    {SUBTRACT,0,13}, {MULTIPLY,290,291}, \
     /* [tirefmu] contact_slip_y_derivative */ \
-    {SUBTRACT,156,14}, {MULTIPLY,273,276}, \
+    {SUBTRACT,164,14}, {MULTIPLY,290,293}, \
     /* [tirefmu] slip_growth_target */ \
-    {MULTIPLY,13,273}, {MULTIPLY,274,278}, {MULTIPLY,14,273}, {MULTIPLY,276,280}, {ADD,279,281}, {MULTIPLY,13,13}, \
-    {MULTIPLY,14,14}, {ADD,69,283}, {ADD,284,285}, {ROOT,286}, {DIVIDE,282,287}, \
+    {MULTIPLY,13,290}, {MULTIPLY,291,295}, {MULTIPLY,14,290}, {MULTIPLY,293,297}, {ADD,296,298}, {MULTIPLY,13,13}, \
+    {MULTIPLY,14,14}, {ADD,73,300}, {ADD,301,302}, {ROOT,303}, {DIVIDE,299,304}, \
     /* [tirefmu] slip_growth_rate */ \
-    {DIVIDE,59,44}, \
+    {DIVIDE,62,45}, \
     /* [tirefmu] slip_growth_derivative */ \
-    {SGN,288}, {SUBTRACT,290,15}, {ABSOLUTE,288}, {MULTIPLY,289,291}, {MULTIPLY,292,293}, \
+    {SGN,305}, {SUBTRACT,307,15}, {ABSOLUTE,305}, {MULTIPLY,306,308}, {MULTIPLY,309,310}, \
 }
 
 #endif

@@ -423,6 +423,7 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double HFY = parameters[FIALA_HFY];
     const double HFPLAY = parameters[FIALA_HFPLAY];
     const double LLEN = parameters[FIALA_LLEN];
+    const double LLDIR = parameters[FIALA_LLDIR];
     const double LLMU = parameters[FIALA_LLMU];
     const double LLK = parameters[FIALA_LLK];
     const double RSIG = parameters[FIALA_RSIG];
@@ -430,8 +431,10 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double RPOW = parameters[FIALA_RPOW];
     const double SHLEN = parameters[FIALA_SHLEN];
     const double SHWID = parameters[FIALA_SHWID];
-    const double SHMU = parameters[FIALA_SHMU];
-    const double SHK = parameters[FIALA_SHK];
+    const double SHMUX = parameters[FIALA_SHMUX];
+    const double SHMUY = parameters[FIALA_SHMUY];
+    const double SHKX = parameters[FIALA_SHKX];
+    const double SHKY = parameters[FIALA_SHKY];
     const double TREF = parameters[FIALA_TREF];
     const double TMU1 = parameters[FIALA_TMU1];
     const double TMUA = parameters[FIALA_TMUA];
@@ -454,14 +457,14 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double mu_x_without_heat_friction = U*(1.0 + BIMU*exp(-sliding_work/BIWORK)); /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_x_without_slip_history = mu_x_without_heat_friction*exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [Adams] largest |Fx| per load at this comprehensive slip */
-    const double mu_x = mu_x_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [Adams] largest |Fx| per load at this comprehensive slip */
+    const double mu_x = mu_x_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y_without_heat_friction = U*(1.0 + BIMU*exp(-sliding_work/BIWORK)); /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double mu_y_without_load_lag = mu_y_without_heat_friction*exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double mu_y_without_slip_history = mu_y_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [Adams] largest |Fy| per load at this comprehensive slip */
-    const double mu_y = mu_y_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [Adams] largest |Fy| per load at this comprehensive slip */
+    const double mu_y = mu_y_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double mu_y_fall = mu_x_fall; /* [Adams] what mu_y loses up to comprehensive slip 1 */
     const double K_xkappa_without_slip_history = CSLIP*exp(-HK*tread_heat); /* [Adams] longitudinal slip stiffness */
-    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [Adams] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [Adams] longitudinal slip stiffness */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
     const double F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
     const double kappa_crit = fabs(0.5*F_x_limit/K_xkappa); /* [Adams] critical slip, up to which Fx is linear */
@@ -469,7 +472,7 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double K_yalpha_without_heat_stiffness = CALPHA*sense; /* [Adams] cornering stiffness */
     const double K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*exp(-HK*tread_heat); /* [Adams] cornering stiffness */
     const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [Adams] cornering stiffness */
-    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [Adams] cornering stiffness */
+    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [Adams] cornering stiffness */
     const double F_y_limit = F_z*mu_y; /* [Adams] largest side force */
     const double F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
     const double alpha_crit = fast_atan(fabs(3.0*F_y_limit/K_yalpha)); /* [Adams] critical slip angle, from which the whole contact slides */
@@ -512,7 +515,7 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double inner_play_margin = (inner_play*sgn(inner_play_target) < 1.0 ? 1.0 - inner_play*sgn(inner_play_target) : -1.0); /* [tirefmu] margin of force of an elastic element in series with dry friction as a share of its largest value in its direction, -1 without one */
     const double inner_play_derivative = (inner_play*sgn(inner_play_target) < 1.0 ? inner_play_rate*inner_play_target : 0.0); /* [tirefmu] derivative of force of an elastic element in series with dry friction as a share of its largest value */
     const double late_load_target = Fz; /* [tirefmu] target of load that the contact has followed */
-    const double late_load_rate = fabs(V)/LLEN; /* [tirefmu] rate of load that the contact has followed */
+    const double late_load_rate = fabs(V)*exp(-LLDIR*(late_load - Fz)/sqrt(square(late_load - Fz) + 0.0001*square(FNOMIN)))/LLEN; /* [tirefmu] rate of load that the contact has followed */
     const double late_load_start = 0.0; /* [tirefmu] start of load that the contact has followed */
     const double late_load_derivative = late_load_rate*(late_load_target - late_load); /* [tirefmu] derivative of load that the contact has followed */
     const double contact_slip_x_target = kappa; /* [tirefmu] target of longitudinal slip that the contact has followed */
@@ -622,8 +625,10 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double HFARM = parameters[FIALA_HFARM];
     const double LLMU = parameters[FIALA_LLMU];
     const double LLK = parameters[FIALA_LLK];
-    const double SHMU = parameters[FIALA_SHMU];
-    const double SHK = parameters[FIALA_SHK];
+    const double SHMUX = parameters[FIALA_SHMUX];
+    const double SHMUY = parameters[FIALA_SHMUY];
+    const double SHKX = parameters[FIALA_SHKX];
+    const double SHKY = parameters[FIALA_SHKY];
     const double TREF = parameters[FIALA_TREF];
     const double TMU1 = parameters[FIALA_TMU1];
     const double TMUA = parameters[FIALA_TMUA];
@@ -661,20 +666,20 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double K_xkappa_without_slip_history = CSLIP*K_xkappa_without_slip_history_exp; /* [Adams] longitudinal slip stiffness */
     const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [Adams] cornering stiffness */
     const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-    const double K_xkappa = K_xkappa_exp*K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [Adams] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_exp*K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [Adams] longitudinal slip stiffness */
     const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
     const double mu_y_without_heat_friction = U*(1.0 + BIMU*mu_x_without_heat_friction_exp); /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double mu_x_without_heat_friction = U*(1.0 + BIMU*mu_x_without_heat_friction_exp); /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y_without_load_lag = mu_x_without_slip_history_exp*mu_y_without_heat_friction; /* [Adams] largest |Fy| per load at this comprehensive slip */
-    const double K_yalpha = K_xkappa_exp*K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [Adams] cornering stiffness */
+    const double K_yalpha = K_xkappa_exp*K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [Adams] cornering stiffness */
     const double mu_y_without_slip_history = mu_y_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_exp; /* [Adams] largest |Fx| per load at this comprehensive slip */
-    const double mu_x = mu_x_exp*mu_x_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [Adams] largest |Fx| per load at this comprehensive slip */
+    const double mu_x = mu_x_exp*mu_x_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
     const double Fx = (Fz <= 1e-06 ? 0.0 : (fabs(F_x_linear) <= 0.5*F_x_limit ? F_x_linear : F_x_limit*sgn(F_x_linear) - 0.25*square(F_x_limit)/F_x_linear)); /* [Adams] longitudinal force */
-    const double mu_y = mu_x_exp*mu_y_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [Adams] largest |Fy| per load at this comprehensive slip */
+    const double mu_y = mu_x_exp*mu_y_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double F_y_limit = F_z*mu_y; /* [Adams] largest side force */
     const double sliding_y = (fabs(F_y_linear) >= 3.0*F_y_limit ? sgn(F_y_linear) : 0.3333333333333333*F_y_linear/F_y_limit); /* [Adams] 1 - H with the sense of the side force: share of the contact that slides */
     const double Mz_without_hysteresis_force = (Fz <= 1e-06 ? 0.0 : -3.0*F_y_limit*sliding_y*t_0*cube(1.0 - fabs(sliding_y))); /* [Adams] aligning moment */
@@ -713,8 +718,10 @@ void fiala_slip_stiffnesses(const double inputs[], const double parameters[], do
     const double HK = parameters[FIALA_HK];
     const double LLMU = parameters[FIALA_LLMU];
     const double LLK = parameters[FIALA_LLK];
-    const double SHMU = parameters[FIALA_SHMU];
-    const double SHK = parameters[FIALA_SHK];
+    const double SHMUX = parameters[FIALA_SHMUX];
+    const double SHMUY = parameters[FIALA_SHMUY];
+    const double SHKX = parameters[FIALA_SHKX];
+    const double SHKY = parameters[FIALA_SHKY];
     const double TREF = parameters[FIALA_TREF];
     const double TMU1 = parameters[FIALA_TMU1];
     const double TMUA = parameters[FIALA_TMUA];
@@ -733,24 +740,24 @@ void fiala_slip_stiffnesses(const double inputs[], const double parameters[], do
     const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
     const double mu_x_without_heat_friction_part1 = 1.0/BIWORK;
     const double mu_x_without_slip_history_part1 = tread_heat + HSLOW*carcass_heat;
-    const double mu_x_part1 = 1.0 + SHMU*slip_growth;
+    const double mu_x_part1 = 1.0 + SHMUX*slip_growth;
     const double mu_x_part2 = T - TREF;
     const double mu_x_part4 = 1.0 + WMU1*distance + WMU2*square(distance);
     const double mu_y_without_heat_friction_part1 = 1.0/BIWORK;
     const double mu_y_without_load_lag_part1 = tread_heat + HSLOW*carcass_heat;
     const double mu_y_without_slip_history_part1 = 1.0 + square(Fz);
     const double mu_y_without_slip_history_part4 = late_load - Fz;
-    const double mu_y_part1 = 1.0 + SHMU*slip_growth;
+    const double mu_y_part1 = 1.0 + SHMUY*slip_growth;
     const double mu_y_part2 = T - TREF;
     const double mu_y_part4 = 1.0 + WMU1*distance + WMU2*square(distance);
     const double K_xkappa_without_slip_history_part1 = -HK*tread_heat;
-    const double K_xkappa_part1 = 1.0 + SHK*slip_growth;
+    const double K_xkappa_part1 = 1.0 + SHKX*slip_growth;
     const double K_xkappa_part2 = T - TREF;
     const double K_xkappa_part4 = 1.0 + WK1*distance;
     const double K_yalpha_without_load_lag_part1 = -HK*tread_heat;
     const double K_yalpha_without_slip_history_part1 = 1.0 + square(Fz);
     const double K_yalpha_without_slip_history_part4 = late_load - Fz;
-    const double K_yalpha_part1 = 1.0 + SHK*slip_growth;
+    const double K_yalpha_part1 = 1.0 + SHKY*slip_growth;
     const double K_yalpha_part2 = T - TREF;
     const double K_yalpha_part4 = 1.0 + WK1*distance;
     const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
@@ -926,12 +933,15 @@ void fiala_drives(const double inputs[], const double parameters[], double resul
     const double HFY = parameters[FIALA_HFY];
     const double HFPLAY = parameters[FIALA_HFPLAY];
     const double LLEN = parameters[FIALA_LLEN];
+    const double LLDIR = parameters[FIALA_LLDIR];
     const double LLMU = parameters[FIALA_LLMU];
     const double LLK = parameters[FIALA_LLK];
     const double SHLEN = parameters[FIALA_SHLEN];
     const double SHWID = parameters[FIALA_SHWID];
-    const double SHMU = parameters[FIALA_SHMU];
-    const double SHK = parameters[FIALA_SHK];
+    const double SHMUX = parameters[FIALA_SHMUX];
+    const double SHMUY = parameters[FIALA_SHMUY];
+    const double SHKX = parameters[FIALA_SHKX];
+    const double SHKY = parameters[FIALA_SHKY];
     const double TREF = parameters[FIALA_TREF];
     const double TMU1 = parameters[FIALA_TMU1];
     const double TMUA = parameters[FIALA_TMUA];
@@ -964,7 +974,7 @@ void fiala_drives(const double inputs[], const double parameters[], double resul
     const double inner_play_rate = 1.0/HFWID; /* [tirefmu] rate of force of an elastic element in series with dry friction as a share of its largest value */
     const double inner_play_start = 0.0; /* [tirefmu] start of force of an elastic element in series with dry friction as a share of its largest value */
     const double late_load_target = Fz; /* [tirefmu] target of load that the contact has followed */
-    const double late_load_rate = fabs(V)/LLEN; /* [tirefmu] rate of load that the contact has followed */
+    const double late_load_rate = fabs(V)*exp(-LLDIR*(late_load - Fz)/sqrt(square(late_load - Fz) + 0.0001*square(FNOMIN)))/LLEN; /* [tirefmu] rate of load that the contact has followed */
     const double late_load_start = 0.0; /* [tirefmu] start of load that the contact has followed */
     const double contact_slip_x_target = kappa; /* [tirefmu] target of longitudinal slip that the contact has followed */
     const double contact_slip_x_rate = fabs(V)/SHLEN; /* [tirefmu] rate of longitudinal slip that the contact has followed */
@@ -976,14 +986,14 @@ void fiala_drives(const double inputs[], const double parameters[], double resul
     const double slip_growth_start = 0.0; /* [tirefmu] start of 1 while the slip grows, -1 while it falls */
     const double K_yalpha_without_heat_stiffness = CALPHA*sense; /* [Adams] cornering stiffness */
     const double K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*exp(-HK*tread_heat); /* [Adams] cornering stiffness */
-    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [Adams] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [Adams] longitudinal slip stiffness */
     const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [Adams] cornering stiffness */
     const double S_square = square(kappa) + square(tan_alpha); /* [Adams] comprehensive slip, squared */
     const double inner_friction_target = carcass_slip_rate*(carcass_slip_target - carcass_slip); /* [tirefmu] target of inner friction as a share of its largest value */
     const double inner_play_target = carcass_slip_rate*(carcass_slip_target - carcass_slip); /* [tirefmu] target of force of an elastic element in series with dry friction as a share of its largest value */
     const double slip_growth_target = (contact_slip_x*contact_slip_x_rate*(contact_slip_x_target - contact_slip_x) + contact_slip_y*contact_slip_y_rate*(contact_slip_y_target - contact_slip_y))/sqrt(1e-24 + square(contact_slip_x) + square(contact_slip_y)); /* [tirefmu] target of 1 while the slip grows, -1 while it falls */
     const double F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
-    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [Adams] cornering stiffness */
+    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [Adams] cornering stiffness */
     const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
     const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
     const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
@@ -992,9 +1002,9 @@ void fiala_drives(const double inputs[], const double parameters[], double resul
     const double mu_y_without_heat_friction = U*(1.0 + BIMU*exp(-sliding_work/BIWORK)); /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double mu_x_without_slip_history = mu_x_without_heat_friction*exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y_without_load_lag = mu_y_without_heat_friction*exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [Adams] largest |Fy| per load at this comprehensive slip */
-    const double mu_x = mu_x_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [Adams] largest |Fx| per load at this comprehensive slip */
+    const double mu_x = mu_x_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y_without_slip_history = mu_y_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [Adams] largest |Fy| per load at this comprehensive slip */
-    const double mu_y = mu_y_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [Adams] largest |Fy| per load at this comprehensive slip */
+    const double mu_y = mu_y_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
     const double Fx = (Fz <= 1e-06 ? 0.0 : (fabs(F_x_linear) <= 0.5*F_x_limit ? F_x_linear : F_x_limit*sgn(F_x_linear) - 0.25*square(F_x_limit)/F_x_linear)); /* [Adams] longitudinal force */
     const double F_y_limit = F_z*mu_y; /* [Adams] largest side force */

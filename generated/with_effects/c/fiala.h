@@ -26,7 +26,7 @@ enum {
     FIALA_slip_growth, /* 1 while the slip grows, -1 while it falls [1] */
 };
 
-#define FIALA_N_PARAMETERS 47
+#define FIALA_N_PARAMETERS 50
 enum {
     FIALA_UNLOADED_RADIUS, /* free radius R_0 [m] */
     FIALA_WIDTH, /* tire width, by which the aligning moment scales [m] */
@@ -56,6 +56,7 @@ enum {
     FIALA_HFPLAY, /* largest force per load that turns linearly, as that of an elastic element in series with dry friction [1] */
     FIALA_HFARM, /* lever of the force about the vertical over the free radius, negative behind the wheel centre [1] */
     FIALA_LLEN, /* distance within which the side force follows the load [m] */
+    FIALA_LLDIR, /* logarithm of the ratio by which the distance is longer than LLEN while the load falls and shorter while it grows [1] */
     FIALA_LLMU, /* share of the side force at large slip that follows late [1] */
     FIALA_LLK, /* share of the cornering stiffness that follows late [1] */
     FIALA_RSIG, /* relaxation length at zero slip [m] */
@@ -63,8 +64,10 @@ enum {
     FIALA_RPOW, /* exponent of the slip [1] */
     FIALA_SHLEN, /* distance within which the contact follows the slip [m] */
     FIALA_SHWID, /* change of slip over which the hysteresis turns [1] */
-    FIALA_SHMU, /* friction, half the difference between growing and falling slip [1] */
-    FIALA_SHK, /* slip stiffness, half the difference between growing and falling slip [1] */
+    FIALA_SHMUX, /* longitudinal friction, half the difference between growing and falling slip [1] */
+    FIALA_SHMUY, /* lateral friction, half the difference between growing and falling slip [1] */
+    FIALA_SHKX, /* longitudinal slip stiffness, half the difference between growing and falling slip [1] */
+    FIALA_SHKY, /* cornering stiffness, half the difference between growing and falling slip [1] */
     FIALA_TREF, /* reference temperature of the coefficients [degC] */
     FIALA_TMU1, /* friction, change with temperature [1/K] */
     FIALA_TMUA, /* friction, exponential decrease with temperature [1/K] */
@@ -77,7 +80,7 @@ enum {
     FIALA_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 
-#define FIALA_N_COEFFICIENTS 46
+#define FIALA_N_COEFFICIENTS 49
 
 #define FIALA_N_FORCES 4
 enum {

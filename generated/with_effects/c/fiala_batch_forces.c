@@ -226,8 +226,10 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
     const double HFARM = parameters[FIALA_HFARM];
     const double LLMU = parameters[FIALA_LLMU];
     const double LLK = parameters[FIALA_LLK];
-    const double SHMU = parameters[FIALA_SHMU];
-    const double SHK = parameters[FIALA_SHK];
+    const double SHMUX = parameters[FIALA_SHMUX];
+    const double SHMUY = parameters[FIALA_SHMUY];
+    const double SHKX = parameters[FIALA_SHKX];
+    const double SHKY = parameters[FIALA_SHKY];
     const double TREF = parameters[FIALA_TREF];
     const double TMU1 = parameters[FIALA_TMU1];
     const double TMUA = parameters[FIALA_TMUA];
@@ -264,11 +266,11 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes K_xkappa_without_slip_history = CSLIP*lanes_exp(-HK*tread_heat); /* [Adams] longitudinal slip stiffness */
         const lanes My = choose(Fz <= 1e-06, each(0.0), (ROLLING_RESISTANCE*sense)*F_z*lanes_sgn(V)); /* [Adams] rolling resistance moment */
         const lanes K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*lanes_exp(-HK*tread_heat); /* [Adams] cornering stiffness */
-        const lanes K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [Adams] longitudinal slip stiffness */
+        const lanes K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [Adams] longitudinal slip stiffness */
         const lanes K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/lanes_sqrt(1.0 + lanes_square(Fz))); /* [Adams] cornering stiffness */
         const lanes S_square = lanes_square(kappa) + lanes_square(tan_alpha); /* [Adams] comprehensive slip, squared */
         const lanes F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
-        const lanes K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [Adams] cornering stiffness */
+        const lanes K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [Adams] cornering stiffness */
         const lanes S_square_inside = choose((S_square >= 1.0) | (S_square <= 0.0), each(1.0), S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
         const lanes S_s_alpha = choose(S_square <= 0.0, each(0.0), lanes_sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
         const lanes U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
@@ -277,9 +279,9 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes mu_y_without_heat_friction = U*(1.0 + BIMU*lanes_exp(-(1.0/BIWORK)*sliding_work)); /* [Adams] largest |Fy| per load at this comprehensive slip */
         const lanes mu_x_without_slip_history = mu_x_without_heat_friction*lanes_exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [Adams] largest |Fx| per load at this comprehensive slip */
         const lanes mu_y_without_load_lag = mu_y_without_heat_friction*lanes_exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [Adams] largest |Fy| per load at this comprehensive slip */
-        const lanes mu_x = mu_x_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [Adams] largest |Fx| per load at this comprehensive slip */
+        const lanes mu_x = mu_x_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [Adams] largest |Fx| per load at this comprehensive slip */
         const lanes mu_y_without_slip_history = mu_y_without_load_lag*(1.0 + LLMU*(late_load - Fz)/lanes_sqrt(1.0 + lanes_square(Fz))); /* [Adams] largest |Fy| per load at this comprehensive slip */
-        const lanes mu_y = mu_y_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [Adams] largest |Fy| per load at this comprehensive slip */
+        const lanes mu_y = mu_y_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [Adams] largest |Fy| per load at this comprehensive slip */
         const lanes F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
         const lanes Fx = choose(Fz <= 1e-06, each(0.0), choose(lanes_absolute(F_x_linear) <= 0.5*F_x_limit, F_x_linear, F_x_limit*lanes_sgn(F_x_linear) - 0.25*lanes_square(F_x_limit)/F_x_linear)); /* [Adams] longitudinal force */
         const lanes F_y_limit = F_z*mu_y; /* [Adams] largest side force */

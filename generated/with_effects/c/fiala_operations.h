@@ -11,155 +11,156 @@ enum {
 
 /* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */
 
-#define FIALA_N_LEAVES 64
-#define FIALA_N_CONSTANTS 11
-#define FIALA_N_OPERATIONS 224
+#define FIALA_N_LEAVES 67
+#define FIALA_N_CONSTANTS 12
+#define FIALA_N_OPERATIONS 237
 
-#define FIALA_N_SLOTS 299
+#define FIALA_N_SLOTS 316
 
 #define FIALA_ROLLING_RADIUS 16
 
 #define FIALA_CONSTANTS { \
-    1e-06, 0.5, 1.0, -1.0, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0, 1e-12, 1e-24 \
+    1e-06, 0.5, 1.0, -1.0, 0.0, 0.25, 3.0, 0.3333333333333333, -3.0, 1e-12, 0.0001, 1e-24 \
 }
 
 #define FIALA_FORCE_SLOTS { \
-    167, 202, 215, 220 \
+    173, 210, 223, 228 \
 }
 
 #define FIALA_QUANTITY_SLOTS { \
-    88, 89, 91, 123, 135, 89, 152, 157, 177, 183, 203, 27, 228, 230, 233, 20, 23, 241, 242, 68, 68, 242, 252, 253, 68, \
-    255, 7, 256, 68, 258, 79, 259, 68, 261, 261, 262, 68, 267, 261, 262, 68, 271, 273, 2, 274, 68, 276, 0, 277, 68, \
-    279, 79, 277, 68, 281, 292, 293, 68, 298 \
+    92, 93, 95, 127, 141, 93, 158, 163, 185, 191, 211, 27, 236, 238, 241, 20, 23, 249, 250, 71, 71, 250, 260, 261, 71, \
+    263, 7, 264, 71, 266, 83, 267, 71, 269, 269, 270, 71, 275, 269, 270, 71, 279, 281, 2, 291, 71, 293, 0, 294, 71, \
+    296, 83, 294, 71, 298, 309, 310, 71, 315 \
 }
 
 #define FIALA_OPERATIONS { \
     /* [tirefmu] F_z */ \
-    {AT_MOST,2,64}, {CHOOSE,75,64,2}, \
+    {AT_MOST,2,67}, {CHOOSE,79,67,2}, \
     /* [tirefmu] sense */ \
-    {LESS,65,62}, {CHOOSE,77,66,67}, \
+    {LESS,68,65}, {CHOOSE,81,69,70}, \
     /* [tirefmu] tan_alpha */ \
     {TAN,1}, \
     /* [Adams] S_square */ \
-    {MULTIPLY,0,0}, {MULTIPLY,79,79}, {ADD,80,81}, \
+    {MULTIPLY,0,0}, {MULTIPLY,83,83}, {ADD,84,85}, \
     /* [tirefmu] S_square_inside */ \
-    {AT_MOST,66,82}, {AT_MOST,82,68}, {OR,83,84}, {CHOOSE,85,66,82}, \
+    {AT_MOST,69,86}, {AT_MOST,86,71}, {OR,87,88}, {CHOOSE,89,69,86}, \
     /* [Adams] S_s_alpha */ \
-    {ROOT,86}, {CHOOSE,84,68,87}, \
+    {ROOT,90}, {CHOOSE,88,71,91}, \
     /* [Adams] mu_x_fall */ \
     {SUBTRACT,25,24}, \
     /* [Adams] U */ \
-    {MULTIPLY,88,89}, {SUBTRACT,25,90}, \
+    {MULTIPLY,92,93}, {SUBTRACT,25,94}, \
     /* [Adams] mu_x_without_heat_friction */ \
-    {DIVIDE,6,30}, {SUBTRACT,68,92}, {EXP,93}, {MULTIPLY,29,94}, {ADD,66,95}, {MULTIPLY,91,96}, \
+    {DIVIDE,6,30}, {SUBTRACT,71,96}, {EXP,97}, {MULTIPLY,29,98}, {ADD,69,99}, {MULTIPLY,95,100}, \
     /* [Adams] mu_x_without_slip_history */ \
-    {MULTIPLY,8,36}, {ADD,7,98}, {MULTIPLY,34,99}, {SUBTRACT,68,100}, {EXP,101}, {MULTIPLY,97,102}, \
+    {MULTIPLY,8,36}, {ADD,7,102}, {MULTIPLY,34,103}, {SUBTRACT,71,104}, {EXP,105}, {MULTIPLY,101,106}, \
     /* [Adams] mu_x */ \
-    {MULTIPLY,15,51}, {ADD,66,104}, {SUBTRACT,4,53}, {MULTIPLY,54,106}, {MULTIPLY,106,106}, {MULTIPLY,56,108}, \
-    {ADD,66,107}, {ADD,109,110}, {MULTIPLY,5,59}, {MULTIPLY,5,5}, {MULTIPLY,60,113}, {ADD,66,112}, {ADD,114,115}, \
-    {MULTIPLY,55,106}, {SUBTRACT,68,117}, {EXP,118}, {MULTIPLY,103,105}, {MULTIPLY,111,120}, {MULTIPLY,116,121}, \
-    {MULTIPLY,119,122}, \
+    {MULTIPLY,15,52}, {ADD,69,108}, {SUBTRACT,4,56}, {MULTIPLY,57,110}, {MULTIPLY,110,110}, {MULTIPLY,59,112}, \
+    {ADD,69,111}, {ADD,113,114}, {MULTIPLY,5,62}, {MULTIPLY,5,5}, {MULTIPLY,63,117}, {ADD,69,116}, {ADD,118,119}, \
+    {MULTIPLY,58,110}, {SUBTRACT,71,121}, {EXP,122}, {MULTIPLY,107,109}, {MULTIPLY,115,124}, {MULTIPLY,120,125}, \
+    {MULTIPLY,123,126}, \
     /* [Adams] mu_y_without_slip_history */ \
-    {SUBTRACT,12,2}, {MULTIPLY,44,124}, {MULTIPLY,2,2}, {ADD,66,126}, {ROOT,127}, {DIVIDE,125,128}, {ADD,66,129}, \
-    {MULTIPLY,103,130}, \
+    {SUBTRACT,12,2}, {MULTIPLY,45,128}, {MULTIPLY,2,2}, {ADD,69,130}, {ROOT,131}, {DIVIDE,129,132}, {ADD,69,133}, \
+    {MULTIPLY,107,134}, \
     /* [Adams] mu_y */ \
-    {MULTIPLY,105,131}, {MULTIPLY,111,132}, {MULTIPLY,116,133}, {MULTIPLY,119,134}, \
+    {MULTIPLY,15,53}, {ADD,69,136}, {MULTIPLY,135,137}, {MULTIPLY,115,138}, {MULTIPLY,120,139}, {MULTIPLY,123,140}, \
     /* [Adams] K_xkappa_without_slip_history */ \
-    {MULTIPLY,7,37}, {SUBTRACT,68,136}, {EXP,137}, {MULTIPLY,21,138}, \
+    {MULTIPLY,7,37}, {SUBTRACT,71,142}, {EXP,143}, {MULTIPLY,21,144}, \
     /* [Adams] K_xkappa */ \
-    {MULTIPLY,15,52}, {ADD,66,140}, {MULTIPLY,57,106}, {ADD,66,142}, {MULTIPLY,5,61}, {ADD,66,144}, {MULTIPLY,58,106}, \
-    {SUBTRACT,68,146}, {EXP,147}, {MULTIPLY,139,141}, {MULTIPLY,143,149}, {MULTIPLY,145,150}, {MULTIPLY,148,151}, \
+    {MULTIPLY,15,54}, {ADD,69,146}, {MULTIPLY,60,110}, {ADD,69,148}, {MULTIPLY,5,64}, {ADD,69,150}, {MULTIPLY,61,110}, \
+    {SUBTRACT,71,152}, {EXP,153}, {MULTIPLY,145,147}, {MULTIPLY,149,155}, {MULTIPLY,151,156}, {MULTIPLY,154,157}, \
     /* [Adams] F_x_limit */ \
-    {MULTIPLY,76,123}, \
+    {MULTIPLY,80,127}, \
     /* [Adams] F_x_linear */ \
-    {MULTIPLY,0,152}, \
+    {MULTIPLY,0,158}, \
     /* [Adams] kappa_crit */ \
-    {MULTIPLY,65,153}, {DIVIDE,155,152}, {ABSOLUTE,156}, \
+    {MULTIPLY,68,159}, {DIVIDE,161,158}, {ABSOLUTE,162}, \
     /* [Adams] Fx */ \
-    {ABSOLUTE,154}, {AT_MOST,158,155}, {SGN,154}, {MULTIPLY,153,160}, {MULTIPLY,153,153}, {MULTIPLY,69,162}, \
-    {DIVIDE,163,154}, {SUBTRACT,161,164}, {CHOOSE,159,154,165}, {CHOOSE,75,68,166}, \
+    {ABSOLUTE,160}, {AT_MOST,164,161}, {SGN,160}, {MULTIPLY,159,166}, {MULTIPLY,159,159}, {MULTIPLY,72,168}, \
+    {DIVIDE,169,160}, {SUBTRACT,167,170}, {CHOOSE,165,160,171}, {CHOOSE,79,71,172}, \
     /* [Adams] K_yalpha_without_heat_stiffness */ \
-    {MULTIPLY,22,78}, \
+    {MULTIPLY,22,82}, \
     /* [Adams] K_yalpha_without_load_lag */ \
-    {MULTIPLY,138,168}, \
+    {MULTIPLY,144,174}, \
     /* [Adams] K_yalpha_without_slip_history */ \
-    {MULTIPLY,45,124}, {DIVIDE,170,128}, {ADD,66,171}, {MULTIPLY,169,172}, \
+    {MULTIPLY,46,128}, {DIVIDE,176,132}, {ADD,69,177}, {MULTIPLY,175,178}, \
     /* [Adams] K_yalpha */ \
-    {MULTIPLY,141,173}, {MULTIPLY,143,174}, {MULTIPLY,145,175}, {MULTIPLY,148,176}, \
+    {MULTIPLY,15,55}, {ADD,69,180}, {MULTIPLY,179,181}, {MULTIPLY,149,182}, {MULTIPLY,151,183}, {MULTIPLY,154,184}, \
     /* [Adams] F_y_limit */ \
-    {MULTIPLY,76,135}, \
+    {MULTIPLY,80,141}, \
     /* [Adams] F_y_linear */ \
-    {MULTIPLY,79,177}, \
+    {MULTIPLY,83,185}, \
     /* [Adams] alpha_crit */ \
-    {MULTIPLY,70,178}, {DIVIDE,180,177}, {ABSOLUTE,181}, {ATAN,182}, \
+    {MULTIPLY,73,186}, {DIVIDE,188,185}, {ABSOLUTE,189}, {ATAN,190}, \
     /* [Adams] sliding_y */ \
-    {ABSOLUTE,179}, {AT_MOST,180,184}, {SGN,179}, {MULTIPLY,71,179}, {DIVIDE,187,178}, {CHOOSE,185,186,188}, \
+    {ABSOLUTE,187}, {AT_MOST,188,192}, {SGN,187}, {MULTIPLY,74,187}, {DIVIDE,195,186}, {CHOOSE,193,194,196}, \
     /* [Adams] Fy_without_hysteresis_force */ \
-    {MULTIPLY,189,189}, {ADD,70,190}, {ABSOLUTE,189}, {MULTIPLY,70,192}, {SUBTRACT,191,193}, {MULTIPLY,178,189}, \
-    {MULTIPLY,194,195}, {CHOOSE,75,68,196}, \
+    {MULTIPLY,197,197}, {ADD,73,198}, {ABSOLUTE,197}, {MULTIPLY,73,200}, {SUBTRACT,199,201}, {MULTIPLY,186,197}, \
+    {MULTIPLY,202,203}, {CHOOSE,79,71,204}, \
     /* [Adams] Fy */ \
-    {MULTIPLY,11,41}, {MULTIPLY,10,40}, {ADD,198,199}, {MULTIPLY,2,200}, {ADD,197,201}, \
+    {MULTIPLY,11,41}, {MULTIPLY,10,40}, {ADD,206,207}, {MULTIPLY,2,208}, {ADD,205,209}, \
     /* [Adams] t_0 */ \
-    {MULTIPLY,71,17}, \
+    {MULTIPLY,74,17}, \
     /* [Adams] Mz_without_hysteresis_force */ \
-    {SUBTRACT,66,192}, {MULTIPLY,204,204}, {MULTIPLY,204,205}, {MULTIPLY,72,178}, {MULTIPLY,189,207}, \
-    {MULTIPLY,203,208}, {MULTIPLY,206,209}, {CHOOSE,75,68,210}, \
+    {SUBTRACT,69,200}, {MULTIPLY,212,212}, {MULTIPLY,212,213}, {MULTIPLY,75,186}, {MULTIPLY,197,215}, \
+    {MULTIPLY,211,216}, {MULTIPLY,214,217}, {CHOOSE,79,71,218}, \
     /* [Adams] Mz */ \
-    {MULTIPLY,2,42}, {MULTIPLY,16,212}, {MULTIPLY,200,213}, {ADD,211,214}, \
+    {MULTIPLY,2,42}, {MULTIPLY,16,220}, {MULTIPLY,208,221}, {ADD,219,222}, \
     /* [Adams] My */ \
-    {SGN,3}, {MULTIPLY,26,76}, {MULTIPLY,78,217}, {MULTIPLY,216,218}, {CHOOSE,75,68,219}, \
+    {SGN,3}, {MULTIPLY,26,80}, {MULTIPLY,82,225}, {MULTIPLY,224,226}, {CHOOSE,79,71,227}, \
     /* [Adams] sigma_alpha */ \
-    {ADD,73,81}, {MULTIPLY,47,47}, {DIVIDE,221,222}, {MULTIPLY,65,48}, {POWER,223,224}, {ADD,66,225}, {DIVIDE,46,226}, \
-    {ADD,28,227}, \
+    {ADD,76,85}, {MULTIPLY,48,48}, {DIVIDE,229,230}, {MULTIPLY,68,49}, {POWER,231,232}, {ADD,69,233}, {DIVIDE,47,234}, \
+    {ADD,28,235}, \
     /* [Adams] rho */ \
-    {DIVIDE,76,19}, {CHOOSE,75,68,229}, \
+    {DIVIDE,80,19}, {CHOOSE,79,71,237}, \
     /* [Adams] R_l */ \
-    {LESS,230,16}, {SUBTRACT,16,230}, {CHOOSE,231,232,68}, \
+    {LESS,238,16}, {SUBTRACT,16,238}, {CHOOSE,239,240,71}, \
     /* [tirefmu] sliding_power */ \
-    {MULTIPLY,3,167}, {MULTIPLY,0,234}, {ABSOLUTE,235}, {SIN,1}, {MULTIPLY,3,202}, {MULTIPLY,237,238}, {ABSOLUTE,239}, \
-    {ADD,236,240}, \
+    {MULTIPLY,3,173}, {MULTIPLY,0,242}, {ABSOLUTE,243}, {SIN,1}, {MULTIPLY,3,210}, {MULTIPLY,245,246}, {ABSOLUTE,247}, \
+    {ADD,244,248}, \
     /* [tirefmu] sliding_work_target */ \
-    {DIVIDE,241,18}, \
+    {DIVIDE,249,18}, \
     /* [tirefmu] tread_heat_target */ \
-    {MULTIPLY,18,18}, {DIVIDE,127,243}, {MULTIPLY,65,33}, {POWER,244,245}, {ABSOLUTE,3}, {MULTIPLY,32,247}, \
-    {ADD,66,248}, {MULTIPLY,18,246}, {MULTIPLY,249,250}, {DIVIDE,241,251}, \
+    {MULTIPLY,18,18}, {DIVIDE,131,251}, {MULTIPLY,68,33}, {POWER,252,253}, {ABSOLUTE,3}, {MULTIPLY,32,255}, \
+    {ADD,69,256}, {MULTIPLY,18,254}, {MULTIPLY,257,258}, {DIVIDE,249,259}, \
     /* [tirefmu] tread_heat_rate */ \
-    {DIVIDE,249,31}, \
+    {DIVIDE,257,31}, \
     /* [tirefmu] tread_heat_derivative */ \
-    {SUBTRACT,252,7}, {MULTIPLY,253,254}, \
+    {SUBTRACT,260,7}, {MULTIPLY,261,262}, \
     /* [tirefmu] carcass_heat_rate */ \
-    {DIVIDE,66,35}, \
+    {DIVIDE,69,35}, \
     /* [tirefmu] carcass_heat_derivative */ \
-    {SUBTRACT,7,8}, {MULTIPLY,256,257}, \
+    {SUBTRACT,7,8}, {MULTIPLY,264,265}, \
     /* [tirefmu] carcass_slip_rate */ \
-    {DIVIDE,247,38}, \
+    {DIVIDE,255,38}, \
     /* [tirefmu] carcass_slip_derivative */ \
-    {SUBTRACT,79,9}, {MULTIPLY,259,260}, \
+    {SUBTRACT,83,9}, {MULTIPLY,267,268}, \
     /* [tirefmu] inner_friction_rate */ \
-    {DIVIDE,66,39}, \
+    {DIVIDE,69,39}, \
     /* [tirefmu] inner_friction_derivative */ \
-    {SGN,261}, {SUBTRACT,263,10}, {ABSOLUTE,261}, {MULTIPLY,262,264}, {MULTIPLY,265,266}, \
+    {SGN,269}, {SUBTRACT,271,10}, {ABSOLUTE,269}, {MULTIPLY,270,272}, {MULTIPLY,273,274}, \
     /* [tirefmu] inner_play_margin */ \
-    {MULTIPLY,11,263}, {LESS,268,66}, {SUBTRACT,66,268}, {CHOOSE,269,270,67}, \
+    {MULTIPLY,11,271}, {LESS,276,69}, {SUBTRACT,69,276}, {CHOOSE,277,278,70}, \
     /* [tirefmu] inner_play_derivative */ \
-    {MULTIPLY,261,262}, {CHOOSE,269,272,68}, \
+    {MULTIPLY,269,270}, {CHOOSE,277,280,71}, \
     /* [tirefmu] late_load_rate */ \
-    {DIVIDE,247,43}, \
+    {MULTIPLY,44,128}, {MULTIPLY,128,128}, {MULTIPLY,77,251}, {ADD,283,284}, {ROOT,285}, {DIVIDE,282,286}, \
+    {SUBTRACT,71,287}, {EXP,288}, {MULTIPLY,255,289}, {DIVIDE,290,43}, \
     /* [tirefmu] late_load_derivative */ \
-    {SUBTRACT,2,12}, {MULTIPLY,274,275}, \
+    {SUBTRACT,2,12}, {MULTIPLY,291,292}, \
     /* [tirefmu] contact_slip_x_rate */ \
-    {DIVIDE,247,49}, \
+    {DIVIDE,255,50}, \
     /* [tirefmu] contact_slip_x_derivative */ \
-    {SUBTRACT,0,13}, {MULTIPLY,277,278}, \
+    {SUBTRACT,0,13}, {MULTIPLY,294,295}, \
     /* [tirefmu] contact_slip_y_derivative */ \
-    {SUBTRACT,79,14}, {MULTIPLY,277,280}, \
+    {SUBTRACT,83,14}, {MULTIPLY,294,297}, \
     /* [tirefmu] slip_growth_target */ \
-    {MULTIPLY,13,277}, {MULTIPLY,278,282}, {MULTIPLY,14,277}, {MULTIPLY,280,284}, {ADD,283,285}, {MULTIPLY,13,13}, \
-    {MULTIPLY,14,14}, {ADD,74,287}, {ADD,288,289}, {ROOT,290}, {DIVIDE,286,291}, \
+    {MULTIPLY,13,294}, {MULTIPLY,295,299}, {MULTIPLY,14,294}, {MULTIPLY,297,301}, {ADD,300,302}, {MULTIPLY,13,13}, \
+    {MULTIPLY,14,14}, {ADD,78,304}, {ADD,305,306}, {ROOT,307}, {DIVIDE,303,308}, \
     /* [tirefmu] slip_growth_rate */ \
-    {DIVIDE,66,50}, \
+    {DIVIDE,69,51}, \
     /* [tirefmu] slip_growth_derivative */ \
-    {SGN,292}, {SUBTRACT,294,15}, {ABSOLUTE,292}, {MULTIPLY,293,295}, {MULTIPLY,296,297}, \
+    {SGN,309}, {SUBTRACT,311,15}, {ABSOLUTE,309}, {MULTIPLY,310,312}, {MULTIPLY,313,314}, \
 }
 
 #endif

@@ -31,7 +31,7 @@ enum {
     MF52_slip_growth, /* 1 while the slip grows, -1 while it falls [1] */
 };
 
-#define MF52_N_PARAMETERS 252
+#define MF52_N_PARAMETERS 256
 enum {
     MF52_LONGVL, /* nominal speed V_0 [m/s] */
     MF52_VXLOW, /* speed below which slips are scaled down [m/s] */
@@ -249,6 +249,7 @@ enum {
     MF52_CASIG, /* relaxation length of the carcass: cornering stiffness over lateral stiffness [m] */
     MF52_CAFREQ, /* natural frequency of the carcass [rad/s] */
     MF52_CADAMP, /* damping ratio of the carcass without contact [1] */
+    MF52_CASAT, /* reciprocal of tan(alpha) at which the side force that bends the carcass is 0.7 of its largest value [1] */
     MF52_HTAU, /* time constant of the tread temperature [s] */
     MF52_HCOOL, /* increase of the cooling with speed [s/m] */
     MF52_HLOAD, /* exponent of the load that shares the heat [1] */
@@ -262,6 +263,7 @@ enum {
     MF52_HFPLAY, /* largest force per load that turns linearly, as that of an elastic element in series with dry friction [1] */
     MF52_HFARM, /* lever of the force about the vertical over the free radius, negative behind the wheel centre [1] */
     MF52_LLEN, /* distance within which the side force follows the load [m] */
+    MF52_LLDIR, /* logarithm of the ratio by which the distance is longer than LLEN while the load falls and shorter while it grows [1] */
     MF52_LLMU, /* share of the side force at large slip that follows late [1] */
     MF52_LLK, /* share of the cornering stiffness that follows late [1] */
     MF52_RSIG, /* relaxation length at zero slip [m] */
@@ -269,8 +271,10 @@ enum {
     MF52_RPOW, /* exponent of the slip [1] */
     MF52_SHLEN, /* distance within which the contact follows the slip [m] */
     MF52_SHWID, /* change of slip over which the hysteresis turns [1] */
-    MF52_SHMU, /* friction, half the difference between growing and falling slip [1] */
-    MF52_SHK, /* slip stiffness, half the difference between growing and falling slip [1] */
+    MF52_SHMUX, /* longitudinal friction, half the difference between growing and falling slip [1] */
+    MF52_SHMUY, /* lateral friction, half the difference between growing and falling slip [1] */
+    MF52_SHKX, /* longitudinal slip stiffness, half the difference between growing and falling slip [1] */
+    MF52_SHKY, /* cornering stiffness, half the difference between growing and falling slip [1] */
     MF52_VMU1, /* friction, relative change per nominal speed [1] */
     MF52_TREF, /* reference temperature of the coefficients [degC] */
     MF52_TMU1, /* friction, change with temperature [1/K] */
@@ -287,7 +291,7 @@ enum {
     MF52_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 
-#define MF52_N_COEFFICIENTS 248
+#define MF52_N_COEFFICIENTS 252
 
 #define MF52_N_FORCES 5
 enum {

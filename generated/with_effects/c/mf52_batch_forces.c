@@ -442,8 +442,10 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
     const double HFARM = parameters[MF52_HFARM];
     const double LLMU = parameters[MF52_LLMU];
     const double LLK = parameters[MF52_LLK];
-    const double SHMU = parameters[MF52_SHMU];
-    const double SHK = parameters[MF52_SHK];
+    const double SHMUX = parameters[MF52_SHMUX];
+    const double SHMUY = parameters[MF52_SHMUY];
+    const double SHKX = parameters[MF52_SHKX];
+    const double SHKY = parameters[MF52_SHKY];
     const double VMU1 = parameters[MF52_VMU1];
     const double TREF = parameters[MF52_TREF];
     const double TMU1 = parameters[MF52_TMU1];
@@ -525,13 +527,13 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes E_t = (1.0 + (1.0/PI)*(2.0*QEZ4 + (2.0*QEZ5)*gamma_star)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
         const lanes tan_alpha_teq = lanes_tan(alpha_t); /* [4.E77] the same as a slip */
         const lanes mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*lanes_exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [4.E13] peak friction */
-        const lanes K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
+        const lanes K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
         const lanes G_xa_u = B_xalpha*(RHX1 + alpha_star); /* [4.1] B x */
         const lanes G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
         const lanes G_xa_v = G_xa_u - E_xalpha*(G_xa_u - lanes_atan(G_xa_u)); /* [4.1] B x bent by E */
         const lanes G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - lanes_atan(G_xa0_u)); /* [4.1] B x bent by E */
         const lanes mu_y_loaded_without_load_lag = mu_y_loaded_without_heat_friction*lanes_exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [4.E23] peak friction */
-        const lanes mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + (VMU1/LONGVL)*(-LONGVL + lanes_absolute(V)))*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
+        const lanes mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + (VMU1/LONGVL)*(-LONGVL + lanes_absolute(V)))*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
         const lanes G_xa_w = limited(C_xalpha)*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
         const lanes G_xa0_w = limited(C_xalpha)*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
         const lanes G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
@@ -540,7 +542,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes G_yk_v = G_yk_u - E_ykappa*(G_yk_u - lanes_atan(G_yk_u)); /* [4.1] B x bent by E */
         const lanes G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - lanes_atan(G_yk0_u)); /* [4.1] B x bent by E */
         const lanes K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*lanes_exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
-        const lanes mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + (VMU1/LONGVL)*(-LONGVL + lanes_absolute(V)))*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
+        const lanes mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + (VMU1/LONGVL)*(-LONGVL + lanes_absolute(V)))*(1.0 + TMU1*(T - TREF) + TMU2*lanes_square(T - TREF))*(1.0 + WMU1*distance + WMU2*lanes_square(distance))*lanes_exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
         const lanes G_xa = lanes_limited_cos(G_xa_w)/lanes_limited_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
         const lanes G_yk_w = limited(C_ykappa)*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
         const lanes G_yk0_w = limited(C_ykappa)*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
@@ -551,7 +553,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
         const lanes G_yk = lanes_limited_cos(G_yk_w)/lanes_limited_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
-        const lanes K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+        const lanes K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*lanes_exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
         const lanes D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
         const lanes mu_y = choose(F_z <= 0.0, each(0.0), mu_y_loaded); /* [4.E23] peak friction; 0 off the ground, as MFeval prints it */
         const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha_star)); /* [4.E67] peak of S_Vyk */

@@ -804,6 +804,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double CASIG = parameters[MF61_CASIG];
     const double CAFREQ = parameters[MF61_CAFREQ];
     const double CADAMP = parameters[MF61_CADAMP];
+    const double CASAT = parameters[MF61_CASAT];
     const double HTAU = parameters[MF61_HTAU];
     const double HCOOL = parameters[MF61_HCOOL];
     const double HLOAD = parameters[MF61_HLOAD];
@@ -816,6 +817,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double HFY = parameters[MF61_HFY];
     const double HFPLAY = parameters[MF61_HFPLAY];
     const double LLEN = parameters[MF61_LLEN];
+    const double LLDIR = parameters[MF61_LLDIR];
     const double LLMU = parameters[MF61_LLMU];
     const double LLK = parameters[MF61_LLK];
     const double RSIG = parameters[MF61_RSIG];
@@ -823,8 +825,10 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double RPOW = parameters[MF61_RPOW];
     const double SHLEN = parameters[MF61_SHLEN];
     const double SHWID = parameters[MF61_SHWID];
-    const double SHMU = parameters[MF61_SHMU];
-    const double SHK = parameters[MF61_SHK];
+    const double SHMUX = parameters[MF61_SHMUX];
+    const double SHMUY = parameters[MF61_SHMUY];
+    const double SHKX = parameters[MF61_SHKX];
+    const double SHKY = parameters[MF61_SHKY];
     const double VMU1 = parameters[MF61_VMU1];
     const double TREF = parameters[MF61_TREF];
     const double TMU1 = parameters[MF61_TMU1];
@@ -910,13 +914,13 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double mu_x_loaded_without_break_in = LMUX_star*(1.0 - PDX3*square(gamma_in))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*square(dpi)); /* [4.E13] peak friction */
     const double mu_x_loaded_without_heat_friction = mu_x_loaded_without_break_in*(1.0 + BIMU*exp(-sliding_work/BIWORK)); /* [4.E13] peak friction */
     const double mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [4.E13] peak friction */
-    const double mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
+    const double mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
     const double mu_x = (F_z_limited <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
     const double D_x = F_z_limited*mu_x*zeta_1; /* [4.E12] peak factor */
     const double E_x = (LIMITS > 0.5 ? (LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)) > 1.0 ? 1.0 : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))) : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))); /* [4.E14] curvature factor */
     const double K_xkappa_without_heat_stiffness = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi))*exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
     const double K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E15] longitudinal slip stiffness */
-    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
     const double B_x = K_xkappa/(1e-06*sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
     const double S_Vx = F_z_limited*LMUX_shift*LVX*fade_smooth*zeta_1*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
     const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
@@ -928,12 +932,12 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double K_yalpha_g0_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*PKY2*(1.0 + PPY2*dpi)))); /* [4.E25] cornering stiffness */
     const double K_yalpha_g0_without_load_lag = K_yalpha_g0_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
     const double K_yalpha_g0_without_slip_history = K_yalpha_g0_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E25] cornering stiffness */
-    const double K_yalpha_g0 = K_yalpha_g0_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha_g0 = K_yalpha_g0_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double K_yalpha1_g0 = K_yalpha_g0 + 1e-06*sgn1(K_yalpha_g0); /* [4.E39] cornering stiffness, not 0 */
     const double K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
     const double K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
     const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E25] cornering stiffness */
-    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double K_yalpha1 = K_yalpha + 1e-06*sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
     const double K_ygamma0 = F_z_limited*LKYC*(1.0 + PPY5*dpi)*(PKY6 + PKY7*dfz); /* [4.E30] camber stiffness */
     const double D_Hyphi = (PHYP2 + PHYP3*dfz)*sgn(V); /* [4.86] shift by spin, peak */
@@ -947,7 +951,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double K_yalpha_00_without_heat_stiffness = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*PKY2*(1.0 + PPY2*dpi)))); /* [4.E25] cornering stiffness */
     const double K_yalpha_00_without_load_lag = K_yalpha_00_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
     const double K_yalpha_00_without_slip_history = K_yalpha_00_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E25] cornering stiffness */
-    const double K_yalpha_00 = K_yalpha_00_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha_00 = K_yalpha_00_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
     const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + S_Hyphi - S_Vygamma/K_yalpha1)); /* [4.84] shift by spin */
     const double S_Hy = fade_smooth*(-1.0 + zeta_4 + LHY*(PHY1 + PHY2*dfz) + zeta_0*(-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1); /* [4.E27] horizontal shift */
@@ -957,7 +961,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double mu_y_loaded_without_heat_friction = mu_y_loaded_without_break_in*(1.0 + BIMU*exp(-sliding_work/BIWORK)); /* [4.E23] peak friction */
     const double mu_y_loaded_without_load_lag = mu_y_loaded_without_heat_friction*exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [4.E23] peak friction */
     const double mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E23] peak friction */
-    const double mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
+    const double mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
     const double D_y = F_z_limited*mu_y_loaded*zeta_2; /* [4.E22] peak factor */
     const double E_y = (LIMITS > 0.5 ? (LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)) > 1.0 ? 1.0 : LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y))) : LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y))); /* [4.E24] curvature factor */
     const double B_y = K_yalpha/(1e-06*sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
@@ -973,7 +977,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double mu_y_loaded_00_without_heat_friction = mu_y_loaded_00_without_break_in*(1.0 + BIMU*exp(-sliding_work/BIWORK)); /* [4.E23] peak friction */
     const double mu_y_loaded_00_without_load_lag = mu_y_loaded_00_without_heat_friction*exp(-HMU*(tread_heat + HSLOW*carcass_heat)); /* [4.E23] peak friction */
     const double mu_y_loaded_00_without_slip_history = mu_y_loaded_00_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E23] peak friction */
-    const double mu_y_loaded_00 = mu_y_loaded_00_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
+    const double mu_y_loaded_00 = mu_y_loaded_00_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
     const double D_y_00 = F_z_limited*mu_y_loaded_00; /* [4.E22] peak factor */
     const double E_y_00 = (LIMITS > 0.5 ? (LEY*(1.0 - PEY3*sgn1(alpha_y_00))*(PEY1 + PEY2*dfz) > 1.0 ? 1.0 : LEY*(1.0 - PEY3*sgn1(alpha_y_00))*(PEY1 + PEY2*dfz)) : LEY*(1.0 - PEY3*sgn1(alpha_y_00))*(PEY1 + PEY2*dfz)); /* [4.E24] curvature factor */
     const double B_y_00 = K_yalpha_00/(1e-06*sgn1(D_y_00) + C_y_00*D_y_00); /* [4.E26] stiffness factor */
@@ -1102,12 +1106,12 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double sliding_work_rate = 0.0; /* [tirefmu] rate of sliding work that the tread has done, over nominal load */
     const double sliding_work_start = 0.0; /* [tirefmu] start of sliding work that the tread has done, over nominal load */
     const double sliding_work_derivative = sliding_work_target; /* [tirefmu] derivative of sliding work that the tread has done, over nominal load */
-    const double carcass_deflection_target = fast_tan(alpha); /* [tirefmu] target of lateral deflection of the carcass over its relaxation length */
+    const double carcass_deflection_target = fast_tan(alpha)/sqrt(1.0 + square(CASAT)*square(fast_tan(alpha))); /* [tirefmu] target of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_rate = CAFREQ; /* [tirefmu] rate of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_start = 0.0; /* [tirefmu] start of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_derivative = carcass_deflection_speed; /* [tirefmu] derivative of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_speed_target = 0.0; /* [tirefmu] target of rate of change of lateral deflection of the carcass over its relaxation length */
-    const double carcass_deflection_speed_rate = 2.0*CADAMP*CAFREQ + CASIG*square(CAFREQ)/sqrt(0.01 + square(V)); /* [tirefmu] rate of rate of change of lateral deflection of the carcass over its relaxation length */
+    const double carcass_deflection_speed_rate = 2.0*CADAMP*CAFREQ + CASIG*square(CAFREQ)*pow(1.0 + square(CASAT)*square(fast_tan(alpha)), -1.5)/sqrt(0.01 + square(V)); /* [tirefmu] rate of rate of change of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_speed_start = 0.0; /* [tirefmu] start of rate of change of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_speed_derivative = square(carcass_deflection_rate)*(carcass_deflection_target - carcass_deflection) - carcass_deflection_speed*carcass_deflection_speed_rate; /* [tirefmu] derivative of rate of change of lateral deflection of the carcass over its relaxation length */
     const double tread_heat_target = sliding_power*pow((1.0 + square(Fz))/square(FNOMIN), -0.5*HLOAD)/(FNOMIN*(1.0 + HCOOL*fabs(V))); /* [tirefmu] target of excess temperature of the tread, as the sliding power over nominal load that sustains it */
@@ -1132,7 +1136,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double inner_play_margin = (inner_play*sgn(inner_play_target) < 1.0 ? 1.0 - inner_play*sgn(inner_play_target) : -1.0); /* [tirefmu] margin of force of an elastic element in series with dry friction as a share of its largest value in its direction, -1 without one */
     const double inner_play_derivative = (inner_play*sgn(inner_play_target) < 1.0 ? inner_play_rate*inner_play_target : 0.0); /* [tirefmu] derivative of force of an elastic element in series with dry friction as a share of its largest value */
     const double late_load_target = Fz; /* [tirefmu] target of load that the contact has followed */
-    const double late_load_rate = fabs(V)/LLEN; /* [tirefmu] rate of load that the contact has followed */
+    const double late_load_rate = fabs(V)*exp(-LLDIR*(late_load - Fz)/sqrt(square(late_load - Fz) + 0.0001*square(FNOMIN)))/LLEN; /* [tirefmu] rate of load that the contact has followed */
     const double late_load_start = 0.0; /* [tirefmu] start of load that the contact has followed */
     const double late_load_derivative = late_load_rate*(late_load_target - late_load); /* [tirefmu] derivative of load that the contact has followed */
     const double contact_slip_x_target = kappa; /* [tirefmu] target of longitudinal slip that the contact has followed */
@@ -1490,8 +1494,10 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double HFARM = parameters[MF61_HFARM];
     const double LLMU = parameters[MF61_LLMU];
     const double LLK = parameters[MF61_LLK];
-    const double SHMU = parameters[MF61_SHMU];
-    const double SHK = parameters[MF61_SHK];
+    const double SHMUX = parameters[MF61_SHMUX];
+    const double SHMUY = parameters[MF61_SHMUY];
+    const double SHKX = parameters[MF61_SHKX];
+    const double SHKY = parameters[MF61_SHKY];
     const double VMU1 = parameters[MF61_VMU1];
     const double TREF = parameters[MF61_TREF];
     const double TMU1 = parameters[MF61_TMU1];
@@ -1564,7 +1570,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
     const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
     const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
-    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
     const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
     const double R_e_1 = R_omega_1 - sink; /* [P 7] effective rolling radius */
     const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - fast_atan(G_xa0_u)); /* [4.1] B x bent by E */
@@ -1629,13 +1635,13 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(CONVENTION > 0.5 ? 1.0 + QDZ3*fabs(gamma_star) + QDZ4*square(gamma_star) : 1.0 + QDZ3*gamma_in + QDZ4*square(gamma_in))*(CONVENTION > 0.5 ? sgn(V) : 1.0)/F_z01; /* [4.E43] peak factor of the trail */
-    const double mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
+    const double mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
     const double mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E23] peak friction */
     const double S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
     const double S_Vy_g0 = F_z_limited*LMUY_shift*LVY*fade_smooth*zeta_2*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
     const double S_Vy = fade_smooth*(S_Vygamma + F_z_limited*LMUY_shift*LVY*zeta_2*(PVY1 + PVY2*dfz)); /* [4.E29] vertical shift */
-    const double mu_y_loaded_g0 = mu_y_loaded_g0_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
-    const double mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
+    const double mu_y_loaded_g0 = mu_y_loaded_g0_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
+    const double mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
     const double mu_x = (F_z_limited <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
     const double D_x = F_z_limited*mu_x*zeta_1; /* [4.E12] peak factor */
     const double B_x = K_xkappa/(1e-06*sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
@@ -1655,9 +1661,9 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double M_zphi90 = 2.0*G_yk*M_zphi_inf*fast_atan(QCRP2*UNLOADED_RADIUS*fabs(phit_in))/PI; /* [4.103] moment by spin at 90 deg of slip */
     const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
     const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E25] cornering stiffness */
-    const double K_yalpha_g0 = K_yalpha_g0_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha_g0 = K_yalpha_g0_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double F_x0 = (S_Vx + D_x*fast_sin(F_x0_w))*sgn1(V); /* [4.E9] longitudinal force in pure slip */
-    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double B_Drphi = K_zgammar0/(D_Drphi*QDRP1*(1.0 - eps_gamma)); /* [4.98] stiffness of the moment by spin */
     const double K_yalpha1_g0 = K_yalpha_g0 + 1e-06*sgn1(K_yalpha_g0); /* [4.E39] cornering stiffness, not 0 */
     const double B_y_g0 = K_yalpha_g0/(1e-06*sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
@@ -1948,8 +1954,10 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double HFPLAY = parameters[MF61_HFPLAY];
     const double LLMU = parameters[MF61_LLMU];
     const double LLK = parameters[MF61_LLK];
-    const double SHMU = parameters[MF61_SHMU];
-    const double SHK = parameters[MF61_SHK];
+    const double SHMUX = parameters[MF61_SHMUX];
+    const double SHMUY = parameters[MF61_SHMUY];
+    const double SHKX = parameters[MF61_SHKX];
+    const double SHKY = parameters[MF61_SHKY];
     const double VMU1 = parameters[MF61_VMU1];
     const double TREF = parameters[MF61_TREF];
     const double TMU1 = parameters[MF61_TMU1];
@@ -1989,13 +1997,13 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
     const double mu_x_loaded_without_heat_friction_part1 = 1.0/BIWORK;
     const double mu_x_loaded_without_slip_history_part1 = tread_heat + HSLOW*carcass_heat;
-    const double mu_x_loaded_part1 = 1.0 + SHMU*slip_growth;
+    const double mu_x_loaded_part1 = 1.0 + SHMUX*slip_growth;
     const double mu_x_loaded_part2 = 1.0/LONGVL;
     const double mu_x_loaded_part3 = fabs(V);
     const double mu_x_loaded_part6 = T - TREF;
     const double mu_x_loaded_part8 = 1.0 + WMU1*distance + WMU2*square(distance);
     const double K_xkappa_without_slip_history_part1 = -HK*tread_heat;
-    const double K_xkappa_part1 = 1.0 + SHK*slip_growth;
+    const double K_xkappa_part1 = 1.0 + SHKX*slip_growth;
     const double K_xkappa_part2 = T - TREF;
     const double K_xkappa_part4 = 1.0 + WK1*distance;
     const double F_x0_part3 = sgn1(V);
@@ -2003,13 +2011,13 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double K_yalpha_g0_without_load_lag_part1 = -HK*tread_heat;
     const double K_yalpha_g0_without_slip_history_part1 = 1.0 + square(Fz);
     const double K_yalpha_g0_without_slip_history_part4 = late_load - Fz;
-    const double K_yalpha_g0_part1 = 1.0 + SHK*slip_growth;
+    const double K_yalpha_g0_part1 = 1.0 + SHKY*slip_growth;
     const double K_yalpha_g0_part2 = T - TREF;
     const double K_yalpha_g0_part4 = 1.0 + WK1*distance;
     const double K_yalpha_without_load_lag_part1 = -HK*tread_heat;
     const double K_yalpha_without_slip_history_part1 = 1.0 + square(Fz);
     const double K_yalpha_without_slip_history_part4 = late_load - Fz;
-    const double K_yalpha_part1 = 1.0 + SHK*slip_growth;
+    const double K_yalpha_part1 = 1.0 + SHKY*slip_growth;
     const double K_yalpha_part2 = T - TREF;
     const double K_yalpha_part4 = 1.0 + WK1*distance;
     const double D_Hyphi_part2 = sgn(V);
@@ -2020,7 +2028,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double mu_y_loaded_without_load_lag_part1 = tread_heat + HSLOW*carcass_heat;
     const double mu_y_loaded_without_slip_history_part1 = 1.0 + square(Fz);
     const double mu_y_loaded_without_slip_history_part4 = late_load - Fz;
-    const double mu_y_loaded_part1 = 1.0 + SHMU*slip_growth;
+    const double mu_y_loaded_part1 = 1.0 + SHMUY*slip_growth;
     const double mu_y_loaded_part2 = 1.0/LONGVL;
     const double mu_y_loaded_part3 = fabs(V);
     const double mu_y_loaded_part6 = T - TREF;
@@ -2031,7 +2039,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double mu_y_loaded_g0_without_load_lag_part1 = tread_heat + HSLOW*carcass_heat;
     const double mu_y_loaded_g0_without_slip_history_part1 = 1.0 + square(Fz);
     const double mu_y_loaded_g0_without_slip_history_part4 = late_load - Fz;
-    const double mu_y_loaded_g0_part1 = 1.0 + SHMU*slip_growth;
+    const double mu_y_loaded_g0_part1 = 1.0 + SHMUY*slip_growth;
     const double mu_y_loaded_g0_part2 = 1.0/LONGVL;
     const double mu_y_loaded_g0_part3 = fabs(V);
     const double mu_y_loaded_g0_part6 = T - TREF;
@@ -3404,7 +3412,8 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double RSIG = parameters[MF61_RSIG];
     const double RSLIP = parameters[MF61_RSLIP];
     const double RPOW = parameters[MF61_RPOW];
-    const double SHK = parameters[MF61_SHK];
+    const double SHKX = parameters[MF61_SHKX];
+    const double SHKY = parameters[MF61_SHKY];
     const double TREF = parameters[MF61_TREF];
     const double TK1 = parameters[MF61_TK1];
     const double TKA = parameters[MF61_TKA];
@@ -3441,7 +3450,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
     const double K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E15] longitudinal slip stiffness */
     const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
-    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
     const double R_e_1 = R_omega_1 - sink; /* [P 7] effective rolling radius */
     const double omega_2 = V*(1.0 + kappa)/R_e_1; /* [2.5] wheel speed */
     const double V_c = sqrt(1.0 + square(tan_alpha))*fabs(V); /* [2.12] speed of the contact point */
@@ -3457,7 +3466,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
     const double K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
     const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E25] cornering stiffness */
-    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double sigma_y = fabs(K_yalpha/c_y); /* [P 19] lateral relaxation length */
     const double sigma_alpha = RSIG/(1.0 + pow((1e-12 + square(fast_tan(alpha)))/square(RSLIP), 0.5*RPOW)) + SIGK*sigma_y + SIGY*(1.0 + SIGC*dfz); /* [tirefmu] relaxation length that acts on tan(alpha) */
 
@@ -3614,6 +3623,7 @@ void mf61_drives(const double inputs[], const double parameters[], double result
     const double CASIG = parameters[MF61_CASIG];
     const double CAFREQ = parameters[MF61_CAFREQ];
     const double CADAMP = parameters[MF61_CADAMP];
+    const double CASAT = parameters[MF61_CASAT];
     const double HTAU = parameters[MF61_HTAU];
     const double HCOOL = parameters[MF61_HCOOL];
     const double HLOAD = parameters[MF61_HLOAD];
@@ -3626,12 +3636,15 @@ void mf61_drives(const double inputs[], const double parameters[], double result
     const double HFY = parameters[MF61_HFY];
     const double HFPLAY = parameters[MF61_HFPLAY];
     const double LLEN = parameters[MF61_LLEN];
+    const double LLDIR = parameters[MF61_LLDIR];
     const double LLMU = parameters[MF61_LLMU];
     const double LLK = parameters[MF61_LLK];
     const double SHLEN = parameters[MF61_SHLEN];
     const double SHWID = parameters[MF61_SHWID];
-    const double SHMU = parameters[MF61_SHMU];
-    const double SHK = parameters[MF61_SHK];
+    const double SHMUX = parameters[MF61_SHMUX];
+    const double SHMUY = parameters[MF61_SHMUY];
+    const double SHKX = parameters[MF61_SHKX];
+    const double SHKY = parameters[MF61_SHKY];
     const double VMU1 = parameters[MF61_VMU1];
     const double TREF = parameters[MF61_TREF];
     const double TMU1 = parameters[MF61_TMU1];
@@ -3662,11 +3675,11 @@ void mf61_drives(const double inputs[], const double parameters[], double result
     const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
     const double sliding_work_rate = 0.0; /* [tirefmu] rate of sliding work that the tread has done, over nominal load */
     const double sliding_work_start = 0.0; /* [tirefmu] start of sliding work that the tread has done, over nominal load */
-    const double carcass_deflection_target = fast_tan(alpha); /* [tirefmu] target of lateral deflection of the carcass over its relaxation length */
+    const double carcass_deflection_target = fast_tan(alpha)/sqrt(1.0 + square(CASAT)*square(fast_tan(alpha))); /* [tirefmu] target of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_rate = CAFREQ; /* [tirefmu] rate of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_start = 0.0; /* [tirefmu] start of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_speed_target = 0.0; /* [tirefmu] target of rate of change of lateral deflection of the carcass over its relaxation length */
-    const double carcass_deflection_speed_rate = 2.0*CADAMP*CAFREQ + CASIG*square(CAFREQ)/sqrt(0.01 + square(V)); /* [tirefmu] rate of rate of change of lateral deflection of the carcass over its relaxation length */
+    const double carcass_deflection_speed_rate = 2.0*CADAMP*CAFREQ + CASIG*square(CAFREQ)*pow(1.0 + square(CASAT)*square(fast_tan(alpha)), -1.5)/sqrt(0.01 + square(V)); /* [tirefmu] rate of rate of change of lateral deflection of the carcass over its relaxation length */
     const double carcass_deflection_speed_start = 0.0; /* [tirefmu] start of rate of change of lateral deflection of the carcass over its relaxation length */
     const double tread_heat_rate = (1.0 + HCOOL*fabs(V))/HTAU; /* [tirefmu] rate of excess temperature of the tread, as the sliding power over nominal load that sustains it */
     const double tread_heat_start = 0.0; /* [tirefmu] start of excess temperature of the tread, as the sliding power over nominal load that sustains it */
@@ -3681,7 +3694,7 @@ void mf61_drives(const double inputs[], const double parameters[], double result
     const double inner_play_rate = 1.0/HFWID; /* [tirefmu] rate of force of an elastic element in series with dry friction as a share of its largest value */
     const double inner_play_start = 0.0; /* [tirefmu] start of force of an elastic element in series with dry friction as a share of its largest value */
     const double late_load_target = Fz; /* [tirefmu] target of load that the contact has followed */
-    const double late_load_rate = fabs(V)/LLEN; /* [tirefmu] rate of load that the contact has followed */
+    const double late_load_rate = fabs(V)*exp(-LLDIR*(late_load - Fz)/sqrt(square(late_load - Fz) + 0.0001*square(FNOMIN)))/LLEN; /* [tirefmu] rate of load that the contact has followed */
     const double late_load_start = 0.0; /* [tirefmu] start of load that the contact has followed */
     const double contact_slip_x_target = kappa; /* [tirefmu] target of longitudinal slip that the contact has followed */
     const double contact_slip_x_rate = fabs(V)/SHLEN; /* [tirefmu] rate of longitudinal slip that the contact has followed */
@@ -3725,7 +3738,7 @@ void mf61_drives(const double inputs[], const double parameters[], double result
     const double K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E15] longitudinal slip stiffness */
     const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
     const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
-    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
     const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
     const double R_e_1 = R_omega_1 - sink; /* [P 7] effective rolling radius */
     const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - fast_atan(G_xa0_u)); /* [4.1] B x bent by E */
@@ -3770,11 +3783,11 @@ void mf61_drives(const double inputs[], const double parameters[], double result
     const double K_yalpha_g0_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*PKY2*(1.0 + PPY2*dpi)))); /* [4.E25] cornering stiffness */
     const double K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
-    const double mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
+    const double mu_x_loaded = mu_x_loaded_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E13] peak friction */
     const double mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E23] peak friction */
     const double S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
     const double S_Vy = fade_smooth*(S_Vygamma + F_z_limited*LMUY_shift*LVY*zeta_2*(PVY1 + PVY2*dfz)); /* [4.E29] vertical shift */
-    const double mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
+    const double mu_y_loaded = mu_y_loaded_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance))*exp(-TMUA*(T - TREF)); /* [4.E23] peak friction */
     const double mu_x = (F_z_limited <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
     const double D_x = F_z_limited*mu_x*zeta_1; /* [4.E12] peak factor */
     const double B_x = K_xkappa/(1e-06*sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
@@ -3789,9 +3802,9 @@ void mf61_drives(const double inputs[], const double parameters[], double result
     const double K_yalpha_g0_without_slip_history = K_yalpha_g0_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E25] cornering stiffness */
     const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
     const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E25] cornering stiffness */
-    const double K_yalpha_g0 = K_yalpha_g0_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha_g0 = K_yalpha_g0_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double F_x0 = (S_Vx + D_x*fast_sin(F_x0_w))*sgn1(V); /* [4.E9] longitudinal force in pure slip */
-    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double K_yalpha1_g0 = K_yalpha_g0 + 1e-06*sgn1(K_yalpha_g0); /* [4.E39] cornering stiffness, not 0 */
     const double K_Hyphi = (D_Hyphi*K_yalpha1_g0 == 0.0 ? 1.0 : D_Hyphi*K_yalpha1_g0*PHYP1); /* [4.88] cornering stiffness times shift; 1 where there is no shift */
     const double B_Hyphi = K_ygamma0/(K_Hyphi*(1.0 - eps_gamma)); /* [4.88] shift by spin, stiffness */
@@ -4039,8 +4052,10 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double HFARM = parameters[MF61_HFARM];
     const double LLMU = parameters[MF61_LLMU];
     const double LLK = parameters[MF61_LLK];
-    const double SHMU = parameters[MF61_SHMU];
-    const double SHK = parameters[MF61_SHK];
+    const double SHMUX = parameters[MF61_SHMUX];
+    const double SHMUY = parameters[MF61_SHMUY];
+    const double SHKX = parameters[MF61_SHKX];
+    const double SHKY = parameters[MF61_SHKY];
     const double VMU1 = parameters[MF61_VMU1];
     const double TREF = parameters[MF61_TREF];
     const double TMU1 = parameters[MF61_TMU1];
@@ -4091,7 +4106,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double K_yalpha_without_heat_stiffness_sin = TWO_AT(group_4, 0);
     const double D_r_cos = TWO_AT(group_4, 1);
     const double K_yalpha_g0_without_heat_stiffness_atan = fast_atan(K_yalpha_g0_without_heat_stiffness_atan_of);
-    const double mu_y_loaded = mu_x_loaded_exp*mu_y_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [4.E23] peak friction */
+    const double mu_y_loaded = mu_x_loaded_exp*mu_y_loaded_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [4.E23] peak friction */
     const double B_ykappa = LYKA*(RBY1 + RBY4*square(gamma_star))/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
     const double K_yalpha_without_heat_stiffness = F_z01*K_yalpha_without_heat_stiffness_sin*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star)); /* [4.E25] cornering stiffness */
     const double K_ygamma0 = F_z*LKYC*(1.0 + PPY5*dpi)*(PKY6 + PKY7*dfz); /* [4.E30] camber stiffness */
@@ -4116,7 +4131,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
     const double G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
     const double S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
-    const double mu_x_loaded = mu_x_loaded_exp*mu_x_loaded_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [4.E13] peak friction */
+    const double mu_x_loaded = mu_x_loaded_exp*mu_x_loaded_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [4.E13] peak friction */
     const four group_5 = fast_four_atan(FOUR(G_yk_u, G_yk0_u, S_Vyk_atan_of, G_yk_u));
     const double G_yk_v_atan = FOUR_AT(group_5, 0);
     const double G_yk0_v_atan = FOUR_AT(group_5, 1);
@@ -4128,9 +4143,9 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
     const double mu_y = (F_z <= 0.0 ? 0.0 : mu_y_loaded); /* [4.E23] peak friction; 0 off the ground, as MFeval prints it */
     const double S_Vy = S_Vygamma + F_z*LMUY*LVY*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
-    const double K_xkappa = K_xkappa_exp*K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [4.E15] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_exp*K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [4.E15] longitudinal slip stiffness */
     const double mu_y_loaded_g0_without_slip_history = mu_y_loaded_g0_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E23] peak friction */
-    const double K_yalpha = K_xkappa_exp*K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [4.E25] cornering stiffness */
+    const double K_yalpha = K_xkappa_exp*K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [4.E25] cornering stiffness */
     const double tan_alpha_teq_tan = fast_tan(alpha_t);
     const double K_yalpha_g0_without_load_lag = K_xkappa_without_slip_history_exp*K_yalpha_g0_without_heat_stiffness; /* [4.E25] cornering stiffness */
     const double G_yk_v = G_yk_u - E_ykappa*(G_yk_u - G_yk_v_atan); /* [4.1] B x bent by E */
@@ -4151,7 +4166,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double D_x = F_z*mu_x; /* [4.E12] peak factor */
     const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double tan_alpha_teq = tan_alpha_teq_tan; /* [4.E77] the same as a slip */
-    const double mu_y_loaded_g0 = mu_x_loaded_exp*mu_y_loaded_g0_without_slip_history*(1.0 + SHMU*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [4.E23] peak friction */
+    const double mu_y_loaded_g0 = mu_x_loaded_exp*mu_y_loaded_g0_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + VMU1*(-LONGVL + fabs(V))/LONGVL)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [4.E23] peak friction */
     const double B_x = K_xkappa/(1e-06*sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
     const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
@@ -4161,7 +4176,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double F_y0_v_atan = fast_atan(F_y0_u);
     const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
     const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
-    const double K_yalpha_g0 = K_xkappa_exp*K_yalpha_g0_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [4.E25] cornering stiffness */
+    const double K_yalpha_g0 = K_xkappa_exp*K_yalpha_g0_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [4.E25] cornering stiffness */
     const two group_7 = fast_two_atan(TWO(F_x0_u, slip_alpha_teq));
     const double F_x0_v_atan = TWO_AT(group_7, 0);
     const double alpha_teq_atan = TWO_AT(group_7, 1);
@@ -4459,8 +4474,10 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double HFPLAY = parameters[MF61_HFPLAY];
     const double LLMU = parameters[MF61_LLMU];
     const double LLK = parameters[MF61_LLK];
-    const double SHMU = parameters[MF61_SHMU];
-    const double SHK = parameters[MF61_SHK];
+    const double SHMUX = parameters[MF61_SHMUX];
+    const double SHMUY = parameters[MF61_SHMUY];
+    const double SHKX = parameters[MF61_SHKX];
+    const double SHKY = parameters[MF61_SHKY];
     const double VMU1 = parameters[MF61_VMU1];
     const double TREF = parameters[MF61_TREF];
     const double TMU1 = parameters[MF61_TMU1];
@@ -4486,13 +4503,13 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double mu_x_loaded_without_break_in_part1 = 1.0 - PDX3*square(gamma);
     const double mu_x_loaded_without_heat_friction_part1 = 1.0/BIWORK;
     const double mu_x_loaded_without_slip_history_part1 = tread_heat + HSLOW*carcass_heat;
-    const double mu_x_loaded_part1 = 1.0 + SHMU*slip_growth;
+    const double mu_x_loaded_part1 = 1.0 + SHMUX*slip_growth;
     const double mu_x_loaded_part2 = 1.0/LONGVL;
     const double mu_x_loaded_part3 = fabs(V);
     const double mu_x_loaded_part6 = T - TREF;
     const double mu_x_loaded_part8 = 1.0 + WMU1*distance + WMU2*square(distance);
     const double K_xkappa_without_slip_history_part1 = -HK*tread_heat;
-    const double K_xkappa_part1 = 1.0 + SHK*slip_growth;
+    const double K_xkappa_part1 = 1.0 + SHKX*slip_growth;
     const double K_xkappa_part2 = T - TREF;
     const double K_xkappa_part4 = 1.0 + WK1*distance;
     const double F_x0_part3 = sgn1(V);
@@ -4500,13 +4517,13 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double K_yalpha_g0_without_load_lag_part1 = -HK*tread_heat;
     const double K_yalpha_g0_without_slip_history_part1 = 1.0 + square(Fz);
     const double K_yalpha_g0_without_slip_history_part4 = late_load - Fz;
-    const double K_yalpha_g0_part1 = 1.0 + SHK*slip_growth;
+    const double K_yalpha_g0_part1 = 1.0 + SHKY*slip_growth;
     const double K_yalpha_g0_part2 = T - TREF;
     const double K_yalpha_g0_part4 = 1.0 + WK1*distance;
     const double K_yalpha_without_load_lag_part1 = -HK*tread_heat;
     const double K_yalpha_without_slip_history_part1 = 1.0 + square(Fz);
     const double K_yalpha_without_slip_history_part4 = late_load - Fz;
-    const double K_yalpha_part1 = 1.0 + SHK*slip_growth;
+    const double K_yalpha_part1 = 1.0 + SHKY*slip_growth;
     const double K_yalpha_part2 = T - TREF;
     const double K_yalpha_part4 = 1.0 + WK1*distance;
     const double C_y = LCY*PCY1; /* [4.E21] shape factor */
@@ -4514,7 +4531,7 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double mu_y_loaded_without_load_lag_part1 = tread_heat + HSLOW*carcass_heat;
     const double mu_y_loaded_without_slip_history_part1 = 1.0 + square(Fz);
     const double mu_y_loaded_without_slip_history_part4 = late_load - Fz;
-    const double mu_y_loaded_part1 = 1.0 + SHMU*slip_growth;
+    const double mu_y_loaded_part1 = 1.0 + SHMUY*slip_growth;
     const double mu_y_loaded_part2 = 1.0/LONGVL;
     const double mu_y_loaded_part3 = fabs(V);
     const double mu_y_loaded_part6 = T - TREF;
@@ -4525,7 +4542,7 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double mu_y_loaded_g0_without_load_lag_part1 = tread_heat + HSLOW*carcass_heat;
     const double mu_y_loaded_g0_without_slip_history_part1 = 1.0 + square(Fz);
     const double mu_y_loaded_g0_without_slip_history_part4 = late_load - Fz;
-    const double mu_y_loaded_g0_part1 = 1.0 + SHMU*slip_growth;
+    const double mu_y_loaded_g0_part1 = 1.0 + SHMUY*slip_growth;
     const double mu_y_loaded_g0_part2 = 1.0/LONGVL;
     const double mu_y_loaded_g0_part3 = fabs(V);
     const double mu_y_loaded_g0_part6 = T - TREF;
@@ -5201,7 +5218,8 @@ void mf61_relaxation_straight(const double inputs[], const double parameters[], 
     const double RSIG = parameters[MF61_RSIG];
     const double RSLIP = parameters[MF61_RSLIP];
     const double RPOW = parameters[MF61_RPOW];
-    const double SHK = parameters[MF61_SHK];
+    const double SHKX = parameters[MF61_SHKX];
+    const double SHKY = parameters[MF61_SHKY];
     const double TREF = parameters[MF61_TREF];
     const double TK1 = parameters[MF61_TK1];
     const double TKA = parameters[MF61_TKA];
@@ -5218,12 +5236,12 @@ void mf61_relaxation_straight(const double inputs[], const double parameters[], 
     const double c_y = LATERAL_STIFFNESS*(1.0 + PCFY3*dpi)*(1.0 + PCFY1*dfz + PCFY2*square(dfz)); /* [P 18] lateral stiffness of the standing tire */
     const double K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
     const double K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E15] longitudinal slip stiffness */
-    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
+    const double K_xkappa = K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E15] longitudinal slip stiffness */
     const double sigma_x = fabs(K_xkappa/c_x); /* [P 19] longitudinal relaxation length */
     const double sigma_kappa = SIGX + SIGK*sigma_x; /* [tirefmu] relaxation length that acts on kappa */
     const double K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*exp(-HK*tread_heat); /* [4.E25] cornering stiffness */
     const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [4.E25] cornering stiffness */
-    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHK*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
+    const double K_yalpha = K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance)*exp(-TKA*(T - TREF)); /* [4.E25] cornering stiffness */
     const double sigma_y = fabs(K_yalpha/c_y); /* [P 19] lateral relaxation length */
     const double sigma_alpha = RSIG/(1.0 + pow((1e-12 + square(fast_tan(alpha)))/square(RSLIP), 0.5*RPOW)) + SIGK*sigma_y + SIGY*(1.0 + SIGC*dfz); /* [tirefmu] relaxation length that acts on tan(alpha) */
 

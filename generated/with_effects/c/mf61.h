@@ -31,7 +31,7 @@ enum {
     MF61_slip_growth, /* 1 while the slip grows, -1 while it falls [1] */
 };
 
-#define MF61_N_PARAMETERS 257
+#define MF61_N_PARAMETERS 261
 enum {
     MF61_LONGVL, /* nominal speed V_0 [m/s] */
     MF61_VXLOW, /* speed below which slips are scaled down [m/s] */
@@ -254,6 +254,7 @@ enum {
     MF61_CASIG, /* relaxation length of the carcass: cornering stiffness over lateral stiffness [m] */
     MF61_CAFREQ, /* natural frequency of the carcass [rad/s] */
     MF61_CADAMP, /* damping ratio of the carcass without contact [1] */
+    MF61_CASAT, /* reciprocal of tan(alpha) at which the side force that bends the carcass is 0.7 of its largest value [1] */
     MF61_HTAU, /* time constant of the tread temperature [s] */
     MF61_HCOOL, /* increase of the cooling with speed [s/m] */
     MF61_HLOAD, /* exponent of the load that shares the heat [1] */
@@ -267,6 +268,7 @@ enum {
     MF61_HFPLAY, /* largest force per load that turns linearly, as that of an elastic element in series with dry friction [1] */
     MF61_HFARM, /* lever of the force about the vertical over the free radius, negative behind the wheel centre [1] */
     MF61_LLEN, /* distance within which the side force follows the load [m] */
+    MF61_LLDIR, /* logarithm of the ratio by which the distance is longer than LLEN while the load falls and shorter while it grows [1] */
     MF61_LLMU, /* share of the side force at large slip that follows late [1] */
     MF61_LLK, /* share of the cornering stiffness that follows late [1] */
     MF61_RSIG, /* relaxation length at zero slip [m] */
@@ -274,8 +276,10 @@ enum {
     MF61_RPOW, /* exponent of the slip [1] */
     MF61_SHLEN, /* distance within which the contact follows the slip [m] */
     MF61_SHWID, /* change of slip over which the hysteresis turns [1] */
-    MF61_SHMU, /* friction, half the difference between growing and falling slip [1] */
-    MF61_SHK, /* slip stiffness, half the difference between growing and falling slip [1] */
+    MF61_SHMUX, /* longitudinal friction, half the difference between growing and falling slip [1] */
+    MF61_SHMUY, /* lateral friction, half the difference between growing and falling slip [1] */
+    MF61_SHKX, /* longitudinal slip stiffness, half the difference between growing and falling slip [1] */
+    MF61_SHKY, /* cornering stiffness, half the difference between growing and falling slip [1] */
     MF61_VMU1, /* friction, relative change per nominal speed [1] */
     MF61_TREF, /* reference temperature of the coefficients [degC] */
     MF61_TMU1, /* friction, change with temperature [1/K] */
@@ -292,7 +296,7 @@ enum {
     MF61_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 
-#define MF61_N_COEFFICIENTS 253
+#define MF61_N_COEFFICIENTS 257
 
 #define MF61_N_FORCES 5
 enum {

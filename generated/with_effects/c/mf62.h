@@ -31,7 +31,7 @@ enum {
     MF62_slip_growth, /* 1 while the slip grows, -1 while it falls [1] */
 };
 
-#define MF62_N_PARAMETERS 265
+#define MF62_N_PARAMETERS 269
 enum {
     MF62_LONGVL, /* nominal speed V_0 [m/s] */
     MF62_VXLOW, /* speed below which slips are scaled down [m/s] */
@@ -262,6 +262,7 @@ enum {
     MF62_CASIG, /* relaxation length of the carcass: cornering stiffness over lateral stiffness [m] */
     MF62_CAFREQ, /* natural frequency of the carcass [rad/s] */
     MF62_CADAMP, /* damping ratio of the carcass without contact [1] */
+    MF62_CASAT, /* reciprocal of tan(alpha) at which the side force that bends the carcass is 0.7 of its largest value [1] */
     MF62_HTAU, /* time constant of the tread temperature [s] */
     MF62_HCOOL, /* increase of the cooling with speed [s/m] */
     MF62_HLOAD, /* exponent of the load that shares the heat [1] */
@@ -275,6 +276,7 @@ enum {
     MF62_HFPLAY, /* largest force per load that turns linearly, as that of an elastic element in series with dry friction [1] */
     MF62_HFARM, /* lever of the force about the vertical over the free radius, negative behind the wheel centre [1] */
     MF62_LLEN, /* distance within which the side force follows the load [m] */
+    MF62_LLDIR, /* logarithm of the ratio by which the distance is longer than LLEN while the load falls and shorter while it grows [1] */
     MF62_LLMU, /* share of the side force at large slip that follows late [1] */
     MF62_LLK, /* share of the cornering stiffness that follows late [1] */
     MF62_RSIG, /* relaxation length at zero slip [m] */
@@ -282,8 +284,10 @@ enum {
     MF62_RPOW, /* exponent of the slip [1] */
     MF62_SHLEN, /* distance within which the contact follows the slip [m] */
     MF62_SHWID, /* change of slip over which the hysteresis turns [1] */
-    MF62_SHMU, /* friction, half the difference between growing and falling slip [1] */
-    MF62_SHK, /* slip stiffness, half the difference between growing and falling slip [1] */
+    MF62_SHMUX, /* longitudinal friction, half the difference between growing and falling slip [1] */
+    MF62_SHMUY, /* lateral friction, half the difference between growing and falling slip [1] */
+    MF62_SHKX, /* longitudinal slip stiffness, half the difference between growing and falling slip [1] */
+    MF62_SHKY, /* cornering stiffness, half the difference between growing and falling slip [1] */
     MF62_VMU1, /* friction, relative change per nominal speed [1] */
     MF62_TREF, /* reference temperature of the coefficients [degC] */
     MF62_TMU1, /* friction, change with temperature [1/K] */
@@ -300,7 +304,7 @@ enum {
     MF62_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 
-#define MF62_N_COEFFICIENTS 261
+#define MF62_N_COEFFICIENTS 265
 
 #define MF62_N_FORCES 5
 enum {

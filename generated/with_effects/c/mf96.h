@@ -27,7 +27,7 @@ enum {
     MF96_slip_growth, /* 1 while the slip grows, -1 while it falls [1] */
 };
 
-#define MF96_N_PARAMETERS 130
+#define MF96_N_PARAMETERS 133
 enum {
     MF96_UNLOADED_RADIUS, /* free radius R_0 [m] */
     MF96_FNOMIN, /* nominal load F_z0 [N] */
@@ -144,12 +144,15 @@ enum {
     MF96_HFPLAY, /* largest force per load that turns linearly, as that of an elastic element in series with dry friction [1] */
     MF96_HFARM, /* lever of the force about the vertical over the free radius, negative behind the wheel centre [1] */
     MF96_LLEN, /* distance within which the side force follows the load [m] */
+    MF96_LLDIR, /* logarithm of the ratio by which the distance is longer than LLEN while the load falls and shorter while it grows [1] */
     MF96_LLMU, /* share of the side force at large slip that follows late [1] */
     MF96_LLK, /* share of the cornering stiffness that follows late [1] */
     MF96_SHLEN, /* distance within which the contact follows the slip [m] */
     MF96_SHWID, /* change of slip over which the hysteresis turns [1] */
-    MF96_SHMU, /* friction, half the difference between growing and falling slip [1] */
-    MF96_SHK, /* slip stiffness, half the difference between growing and falling slip [1] */
+    MF96_SHMUX, /* longitudinal friction, half the difference between growing and falling slip [1] */
+    MF96_SHMUY, /* lateral friction, half the difference between growing and falling slip [1] */
+    MF96_SHKX, /* longitudinal slip stiffness, half the difference between growing and falling slip [1] */
+    MF96_SHKY, /* cornering stiffness, half the difference between growing and falling slip [1] */
     MF96_TREF, /* reference temperature of the coefficients [degC] */
     MF96_TMU1, /* friction, change with temperature [1/K] */
     MF96_TMUA, /* friction, exponential decrease with temperature [1/K] */
@@ -161,7 +164,7 @@ enum {
     MF96_WK1, /* slip stiffness, change per distance [1/m] */
 };
 
-#define MF96_N_COEFFICIENTS 130
+#define MF96_N_COEFFICIENTS 133
 
 #define MF96_N_FORCES 3
 enum {

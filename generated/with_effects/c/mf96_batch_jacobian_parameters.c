@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define N_INPUTS MF96_N_INPUTS
-#define N_RESULTS 226
+#define N_RESULTS 228
 #define N_FORCES MF96_N_FORCES
 
 /* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
@@ -510,8 +510,10 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
     const double HFARM = parameters[MF96_HFARM];
     const double LLMU = parameters[MF96_LLMU];
     const double LLK = parameters[MF96_LLK];
-    const double SHMU = parameters[MF96_SHMU];
-    const double SHK = parameters[MF96_SHK];
+    const double SHMUX = parameters[MF96_SHMUX];
+    const double SHMUY = parameters[MF96_SHMUY];
+    const double SHKX = parameters[MF96_SHKX];
+    const double SHKY = parameters[MF96_SHKY];
     const double TREF = parameters[MF96_TREF];
     const double TMU1 = parameters[MF96_TMU1];
     const double TMUA = parameters[MF96_TMUA];
@@ -580,23 +582,23 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
         const lanes gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
         const lanes mu_x_without_slip_history_part1 = tread_heat + HSLOW*carcass_heat;
-        const lanes mu_x_part1 = 1.0 + SHMU*slip_growth;
+        const lanes mu_x_part1 = 1.0 + SHMUX*slip_growth;
         const lanes mu_x_part2 = T - TREF;
         const lanes mu_x_part4 = 1.0 + WMU1*distance + WMU2*lanes_square(distance);
         const lanes K_xkappa_without_slip_history_part1 = -HK*tread_heat;
-        const lanes K_xkappa_part1 = 1.0 + SHK*slip_growth;
+        const lanes K_xkappa_part1 = 1.0 + SHKX*slip_growth;
         const lanes K_xkappa_part2 = T - TREF;
         const lanes K_xkappa_part4 = 1.0 + WK1*distance;
         const lanes mu_y_without_load_lag_part1 = tread_heat + HSLOW*carcass_heat;
         const lanes mu_y_without_slip_history_part1 = 1.0 + lanes_square(Fz);
         const lanes mu_y_without_slip_history_part4 = late_load - Fz;
-        const lanes mu_y_part1 = 1.0 + SHMU*slip_growth;
+        const lanes mu_y_part1 = 1.0 + SHMUY*slip_growth;
         const lanes mu_y_part2 = T - TREF;
         const lanes mu_y_part4 = 1.0 + WMU1*distance + WMU2*lanes_square(distance);
         const lanes K_yalpha_without_load_lag_part1 = -HK*tread_heat;
         const lanes K_yalpha_without_slip_history_part1 = 1.0 + lanes_square(Fz);
         const lanes K_yalpha_without_slip_history_part4 = late_load - Fz;
-        const lanes K_yalpha_part1 = 1.0 + SHK*slip_growth;
+        const lanes K_yalpha_part1 = 1.0 + SHKY*slip_growth;
         const lanes K_yalpha_part2 = T - TREF;
         const lanes K_yalpha_part4 = 1.0 + WK1*distance;
         const lanes B_xalpha_part1 = 1.0 + square(RBX2)*lanes_square(kappa);
@@ -1294,7 +1296,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dmu_y_ddfz = dmu_y_dmu_y_without_break_in*dmu_y_without_break_in_ddfz;
         const lanes dF_y0_ddfz = PHY2*dF_y0_dS_Hy_part1 + S_Vy_by_S_Vy_part2*dS_Vy_part2_ddfz + dE_y_ddfz*dF_y0_dE_y;
         const lanes dFy_ddfz = dD_Vyk_ddfz*dFy_dD_Vyk;
-        const lanes dmu_x_dSHMU = mu_x_by_mu_x_part1*slip_growth;
+        const lanes dmu_x_dSHMUX = mu_x_by_mu_x_part1*slip_growth;
         const lanes dmu_x_dWMU1 = distance*mu_x_by_mu_x_part4;
         const lanes dmu_x_dWMU2 = mu_x_by_mu_x_part4*mu_x_part4_by_WMU2;
         const lanes dmu_x_dTMUA = -dmu_x_dmu_x_part5*mu_x_part2;
@@ -1353,7 +1355,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dtrail_v_dFNOMIN = ddfz_dFNOMIN*dtrail_v_ddfz;
         const lanes dtrail_v_dLFZ0 = ddfz_dLFZ0*dtrail_v_ddfz;
         const lanes dMz_without_hysteresis_force_part2_dtrail_v = -Mz_without_hysteresis_force_part1*dtrail_dtrail_v;
-        const lanes dK_xkappa_dSHK = K_xkappa_by_K_xkappa_part1*slip_growth;
+        const lanes dK_xkappa_dSHKX = K_xkappa_by_K_xkappa_part1*slip_growth;
         const lanes dK_xkappa_dWK1 = K_xkappa_by_K_xkappa_part4*distance;
         const lanes dK_xkappa_dHK = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dHK;
         const lanes dK_xkappa_dTK1 = K_xkappa_by_K_xkappa_part3*K_xkappa_part2;
@@ -1367,7 +1369,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dK_xkappa_dLFZ0 = dK_xkappa_ddfz*ddfz_dLFZ0;
         const lanes dMz_without_hysteresis_force_part2_dK_xkappa = dMz_without_hysteresis_force_part2_dkappa_share*kappa_share_by_K_xkappa + dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dK_xkappa;
         const lanes dF_x0_dK_xkappa = dF_x0_dF_x0_v*dF_x0_v_dK_xkappa;
-        const lanes dK_yalpha_dSHK = K_yalpha_by_K_yalpha_part1*slip_growth;
+        const lanes dK_yalpha_dSHKY = K_yalpha_by_K_yalpha_part1*slip_growth;
         const lanes dK_yalpha_dWK1 = K_yalpha_by_K_yalpha_part4*distance;
         const lanes dK_yalpha_dTK1 = K_yalpha_by_K_yalpha_part3*K_yalpha_part2;
         const lanes dK_yalpha_dTREF = TKA*dK_yalpha_dK_yalpha_part5 - K_yalpha_by_K_yalpha_part3*TK1;
@@ -1383,7 +1385,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dK_yalpha_dLGAMMAY = dK_yalpha_dgamma_s*gamma;
         const lanes dMz_without_hysteresis_force_part2_dK_yalpha = B_y_by_K_yalpha*dMz_without_hysteresis_force_part2_dB_y + dMz_without_hysteresis_force_part2_dalpha_r*dalpha_r_dK_yalpha + dMz_without_hysteresis_force_part2_dkappa_share*dkappa_share_dK_yalpha + dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dK_yalpha;
         const lanes dFy_dK_yalpha = dF_y0_dK_yalpha*dFy_dF_y0;
-        const lanes dmu_y_dSHMU = mu_y_by_mu_y_part1*slip_growth;
+        const lanes dmu_y_dSHMUY = mu_y_by_mu_y_part1*slip_growth;
         const lanes dmu_y_dLLMU = dmu_y_without_slip_history_dLLMU*mu_y_by_mu_y_without_slip_history;
         const lanes dmu_y_dWMU1 = distance*mu_y_by_mu_y_part4;
         const lanes dmu_y_dWMU2 = mu_y_by_mu_y_part4*mu_y_part4_by_WMU2;
@@ -1418,7 +1420,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dF_x0_dPHX2 = dF_x0_dkappa_x*dkappa_x_dPHX2;
         const lanes dF_x0_dFNOMIN = dF_x0_dK_xkappa*dK_xkappa_dFNOMIN + dF_x0_ddfz*ddfz_dFNOMIN + dF_x0_dmu_x*dmu_x_dFNOMIN;
         const lanes dF_x0_dLFZ0 = dF_x0_dK_xkappa*dK_xkappa_dLFZ0 + dF_x0_ddfz*ddfz_dLFZ0 + dF_x0_dmu_x*dmu_x_dLFZ0;
-        const lanes dF_x0_dSHMU = dF_x0_dmu_x*dmu_x_dSHMU;
+        const lanes dF_x0_dSHMUX = dF_x0_dmu_x*dmu_x_dSHMUX;
         const lanes dF_x0_dWMU1 = dF_x0_dmu_x*dmu_x_dWMU1;
         const lanes dF_x0_dWMU2 = dF_x0_dmu_x*dmu_x_dWMU2;
         const lanes dF_x0_dTMUA = dF_x0_dmu_x*dmu_x_dTMUA;
@@ -1433,7 +1435,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dF_x0_dPDX1 = dF_x0_dmu_x*dmu_x_dPDX1;
         const lanes dF_x0_dPDX2 = dF_x0_dmu_x*dmu_x_dPDX2;
         const lanes dF_x0_dLGAMMAY = dF_x0_dmu_x*dmu_x_dLGAMMAY;
-        const lanes dF_x0_dSHK = dF_x0_dK_xkappa*dK_xkappa_dSHK;
+        const lanes dF_x0_dSHKX = dF_x0_dK_xkappa*dK_xkappa_dSHKX;
         const lanes dF_x0_dWK1 = dF_x0_dK_xkappa*dK_xkappa_dWK1;
         const lanes dF_x0_dHK = dF_x0_dK_xkappa*dK_xkappa_dHK;
         const lanes dF_x0_dTK1 = dF_x0_dK_xkappa*dK_xkappa_dTK1;
@@ -1496,7 +1498,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dMz_without_hysteresis_force_part2_dQBZ1 = dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dQBZ1;
         const lanes dMz_without_hysteresis_force_part2_dQBZ2 = dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dQBZ2;
         const lanes dMz_without_hysteresis_force_part2_dQBZ3 = dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dQBZ3;
-        const lanes dMz_without_hysteresis_force_part2_dSHK = dK_xkappa_dSHK*dMz_without_hysteresis_force_part2_dK_xkappa + dK_yalpha_dSHK*dMz_without_hysteresis_force_part2_dK_yalpha;
+        const lanes dMz_without_hysteresis_force_part2_dSHKX = dK_xkappa_dSHKX*dMz_without_hysteresis_force_part2_dK_xkappa;
         const lanes dMz_without_hysteresis_force_part2_dWK1 = dK_xkappa_dWK1*dMz_without_hysteresis_force_part2_dK_xkappa + dK_yalpha_dWK1*dMz_without_hysteresis_force_part2_dK_yalpha;
         const lanes dMz_without_hysteresis_force_part2_dHK = dK_xkappa_dHK*dMz_without_hysteresis_force_part2_dK_xkappa + dK_yalpha_dHK*dMz_without_hysteresis_force_part2_dK_yalpha;
         const lanes dMz_without_hysteresis_force_part2_dTK1 = dK_xkappa_dTK1*dMz_without_hysteresis_force_part2_dK_xkappa + dK_yalpha_dTK1*dMz_without_hysteresis_force_part2_dK_yalpha;
@@ -1506,12 +1508,13 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dMz_without_hysteresis_force_part2_dPKX1 = dK_xkappa_dPKX1*dMz_without_hysteresis_force_part2_dK_xkappa;
         const lanes dMz_without_hysteresis_force_part2_dPKX2 = dK_xkappa_dPKX2*dMz_without_hysteresis_force_part2_dK_xkappa;
         const lanes dMz_without_hysteresis_force_part2_dPKX3 = dK_xkappa_dPKX3*dMz_without_hysteresis_force_part2_dK_xkappa;
+        const lanes dMz_without_hysteresis_force_part2_dSHKY = dK_yalpha_dSHKY*dMz_without_hysteresis_force_part2_dK_yalpha;
         const lanes dMz_without_hysteresis_force_part2_dLLK = dK_yalpha_dLLK*dMz_without_hysteresis_force_part2_dK_yalpha;
         const lanes dMz_without_hysteresis_force_part2_dLKA = dK_yalpha_dLKA*dMz_without_hysteresis_force_part2_dK_yalpha;
         const lanes dMz_without_hysteresis_force_part2_dPKY1 = dK_yalpha_dPKY1*dMz_without_hysteresis_force_part2_dK_yalpha;
         const lanes dMz_without_hysteresis_force_part2_dPKY2 = dK_yalpha_dPKY2*dMz_without_hysteresis_force_part2_dK_yalpha;
         const lanes dMz_without_hysteresis_force_part2_dPKY3 = dK_yalpha_dPKY3*dMz_without_hysteresis_force_part2_dK_yalpha;
-        const lanes dMz_without_hysteresis_force_part2_dSHMU = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dSHMU;
+        const lanes dMz_without_hysteresis_force_part2_dSHMUY = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dSHMUY;
         const lanes dMz_without_hysteresis_force_part2_dLLMU = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dLLMU;
         const lanes dMz_without_hysteresis_force_part2_dWMU1 = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dWMU1;
         const lanes dMz_without_hysteresis_force_part2_dWMU2 = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dWMU2;
@@ -1546,7 +1549,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dFx_dPHX2 = dF_x0_dPHX2*dFx_dF_x0;
         const lanes dFx_dFNOMIN = dF_x0_dFNOMIN*dFx_dF_x0;
         const lanes dFx_dLFZ0 = dF_x0_dLFZ0*dFx_dF_x0;
-        const lanes dFx_dSHMU = dF_x0_dSHMU*dFx_dF_x0;
+        const lanes dFx_dSHMUX = dF_x0_dSHMUX*dFx_dF_x0;
         const lanes dFx_dWMU1 = dF_x0_dWMU1*dFx_dF_x0;
         const lanes dFx_dWMU2 = dF_x0_dWMU2*dFx_dF_x0;
         const lanes dFx_dTMUA = dF_x0_dTMUA*dFx_dF_x0;
@@ -1561,7 +1564,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dFx_dPDX1 = dF_x0_dPDX1*dFx_dF_x0;
         const lanes dFx_dPDX2 = dF_x0_dPDX2*dFx_dF_x0;
         const lanes dFx_dLGAMMAY = dF_x0_dLGAMMAY*dFx_dF_x0;
-        const lanes dFx_dSHK = dF_x0_dSHK*dFx_dF_x0;
+        const lanes dFx_dSHKX = dF_x0_dSHKX*dFx_dF_x0;
         const lanes dFx_dWK1 = dF_x0_dWK1*dFx_dF_x0;
         const lanes dFx_dHK = dF_x0_dHK*dFx_dF_x0;
         const lanes dFx_dTK1 = dF_x0_dTK1*dFx_dF_x0;
@@ -1606,7 +1609,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dFy_dPVY2 = dF_y0_dPVY2*dFy_dF_y0;
         const lanes dFy_dPVY3 = dF_y0_dPVY3*dFy_dF_y0;
         const lanes dFy_dPVY4 = dF_y0_dPVY4*dFy_dF_y0;
-        const lanes dFy_dSHK = dFy_dK_yalpha*dK_yalpha_dSHK;
+        const lanes dFy_dSHKY = dFy_dK_yalpha*dK_yalpha_dSHKY;
         const lanes dFy_dWK1 = dFy_dK_yalpha*dK_yalpha_dWK1;
         const lanes dFy_dTK1 = dFy_dK_yalpha*dK_yalpha_dTK1;
         const lanes dFy_dTREF = dFy_dK_yalpha*dK_yalpha_dTREF + dFy_dmu_y*dmu_y_dTREF;
@@ -1617,7 +1620,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dFy_dPKY1 = dFy_dK_yalpha*dK_yalpha_dPKY1;
         const lanes dFy_dPKY2 = dFy_dK_yalpha*dK_yalpha_dPKY2;
         const lanes dFy_dPKY3 = dFy_dK_yalpha*dK_yalpha_dPKY3;
-        const lanes dFy_dSHMU = dFy_dmu_y*dmu_y_dSHMU;
+        const lanes dFy_dSHMUY = dFy_dmu_y*dmu_y_dSHMUY;
         const lanes dFy_dLLMU = dFy_dmu_y*dmu_y_dLLMU;
         const lanes dFy_dWMU1 = dFy_dmu_y*dmu_y_dWMU1;
         const lanes dFy_dWMU2 = dFy_dmu_y*dmu_y_dWMU2;
@@ -1667,8 +1670,8 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         *(lanes_in_array *)(results + 31*STRIDE + i) = dFx_dHMU;
         *(lanes_in_array *)(results + 32*STRIDE + i) = dFx_dHSLOW;
         *(lanes_in_array *)(results + 33*STRIDE + i) = dFx_dHK;
-        *(lanes_in_array *)(results + 34*STRIDE + i) = dFx_dSHMU;
-        *(lanes_in_array *)(results + 35*STRIDE + i) = dFx_dSHK;
+        *(lanes_in_array *)(results + 34*STRIDE + i) = dFx_dSHMUX;
+        *(lanes_in_array *)(results + 35*STRIDE + i) = dFx_dSHKX;
         *(lanes_in_array *)(results + 36*STRIDE + i) = dFx_dTREF;
         *(lanes_in_array *)(results + 37*STRIDE + i) = dFx_dTMU1;
         *(lanes_in_array *)(results + 38*STRIDE + i) = dFx_dTMUA;
@@ -1727,8 +1730,8 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         *(lanes_in_array *)(results + 91*STRIDE + i) = dFy_dHFPLAY;
         *(lanes_in_array *)(results + 92*STRIDE + i) = dFy_dLLMU;
         *(lanes_in_array *)(results + 93*STRIDE + i) = dFy_dLLK;
-        *(lanes_in_array *)(results + 94*STRIDE + i) = dFy_dSHMU;
-        *(lanes_in_array *)(results + 95*STRIDE + i) = dFy_dSHK;
+        *(lanes_in_array *)(results + 94*STRIDE + i) = dFy_dSHMUY;
+        *(lanes_in_array *)(results + 95*STRIDE + i) = dFy_dSHKY;
         *(lanes_in_array *)(results + 96*STRIDE + i) = dFy_dTREF;
         *(lanes_in_array *)(results + 97*STRIDE + i) = dFy_dTMU1;
         *(lanes_in_array *)(results + 98*STRIDE + i) = dFy_dTMUA;
@@ -1848,17 +1851,19 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         *(lanes_in_array *)(results + 212*STRIDE + i) = Mz_by_HFARM;
         *(lanes_in_array *)(results + 213*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dLLMU + dFy_dLLMU*dMz_dFy;
         *(lanes_in_array *)(results + 214*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dLLK + dFy_dLLK*dMz_dFy;
-        *(lanes_in_array *)(results + 215*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHMU + dFx_dSHMU*dMz_dFx + dFy_dSHMU*dMz_dFy;
-        *(lanes_in_array *)(results + 216*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHK + dFx_dSHK*dMz_dFx + dFy_dSHK*dMz_dFy;
-        *(lanes_in_array *)(results + 217*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTREF + dFx_dTREF*dMz_dFx + dFy_dTREF*dMz_dFy;
-        *(lanes_in_array *)(results + 218*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTMU1 + dFx_dTMU1*dMz_dFx + dFy_dTMU1*dMz_dFy;
-        *(lanes_in_array *)(results + 219*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTMUA + dFx_dTMUA*dMz_dFx + dFy_dTMUA*dMz_dFy;
-        *(lanes_in_array *)(results + 220*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTMU2 + dFx_dTMU2*dMz_dFx + dFy_dTMU2*dMz_dFy;
-        *(lanes_in_array *)(results + 221*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTK1 + dFx_dTK1*dMz_dFx + dFy_dTK1*dMz_dFy;
-        *(lanes_in_array *)(results + 222*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTKA + dFx_dTKA*dMz_dFx + dFy_dTKA*dMz_dFy;
-        *(lanes_in_array *)(results + 223*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dWMU1 + dFx_dWMU1*dMz_dFx + dFy_dWMU1*dMz_dFy;
-        *(lanes_in_array *)(results + 224*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dWMU2 + dFx_dWMU2*dMz_dFx + dFy_dWMU2*dMz_dFy;
-        *(lanes_in_array *)(results + 225*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dWK1 + dFx_dWK1*dMz_dFx + dFy_dWK1*dMz_dFy;
+        *(lanes_in_array *)(results + 215*STRIDE + i) = dFx_dSHMUX*dMz_dFx;
+        *(lanes_in_array *)(results + 216*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHMUY + dFy_dSHMUY*dMz_dFy;
+        *(lanes_in_array *)(results + 217*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHKX + dFx_dSHKX*dMz_dFx;
+        *(lanes_in_array *)(results + 218*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHKY + dFy_dSHKY*dMz_dFy;
+        *(lanes_in_array *)(results + 219*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTREF + dFx_dTREF*dMz_dFx + dFy_dTREF*dMz_dFy;
+        *(lanes_in_array *)(results + 220*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTMU1 + dFx_dTMU1*dMz_dFx + dFy_dTMU1*dMz_dFy;
+        *(lanes_in_array *)(results + 221*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTMUA + dFx_dTMUA*dMz_dFx + dFy_dTMUA*dMz_dFy;
+        *(lanes_in_array *)(results + 222*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTMU2 + dFx_dTMU2*dMz_dFx + dFy_dTMU2*dMz_dFy;
+        *(lanes_in_array *)(results + 223*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTK1 + dFx_dTK1*dMz_dFx + dFy_dTK1*dMz_dFy;
+        *(lanes_in_array *)(results + 224*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTKA + dFx_dTKA*dMz_dFx + dFy_dTKA*dMz_dFy;
+        *(lanes_in_array *)(results + 225*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dWMU1 + dFx_dWMU1*dMz_dFx + dFy_dWMU1*dMz_dFy;
+        *(lanes_in_array *)(results + 226*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dWMU2 + dFx_dWMU2*dMz_dFx + dFy_dWMU2*dMz_dFy;
+        *(lanes_in_array *)(results + 227*STRIDE + i) = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dWK1 + dFx_dWK1*dMz_dFx + dFy_dWK1*dMz_dFy;
     }
 }
 

@@ -14,8 +14,9 @@ def jacobian_inputs(inputs, parameters):
     kappa, alpha, Fz, T, distance, V, sliding_work, tread_heat, carcass_heat, carcass_slip, inner_friction, inner_play, late_load, contact_slip_x, contact_slip_y, slip_growth = ca.vertsplit(inputs)
     (
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, BIMU, BIWORK,
-        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK,
-        SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU,
+        LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1,
+        SIGNS
     ) = ca.vertsplit(parameters)
 
     # Contact patch with bristles
@@ -34,7 +35,7 @@ def jacobian_inputs(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = ca.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [tirefmu] longitudinal friction
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -57,7 +58,7 @@ def jacobian_inputs(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [tirefmu] lateral friction
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -69,7 +70,7 @@ def jacobian_inputs(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = ca.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [3.2.2] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -86,7 +87,7 @@ def jacobian_inputs(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [3.2.1] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -349,14 +350,14 @@ def jacobian_inputs(inputs, parameters):
     dF_y_sticking_dkappa = K_yalpha*dsticking_dkappa
     dFy_dF_y_sticking = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part2*tan_alpha
     dMz_dF_y_sticking = -Fy*dtrail_dF_y_sticking
-    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHK
+    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHKX
     dK_xkappa_dT = K_xkappa_by_K_xkappa_part3*TK1 + K_xkappa_by_K_xkappa_part6*dK_xkappa_part6_dT
     dK_xkappa_ddistance = K_xkappa_by_K_xkappa_part4*WK1
     dK_xkappa_dtread_heat = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dtread_heat
     dK_xkappa_dFz = dK_xkappa_dload_ratio*dload_ratio_dFz
     dpsi_dK_xkappa = dpsi_dreach_x*reach_x_by_K_xkappa
     dFx_dK_xkappa = dFx_dFx_part1*sticking
-    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHK
+    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHKY
     dK_yalpha_dT = K_yalpha_by_K_yalpha_part3*TK1 + K_yalpha_by_K_yalpha_part6*dK_yalpha_part6_dT
     dK_yalpha_ddistance = K_yalpha_by_K_yalpha_part4*WK1
     dK_yalpha_dtread_heat = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dtread_heat
@@ -374,7 +375,7 @@ def jacobian_inputs(inputs, parameters):
     dFy_dsliding = F_y_sliding_by_sliding*dFy_dF_y_sliding
     dFx_dsliding = Fx_part1_by_sliding*dFx_dFx_part1
     dMz_dsliding = -Fy*dtrail_dsliding
-    dmu_x_dslip_growth = SHMU*mu_x_by_mu_x_part1
+    dmu_x_dslip_growth = SHMUX*mu_x_by_mu_x_part1
     dmu_x_dT = dmu_x_part6_dT*mu_x_by_mu_x_part6 + mu_x_by_mu_x_part3*mu_x_part3_by_mu_x_part2
     dmu_x_ddistance = mu_x_by_mu_x_part4*mu_x_part4_by_distance
     dmu_x_dsliding_work = dmu_x_without_slip_history_dsliding_work*mu_x_by_mu_x_without_slip_history
@@ -385,7 +386,7 @@ def jacobian_inputs(inputs, parameters):
     dFx_dmu_x = Fx_part1_by_mu_x*dFx_dFx_part1 + dFx_dsliding*dsliding_dmu_x
     dFy_dmu_x = dFy_dsliding*dsliding_dmu_x
     dMz_dmu_x = dMz_dsliding*dsliding_dmu_x
-    dmu_y_dslip_growth = SHMU*mu_y_by_mu_y_part1
+    dmu_y_dslip_growth = SHMUY*mu_y_by_mu_y_part1
     dmu_y_dT = dmu_y_part6_dT*mu_y_by_mu_y_part6 + mu_y_by_mu_y_part3*mu_y_part3_by_mu_y_part2
     dmu_y_ddistance = mu_y_by_mu_y_part4*mu_y_part4_by_distance
     dmu_y_dFz = dload_ratio_dFz*dmu_y_dload_ratio + dmu_y_without_slip_history_dFz*mu_y_by_mu_y_without_slip_history
@@ -486,8 +487,9 @@ def jacobian_parameters(inputs, parameters):
     kappa, alpha, Fz, T, distance, V, sliding_work, tread_heat, carcass_heat, carcass_slip, inner_friction, inner_play, late_load, contact_slip_x, contact_slip_y, slip_growth = ca.vertsplit(inputs)
     (
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, BIMU, BIWORK,
-        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK,
-        SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU,
+        LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1,
+        SIGNS
     ) = ca.vertsplit(parameters)
 
     # Contact patch with bristles
@@ -506,7 +508,7 @@ def jacobian_parameters(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = ca.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [tirefmu] longitudinal friction
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -529,7 +531,7 @@ def jacobian_parameters(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [tirefmu] lateral friction
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -541,7 +543,7 @@ def jacobian_parameters(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = ca.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [3.2.2] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -558,7 +560,7 @@ def jacobian_parameters(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [3.2.1] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -801,7 +803,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dpsi = dF_y_sticking_dpsi*dFy_dF_y_sticking + dFy_dsliding*dsliding_dpsi
     dFx_dpsi = dFx_dFx_part1*dFx_part1_dpsi + dFx_dsliding*dsliding_dpsi
     dMz_dpsi = dMz_dsliding*dsliding_dpsi - Fy*dtrail_dpsi
-    dK_xkappa_dSHK = K_xkappa_by_K_xkappa_part1*slip_growth
+    dK_xkappa_dSHKX = K_xkappa_by_K_xkappa_part1*slip_growth
     dK_xkappa_dWK1 = K_xkappa_by_K_xkappa_part4*distance
     dK_xkappa_dTK1 = K_xkappa_by_K_xkappa_part3*K_xkappa_part2
     dK_xkappa_dTREF = TKA*dK_xkappa_dK_xkappa_part5 - K_xkappa_by_K_xkappa_part3*TK1
@@ -813,7 +815,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dK_xkappa = dFx_dFx_part1*sticking + dFx_dpsi*dpsi_dK_xkappa
     dFy_dK_xkappa = dFy_dpsi*dpsi_dK_xkappa
     dMz_dK_xkappa = dMz_dpsi*dpsi_dK_xkappa
-    dK_yalpha_dSHK = K_yalpha_by_K_yalpha_part1*slip_growth
+    dK_yalpha_dSHKY = K_yalpha_by_K_yalpha_part1*slip_growth
     dK_yalpha_dWK1 = K_yalpha_by_K_yalpha_part4*distance
     dK_yalpha_dLLK = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dLLK
     dK_yalpha_dTK1 = K_yalpha_by_K_yalpha_part3*K_yalpha_part2
@@ -826,7 +828,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dK_yalpha = dFy_dF_y_sticking*sticking + dFy_dpsi*dpsi_dK_yalpha
     dMz_dK_yalpha = dMz_dpsi*dpsi_dK_yalpha - Fy*dtrail_dK_yalpha
     dFx_dK_yalpha = dFx_dpsi*dpsi_dK_yalpha
-    dmu_x_dSHMU = mu_x_by_mu_x_part1*slip_growth
+    dmu_x_dSHMUX = mu_x_by_mu_x_part1*slip_growth
     dmu_x_dWMU1 = distance*mu_x_by_mu_x_part4
     dmu_x_dWMU2 = mu_x_by_mu_x_part4*mu_x_part4_by_WMU2
     dmu_x_dTMUA = -dmu_x_dmu_x_part5*mu_x_part2
@@ -843,7 +845,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dmu_x = Fx_part1_by_mu_x*dFx_dFx_part1 + dFx_dpsi*dpsi_dmu_x + dFx_dsliding*dsliding_dmu_x
     dFy_dmu_x = dFy_dpsi*dpsi_dmu_x + dFy_dsliding*dsliding_dmu_x
     dMz_dmu_x = dMz_dpsi*dpsi_dmu_x + dMz_dsliding*dsliding_dmu_x
-    dmu_y_dSHMU = mu_y_by_mu_y_part1*slip_growth
+    dmu_y_dSHMUY = mu_y_by_mu_y_part1*slip_growth
     dmu_y_dLLMU = dmu_y_without_slip_history_dLLMU*mu_y_by_mu_y_without_slip_history
     dmu_y_dWMU1 = distance*mu_y_by_mu_y_part4
     dmu_y_dWMU2 = mu_y_by_mu_y_part4*mu_y_part4_by_WMU2
@@ -863,7 +865,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dmu_y = dFx_dpsi*dpsi_dmu_y + dFx_dsliding*dsliding_dmu_y
     dFy_dHFPLAY = Fz*inner_play
     dFy_dHFY = Fz*inner_friction
-    dFy_dSHK = dFy_dK_xkappa*dK_xkappa_dSHK + dFy_dK_yalpha*dK_yalpha_dSHK
+    dFy_dSHKX = dFy_dK_xkappa*dK_xkappa_dSHKX
     dFy_dWK1 = dFy_dK_xkappa*dK_xkappa_dWK1 + dFy_dK_yalpha*dK_yalpha_dWK1
     dFy_dTK1 = dFy_dK_xkappa*dK_xkappa_dTK1 + dFy_dK_yalpha*dK_yalpha_dTK1
     dFy_dTREF = dFy_dK_xkappa*dK_xkappa_dTREF + dFy_dK_yalpha*dK_yalpha_dTREF + dFy_dmu_x*dmu_x_dTREF + dFy_dmu_y*dmu_y_dTREF
@@ -872,9 +874,10 @@ def jacobian_parameters(inputs, parameters):
     dFy_dCKAPPA = dFy_dK_xkappa*dK_xkappa_dCKAPPA
     dFy_dNSTIFF = dFy_dK_xkappa*dK_xkappa_dNSTIFF + dFy_dK_yalpha*dK_yalpha_dNSTIFF
     dFy_dFNOMIN = dFy_dK_xkappa*dK_xkappa_dFNOMIN + dFy_dK_yalpha*dK_yalpha_dFNOMIN + dFy_dmu_x*dmu_x_dFNOMIN + dFy_dmu_y*dmu_y_dFNOMIN
+    dFy_dSHKY = dFy_dK_yalpha*dK_yalpha_dSHKY
     dFy_dLLK = dFy_dK_yalpha*dK_yalpha_dLLK
     dFy_dCALPHA = dFy_dK_yalpha*dK_yalpha_dCALPHA
-    dFy_dSHMU = dFy_dmu_x*dmu_x_dSHMU + dFy_dmu_y*dmu_y_dSHMU
+    dFy_dSHMUX = dFy_dmu_x*dmu_x_dSHMUX
     dFy_dWMU1 = dFy_dmu_x*dmu_x_dWMU1 + dFy_dmu_y*dmu_y_dWMU1
     dFy_dWMU2 = dFy_dmu_x*dmu_x_dWMU2 + dFy_dmu_y*dmu_y_dWMU2
     dFy_dTMUA = dFy_dmu_x*dmu_x_dTMUA + dFy_dmu_y*dmu_y_dTMUA
@@ -886,6 +889,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dBIMU = dFy_dmu_x*dmu_x_dBIMU + dFy_dmu_y*dmu_y_dBIMU
     dFy_dBIWORK = dFy_dmu_x*dmu_x_dBIWORK + dFy_dmu_y*dmu_y_dBIWORK
     dFy_dNMU = dFy_dmu_x*dmu_x_dNMU + dFy_dmu_y*dmu_y_dNMU
+    dFy_dSHMUY = dFy_dmu_y*dmu_y_dSHMUY
     dFy_dLLMU = dFy_dmu_y*dmu_y_dLLMU
     dFy_dMUY = dFy_dmu_y*dmu_y_dMUY
 
@@ -916,12 +920,15 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dmu_y*dmu_y_dLLMU,
         dFx_dK_yalpha*dK_yalpha_dLLK,
         0,
         0,
-        dFx_dmu_x*dmu_x_dSHMU + dFx_dmu_y*dmu_y_dSHMU,
-        dFx_dK_xkappa*dK_xkappa_dSHK + dFx_dK_yalpha*dK_yalpha_dSHK,
+        dFx_dmu_x*dmu_x_dSHMUX,
+        dFx_dmu_y*dmu_y_dSHMUY,
+        dFx_dK_xkappa*dK_xkappa_dSHKX,
+        dFx_dK_yalpha*dK_yalpha_dSHKY,
         dFx_dK_xkappa*dK_xkappa_dTREF + dFx_dK_yalpha*dK_yalpha_dTREF + dFx_dmu_x*dmu_x_dTREF + dFx_dmu_y*dmu_y_dTREF,
         dFx_dmu_x*dmu_x_dTMU1 + dFx_dmu_y*dmu_y_dTMU1,
         dFx_dmu_x*dmu_x_dTMUA + dFx_dmu_y*dmu_y_dTMUA,
@@ -958,12 +965,15 @@ def jacobian_parameters(inputs, parameters):
         dFy_dHFPLAY,
         0,
         0,
+        0,
         dFy_dLLMU,
         dFy_dLLK,
         0,
         0,
-        dFy_dSHMU,
-        dFy_dSHK,
+        dFy_dSHMUX,
+        dFy_dSHMUY,
+        dFy_dSHKX,
+        dFy_dSHKY,
         dFy_dTREF,
         dFy_dTMU1,
         dFy_dTMUA,
@@ -1000,12 +1010,15 @@ def jacobian_parameters(inputs, parameters):
         Mz_by_Mz_part1*inner_play - dFy_dHFPLAY*trail,
         Mz_by_HFARM,
         0,
+        0,
         dMz_dmu_y*dmu_y_dLLMU - dFy_dLLMU*trail,
         dK_yalpha_dLLK*dMz_dK_yalpha - dFy_dLLK*trail,
         0,
         0,
-        dMz_dmu_x*dmu_x_dSHMU + dMz_dmu_y*dmu_y_dSHMU - dFy_dSHMU*trail,
-        dK_xkappa_dSHK*dMz_dK_xkappa + dK_yalpha_dSHK*dMz_dK_yalpha - dFy_dSHK*trail,
+        dMz_dmu_x*dmu_x_dSHMUX - dFy_dSHMUX*trail,
+        dMz_dmu_y*dmu_y_dSHMUY - dFy_dSHMUY*trail,
+        dK_xkappa_dSHKX*dMz_dK_xkappa - dFy_dSHKX*trail,
+        dK_yalpha_dSHKY*dMz_dK_yalpha - dFy_dSHKY*trail,
         dK_xkappa_dTREF*dMz_dK_xkappa + dK_yalpha_dTREF*dMz_dK_yalpha + dMz_dmu_x*dmu_x_dTREF + dMz_dmu_y*dmu_y_dTREF - dFy_dTREF*trail,
         dMz_dmu_x*dmu_x_dTMU1 + dMz_dmu_y*dmu_y_dTMU1 - dFy_dTMU1*trail,
         dMz_dmu_x*dmu_x_dTMUA + dMz_dmu_y*dmu_y_dTMUA - dFy_dTMUA*trail,

@@ -17,8 +17,9 @@ COEFFICIENTS = (
     "UNLOADED_RADIUS", "WIDTH", "FNOMIN", "VERTICAL_STIFFNESS", "VERTICAL_DAMPING", "CSLIP",
     "CALPHA", "CGAMMA", "UMIN", "UMAX", "ROLLING_RESISTANCE", "REL_LEN_LON", "REL_LEN_LAT", "BIMU",
     "BIWORK", "HTAU", "HCOOL", "HLOAD", "HMU", "HBODY", "HSLOW", "HK", "HFLEN", "HFWID", "HFY",
-    "HFPLAY", "HFARM", "LLEN", "LLMU", "LLK", "RSIG", "RSLIP", "RPOW", "SHLEN", "SHWID", "SHMU",
-    "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+    "HFPLAY", "HFARM", "LLEN", "LLDIR", "LLMU", "LLK", "RSIG", "RSLIP", "RPOW", "SHLEN", "SHWID",
+    "SHMUX", "SHMUY", "SHKX", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2",
+    "WK1",
 )
 OPTIONS = (
     "SIGNS",
@@ -50,16 +51,16 @@ PARAMETERS = COEFFICIENTS + OPTIONS
 # The coefficients that each force depends on.
 REACH = (
     (
-        "CSLIP", "UMIN", "UMAX", "BIMU", "BIWORK", "HMU", "HSLOW", "HK", "SHMU", "SHK", "TREF", "TMU1",
-        "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+        "CSLIP", "UMIN", "UMAX", "BIMU", "BIWORK", "HMU", "HSLOW", "HK", "SHMUX", "SHKX", "TREF",
+        "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
         "CALPHA", "UMIN", "UMAX", "BIMU", "BIWORK", "HMU", "HSLOW", "HK", "HFY", "HFPLAY", "LLMU",
-        "LLK", "SHMU", "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+        "LLK", "SHMUY", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
         "UNLOADED_RADIUS", "WIDTH", "CALPHA", "UMIN", "UMAX", "BIMU", "BIWORK", "HMU", "HSLOW", "HK",
-        "HFY", "HFPLAY", "HFARM", "LLMU", "LLK", "SHMU", "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1",
+        "HFY", "HFPLAY", "HFARM", "LLMU", "LLK", "SHMUY", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1",
         "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
@@ -74,8 +75,8 @@ def quantities(inputs, parameters):
     (
         UNLOADED_RADIUS, WIDTH, FNOMIN, VERTICAL_STIFFNESS, VERTICAL_DAMPING, CSLIP, CALPHA, CGAMMA,
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU,
-        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN,
-        SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW,
+        SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
@@ -89,14 +90,14 @@ def quantities(inputs, parameters):
     U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x_without_heat_friction = U*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_x_without_slip_history = mu_x_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [Adams] largest |Fx| per load at this comprehensive slip
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fx| per load at this comprehensive slip
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_y_without_heat_friction = U*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [Adams] largest |Fy| per load at this comprehensive slip
     mu_y_without_load_lag = mu_y_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [Adams] largest |Fy| per load at this comprehensive slip
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [Adams] largest |Fy| per load at this comprehensive slip
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fy| per load at this comprehensive slip
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fy| per load at this comprehensive slip
     mu_y_fall = mu_x_fall  # [Adams] what mu_y loses up to comprehensive slip 1
     K_xkappa_without_slip_history = CSLIP*ca.exp(-HK*tread_heat)  # [Adams] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] longitudinal slip stiffness
     F_x_limit = F_z*mu_x  # [Adams] largest longitudinal force
     F_x_linear = K_xkappa*kappa  # [Adams] longitudinal force without sliding
     kappa_crit = ca.fabs(0.5*F_x_limit/K_xkappa)  # [Adams] critical slip, up to which Fx is linear
@@ -104,7 +105,7 @@ def quantities(inputs, parameters):
     K_yalpha_without_heat_stiffness = CALPHA*sense  # [Adams] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [Adams] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [Adams] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] cornering stiffness
     F_y_limit = F_z*mu_y  # [Adams] largest side force
     F_y_linear = K_yalpha*tan_alpha  # [Adams] side force without sliding
     alpha_crit = ca.atan(ca.fabs(3*F_y_limit/K_yalpha))  # [Adams] critical slip angle, from which the whole contact slides
@@ -147,7 +148,7 @@ def quantities(inputs, parameters):
     inner_play_margin = ca.if_else(inner_play*ca.sign(inner_play_target) < 1, 1 - inner_play*ca.sign(inner_play_target), -1)  # [tirefmu] margin of force of an elastic element in series with dry friction as a share of its largest value in its direction, -1 without one
     inner_play_derivative = ca.if_else(inner_play*ca.sign(inner_play_target) < 1, inner_play_rate*inner_play_target, 0)  # [tirefmu] derivative of force of an elastic element in series with dry friction as a share of its largest value
     late_load_target = Fz  # [tirefmu] target of load that the contact has followed
-    late_load_rate = ca.fabs(V)/LLEN  # [tirefmu] rate of load that the contact has followed
+    late_load_rate = ca.fabs(V)*ca.exp(-LLDIR*(late_load - Fz)/ca.sqrt((late_load - Fz)**2 + 0.0001*FNOMIN**2))/LLEN  # [tirefmu] rate of load that the contact has followed
     late_load_start = 0  # [tirefmu] start of load that the contact has followed
     late_load_derivative = late_load_rate*(late_load_target - late_load)  # [tirefmu] derivative of load that the contact has followed
     contact_slip_x_target = kappa  # [tirefmu] target of longitudinal slip that the contact has followed
@@ -232,8 +233,8 @@ def forces(inputs, parameters):
     (
         UNLOADED_RADIUS, WIDTH, FNOMIN, VERTICAL_STIFFNESS, VERTICAL_DAMPING, CSLIP, CALPHA, CGAMMA,
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU,
-        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN,
-        SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW,
+        SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
@@ -247,20 +248,20 @@ def forces(inputs, parameters):
     U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x_without_heat_friction = U*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_x_without_slip_history = mu_x_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [Adams] largest |Fx| per load at this comprehensive slip
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fx| per load at this comprehensive slip
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_y_without_heat_friction = U*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [Adams] largest |Fy| per load at this comprehensive slip
     mu_y_without_load_lag = mu_y_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [Adams] largest |Fy| per load at this comprehensive slip
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [Adams] largest |Fy| per load at this comprehensive slip
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fy| per load at this comprehensive slip
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fy| per load at this comprehensive slip
     K_xkappa_without_slip_history = CSLIP*ca.exp(-HK*tread_heat)  # [Adams] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] longitudinal slip stiffness
     F_x_limit = F_z*mu_x  # [Adams] largest longitudinal force
     F_x_linear = K_xkappa*kappa  # [Adams] longitudinal force without sliding
     Fx = ca.if_else(Fz <= 1e-06, 0, ca.if_else(ca.fabs(F_x_linear) <= 0.5*F_x_limit, F_x_linear, F_x_limit*ca.sign(F_x_linear) - 0.25*F_x_limit**2/F_x_linear))  # [Adams] longitudinal force
     K_yalpha_without_heat_stiffness = CALPHA*sense  # [Adams] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [Adams] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [Adams] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] cornering stiffness
     F_y_limit = F_z*mu_y  # [Adams] largest side force
     F_y_linear = K_yalpha*tan_alpha  # [Adams] side force without sliding
     sliding_y = ca.if_else(ca.fabs(F_y_linear) >= 3*F_y_limit, ca.sign(F_y_linear), 0.3333333333333333*F_y_linear/F_y_limit)  # [Adams] 1 - H with the sense of the side force: share of the contact that slides
@@ -285,8 +286,8 @@ def slip_stiffnesses(inputs, parameters):
     (
         UNLOADED_RADIUS, WIDTH, FNOMIN, VERTICAL_STIFFNESS, VERTICAL_DAMPING, CSLIP, CALPHA, CGAMMA,
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU,
-        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN,
-        SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW,
+        SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
@@ -307,7 +308,7 @@ def slip_stiffnesses(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = ca.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [Adams] largest |Fx| per load at this comprehensive slip
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -329,7 +330,7 @@ def slip_stiffnesses(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [Adams] largest |Fy| per load at this comprehensive slip
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -339,7 +340,7 @@ def slip_stiffnesses(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = ca.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = CSLIP*K_xkappa_without_slip_history_part2  # [Adams] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -358,7 +359,7 @@ def slip_stiffnesses(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [Adams] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -449,8 +450,8 @@ def relaxation(inputs, parameters):
     (
         UNLOADED_RADIUS, WIDTH, FNOMIN, VERTICAL_STIFFNESS, VERTICAL_DAMPING, CSLIP, CALPHA, CGAMMA,
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU,
-        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN,
-        SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW,
+        SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
@@ -469,8 +470,8 @@ def drives(inputs, parameters):
     (
         UNLOADED_RADIUS, WIDTH, FNOMIN, VERTICAL_STIFFNESS, VERTICAL_DAMPING, CSLIP, CALPHA, CGAMMA,
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU,
-        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN,
-        SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW,
+        SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
@@ -484,20 +485,20 @@ def drives(inputs, parameters):
     U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x_without_heat_friction = U*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_x_without_slip_history = mu_x_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [Adams] largest |Fx| per load at this comprehensive slip
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fx| per load at this comprehensive slip
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_y_without_heat_friction = U*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [Adams] largest |Fy| per load at this comprehensive slip
     mu_y_without_load_lag = mu_y_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [Adams] largest |Fy| per load at this comprehensive slip
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [Adams] largest |Fy| per load at this comprehensive slip
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fy| per load at this comprehensive slip
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [Adams] largest |Fy| per load at this comprehensive slip
     K_xkappa_without_slip_history = CSLIP*ca.exp(-HK*tread_heat)  # [Adams] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] longitudinal slip stiffness
     F_x_limit = F_z*mu_x  # [Adams] largest longitudinal force
     F_x_linear = K_xkappa*kappa  # [Adams] longitudinal force without sliding
     Fx = ca.if_else(Fz <= 1e-06, 0, ca.if_else(ca.fabs(F_x_linear) <= 0.5*F_x_limit, F_x_linear, F_x_limit*ca.sign(F_x_linear) - 0.25*F_x_limit**2/F_x_linear))  # [Adams] longitudinal force
     K_yalpha_without_heat_stiffness = CALPHA*sense  # [Adams] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [Adams] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [Adams] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [Adams] cornering stiffness
     F_y_limit = F_z*mu_y  # [Adams] largest side force
     F_y_linear = K_yalpha*tan_alpha  # [Adams] side force without sliding
     sliding_y = ca.if_else(ca.fabs(F_y_linear) >= 3*F_y_limit, ca.sign(F_y_linear), 0.3333333333333333*F_y_linear/F_y_limit)  # [Adams] 1 - H with the sense of the side force: share of the contact that slides
@@ -525,7 +526,7 @@ def drives(inputs, parameters):
     inner_play_rate = 1/HFWID  # [tirefmu] rate of force of an elastic element in series with dry friction as a share of its largest value
     inner_play_start = 0  # [tirefmu] start of force of an elastic element in series with dry friction as a share of its largest value
     late_load_target = Fz  # [tirefmu] target of load that the contact has followed
-    late_load_rate = ca.fabs(V)/LLEN  # [tirefmu] rate of load that the contact has followed
+    late_load_rate = ca.fabs(V)*ca.exp(-LLDIR*(late_load - Fz)/ca.sqrt((late_load - Fz)**2 + 0.0001*FNOMIN**2))/LLEN  # [tirefmu] rate of load that the contact has followed
     late_load_start = 0  # [tirefmu] start of load that the contact has followed
     contact_slip_x_target = kappa  # [tirefmu] target of longitudinal slip that the contact has followed
     contact_slip_x_rate = ca.fabs(V)/SHLEN  # [tirefmu] rate of longitudinal slip that the contact has followed

@@ -15,8 +15,8 @@ def jacobian_inputs(inputs, parameters):
     (
         UNLOADED_RADIUS, WIDTH, FNOMIN, VERTICAL_STIFFNESS, VERTICAL_DAMPING, CSLIP, CALPHA, CGAMMA,
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU,
-        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN,
-        SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW,
+        SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
@@ -37,7 +37,7 @@ def jacobian_inputs(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = ca.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [Adams] largest |Fx| per load at this comprehensive slip
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -59,7 +59,7 @@ def jacobian_inputs(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [Adams] largest |Fy| per load at this comprehensive slip
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -69,7 +69,7 @@ def jacobian_inputs(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = ca.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = CSLIP*K_xkappa_without_slip_history_part2  # [Adams] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -88,7 +88,7 @@ def jacobian_inputs(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [Adams] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -222,12 +222,12 @@ def jacobian_inputs(inputs, parameters):
     dU_dalpha = dS_square_dalpha*dU_dS_square
     dmu_x_without_slip_history_dU = mu_x_without_heat_friction_part4*mu_x_without_slip_history_part3
     dmu_y_without_load_lag_dU = mu_y_without_heat_friction_part4*mu_y_without_load_lag_part3
-    dmu_x_dslip_growth = SHMU*mu_x_by_mu_x_part1
+    dmu_x_dslip_growth = SHMUX*mu_x_by_mu_x_part1
     dmu_x_dT = dmu_x_part6_dT*mu_x_by_mu_x_part6 + mu_x_by_mu_x_part3*mu_x_part3_by_mu_x_part2
     dmu_x_ddistance = mu_x_by_mu_x_part4*mu_x_part4_by_distance
     dFx_dmu_x = F_z*Fx_by_F_x_limit
     dK_xkappa_dtread_heat = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dtread_heat
-    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHK
+    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHKX
     dK_xkappa_dT = K_xkappa_by_K_xkappa_part3*TK1 + K_xkappa_by_K_xkappa_part6*dK_xkappa_part6_dT
     dK_xkappa_ddistance = K_xkappa_by_K_xkappa_part4*WK1
     dFx_dK_xkappa = Fx_by_F_x_linear*kappa
@@ -243,7 +243,7 @@ def jacobian_inputs(inputs, parameters):
     dmu_y_without_load_lag_dkappa = dU_dkappa*dmu_y_without_load_lag_dU
     dmu_y_without_load_lag_dalpha = dU_dalpha*dmu_y_without_load_lag_dU
     dmu_y_dmu_y_without_load_lag = mu_y_by_mu_y_without_slip_history*mu_y_without_slip_history_part5
-    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHK
+    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHKY
     dK_yalpha_dT = K_yalpha_by_K_yalpha_part3*TK1 + K_yalpha_by_K_yalpha_part6*dK_yalpha_part6_dT
     dK_yalpha_ddistance = K_yalpha_by_K_yalpha_part4*WK1
     dK_yalpha_dtread_heat = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dtread_heat
@@ -261,7 +261,7 @@ def jacobian_inputs(inputs, parameters):
     dsliding_y_dlate_load = dK_yalpha_dlate_load*dsliding_y_dK_yalpha
     dsliding_y_dmu_y = F_z*sliding_y_by_F_y_limit
     dFy_dsliding_y = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part3*dFy_without_hysteresis_force_part3_dsliding_y
-    dmu_y_dslip_growth = SHMU*mu_y_by_mu_y_part1
+    dmu_y_dslip_growth = SHMUY*mu_y_by_mu_y_part1
     dmu_y_dT = dmu_y_part6_dT*mu_y_by_mu_y_part6 + mu_y_by_mu_y_part3*mu_y_part3_by_mu_y_part2
     dmu_y_ddistance = mu_y_by_mu_y_part4*mu_y_part4_by_distance
     dmu_y_dFz = dmu_y_without_slip_history_dFz*mu_y_by_mu_y_without_slip_history
@@ -356,8 +356,8 @@ def jacobian_parameters(inputs, parameters):
     (
         UNLOADED_RADIUS, WIDTH, FNOMIN, VERTICAL_STIFFNESS, VERTICAL_DAMPING, CSLIP, CALPHA, CGAMMA,
         UMIN, UMAX, ROLLING_RESISTANCE, REL_LEN_LON, REL_LEN_LAT, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU,
-        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN,
-        SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW,
+        SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
@@ -378,7 +378,7 @@ def jacobian_parameters(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = ca.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [Adams] largest |Fx| per load at this comprehensive slip
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -400,7 +400,7 @@ def jacobian_parameters(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [Adams] largest |Fy| per load at this comprehensive slip
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -410,7 +410,7 @@ def jacobian_parameters(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = ca.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = CSLIP*K_xkappa_without_slip_history_part2  # [Adams] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -429,7 +429,7 @@ def jacobian_parameters(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [Adams] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -562,7 +562,7 @@ def jacobian_parameters(inputs, parameters):
     dmu_y_without_load_lag_dUMAX = dU_dUMAX*dmu_y_without_load_lag_dU
     dmu_y_without_load_lag_dUMIN = S_s_alpha*dmu_y_without_load_lag_dU
     dmu_y_dmu_y_without_load_lag = mu_y_by_mu_y_without_slip_history*mu_y_without_slip_history_part5
-    dK_xkappa_dSHK = K_xkappa_by_K_xkappa_part1*slip_growth
+    dK_xkappa_dSHKX = K_xkappa_by_K_xkappa_part1*slip_growth
     dK_xkappa_dWK1 = K_xkappa_by_K_xkappa_part4*distance
     dK_xkappa_dCSLIP = K_xkappa_by_K_xkappa_without_slip_history*K_xkappa_without_slip_history_part2
     dK_xkappa_dHK = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dHK
@@ -570,7 +570,7 @@ def jacobian_parameters(inputs, parameters):
     dK_xkappa_dTREF = TKA*dK_xkappa_dK_xkappa_part5 - K_xkappa_by_K_xkappa_part3*TK1
     dK_xkappa_dTKA = -K_xkappa_part2*dK_xkappa_dK_xkappa_part5
     dFx_dK_xkappa = Fx_by_F_x_linear*kappa
-    dmu_x_dSHMU = mu_x_by_mu_x_part1*slip_growth
+    dmu_x_dSHMUX = mu_x_by_mu_x_part1*slip_growth
     dmu_x_dWMU1 = distance*mu_x_by_mu_x_part4
     dmu_x_dWMU2 = mu_x_by_mu_x_part4*mu_x_part4_by_WMU2
     dmu_x_dTMUA = -dmu_x_dmu_x_part5*mu_x_part2
@@ -584,7 +584,7 @@ def jacobian_parameters(inputs, parameters):
     dmu_x_dUMAX = dmu_x_without_slip_history_dUMAX*mu_x_by_mu_x_without_slip_history
     dmu_x_dUMIN = dmu_x_without_slip_history_dUMIN*mu_x_by_mu_x_without_slip_history
     dFx_dmu_x = F_z*Fx_by_F_x_limit
-    dK_yalpha_dSHK = K_yalpha_by_K_yalpha_part1*slip_growth
+    dK_yalpha_dSHKY = K_yalpha_by_K_yalpha_part1*slip_growth
     dK_yalpha_dWK1 = K_yalpha_by_K_yalpha_part4*distance
     dK_yalpha_dTK1 = K_yalpha_by_K_yalpha_part3*K_yalpha_part2
     dK_yalpha_dTREF = TKA*dK_yalpha_dK_yalpha_part5 - K_yalpha_by_K_yalpha_part3*TK1
@@ -594,7 +594,7 @@ def jacobian_parameters(inputs, parameters):
     dK_yalpha_dHK = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dHK
     dMz_dK_yalpha = Mz_without_hysteresis_force_by_sliding_y*dsliding_y_dK_yalpha
     dFy_dK_yalpha = dFy_dsliding_y*dsliding_y_dK_yalpha
-    dmu_y_dSHMU = mu_y_by_mu_y_part1*slip_growth
+    dmu_y_dSHMUY = mu_y_by_mu_y_part1*slip_growth
     dmu_y_dLLMU = dmu_y_without_slip_history_dLLMU*mu_y_by_mu_y_without_slip_history
     dmu_y_dWMU1 = distance*mu_y_by_mu_y_part4
     dmu_y_dWMU2 = mu_y_by_mu_y_part4*mu_y_part4_by_WMU2
@@ -648,8 +648,11 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFx_dmu_x*dmu_x_dSHMU,
-        dFx_dK_xkappa*dK_xkappa_dSHK,
+        0,
+        dFx_dmu_x*dmu_x_dSHMUX,
+        0,
+        dFx_dK_xkappa*dK_xkappa_dSHKX,
+        0,
         dFx_dK_xkappa*dK_xkappa_dTREF + dFx_dmu_x*dmu_x_dTREF,
         dFx_dmu_x*dmu_x_dTMU1,
         dFx_dmu_x*dmu_x_dTMUA,
@@ -689,6 +692,7 @@ def jacobian_parameters(inputs, parameters):
         Fz*inner_play,
         0,
         0,
+        0,
         dFy_dmu_y*dmu_y_dLLMU,
         dFy_dK_yalpha*dK_yalpha_dLLK,
         0,
@@ -696,8 +700,10 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFy_dmu_y*dmu_y_dSHMU,
-        dFy_dK_yalpha*dK_yalpha_dSHK,
+        0,
+        dFy_dmu_y*dmu_y_dSHMUY,
+        0,
+        dFy_dK_yalpha*dK_yalpha_dSHKY,
         dFy_dK_yalpha*dK_yalpha_dTREF + dFy_dmu_y*dmu_y_dTREF,
         dFy_dmu_y*dmu_y_dTMU1,
         dFy_dmu_y*dmu_y_dTMUA,
@@ -737,6 +743,7 @@ def jacobian_parameters(inputs, parameters):
         Mz_by_Mz_part1*inner_play,
         Mz_by_HFARM,
         0,
+        0,
         dMz_dmu_y*dmu_y_dLLMU,
         dK_yalpha_dLLK*dMz_dK_yalpha,
         0,
@@ -744,8 +751,10 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dMz_dmu_y*dmu_y_dSHMU,
-        dK_yalpha_dSHK*dMz_dK_yalpha,
+        0,
+        dMz_dmu_y*dmu_y_dSHMUY,
+        0,
+        dK_yalpha_dSHKY*dMz_dK_yalpha,
         dK_yalpha_dTREF*dMz_dK_yalpha + dMz_dmu_y*dmu_y_dTREF,
         dMz_dmu_y*dmu_y_dTMU1,
         dMz_dmu_y*dmu_y_dTMUA,
@@ -768,6 +777,9 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         My_by_My_part2*My_part2_by_ROLLING_RESISTANCE,
+        0,
+        0,
+        0,
         0,
         0,
         0,

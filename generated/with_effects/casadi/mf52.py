@@ -33,10 +33,10 @@ COEFFICIENTS = (
     "QDZ10", "QDZ11", "QEZ1", "QEZ2", "QEZ3", "QEZ4", "QEZ5", "QHZ1", "QHZ2", "QHZ3", "QHZ4",
     "PPZ1", "PPZ2", "SSZ1", "SSZ2", "SSZ3", "SSZ4", "PDXP1", "PDXP2", "PDXP3", "PKYP1", "PDYP1",
     "PDYP2", "PDYP3", "PDYP4", "PECP1", "PECP2", "QDTP1", "QCRP1", "QCRP2", "QBRP1", "QDRP1",
-    "SIGX", "SIGY", "SIGC", "SIGK", "BIMU", "BIWORK", "CASIG", "CAFREQ", "CADAMP", "HTAU", "HCOOL",
-    "HLOAD", "HMU", "HBODY", "HSLOW", "HK", "HFLEN", "HFWID", "HFY", "HFPLAY", "HFARM", "LLEN",
-    "LLMU", "LLK", "RSIG", "RSLIP", "RPOW", "SHLEN", "SHWID", "SHMU", "SHK", "VMU1", "TREF", "TMU1",
-    "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+    "SIGX", "SIGY", "SIGC", "SIGK", "BIMU", "BIWORK", "CASIG", "CAFREQ", "CADAMP", "CASAT", "HTAU",
+    "HCOOL", "HLOAD", "HMU", "HBODY", "HSLOW", "HK", "HFLEN", "HFWID", "HFY", "HFPLAY", "HFARM",
+    "LLEN", "LLDIR", "LLMU", "LLK", "RSIG", "RSLIP", "RPOW", "SHLEN", "SHWID", "SHMUX", "SHMUY",
+    "SHKX", "SHKY", "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
 )
 OPTIONS = (
     "CONVENTION", "SLIP_ANGLE", "LIMITS", "SIGNS",
@@ -84,7 +84,7 @@ REACH = (
         "LXAL", "LMUV", "PCX1", "PDX1", "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4", "PKX1", "PKX2",
         "PKX3", "PHX1", "PHX2", "PVX1", "PVX2", "PPX1", "PPX2", "PPX3", "PPX4", "RBX1", "RBX2", "RBX3",
         "RCX1", "REX1", "REX2", "RHX1", "PDXP1", "PDXP2", "PDXP3", "PECP1", "PECP2", "BIMU", "BIWORK",
-        "CASIG", "HMU", "HSLOW", "HK", "SHMU", "SHK", "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1",
+        "CASIG", "HMU", "HSLOW", "HK", "SHMUX", "SHKX", "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1",
         "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
@@ -96,7 +96,7 @@ REACH = (
         "PVY4", "PPY1", "PPY2", "PPY3", "PPY4", "RBY1", "RBY2", "RBY3", "RBY4", "RCY1", "REY1", "REY2",
         "RHY1", "RHY2", "RVY1", "RVY2", "RVY3", "RVY4", "RVY5", "RVY6", "PKYP1", "PDYP1", "PDYP2",
         "PDYP3", "PDYP4", "PECP1", "PECP2", "BIMU", "BIWORK", "CASIG", "HMU", "HSLOW", "HK", "HFY",
-        "HFPLAY", "LLMU", "LLK", "SHMU", "SHK", "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA",
+        "HFPLAY", "LLMU", "LLK", "SHMUY", "SHKY", "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA",
         "WMU1", "WMU2", "WK1",
     ),
     (
@@ -115,8 +115,8 @@ REACH = (
         "QHZ2", "QHZ3", "QHZ4", "PPZ1", "PPZ2", "SSZ1", "SSZ2", "SSZ3", "SSZ4", "PDXP1", "PDXP2",
         "PDXP3", "PKYP1", "PDYP1", "PDYP2", "PDYP3", "PDYP4", "PECP1", "PECP2", "QDTP1", "QCRP1",
         "QCRP2", "QBRP1", "QDRP1", "BIMU", "BIWORK", "CASIG", "HMU", "HSLOW", "HK", "HFY", "HFPLAY",
-        "HFARM", "LLMU", "LLK", "SHMU", "SHK", "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA",
-        "WMU1", "WMU2", "WK1",
+        "HFARM", "LLMU", "LLK", "SHMUX", "SHMUY", "SHKX", "SHKY", "VMU1", "TREF", "TMU1", "TMUA",
+        "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
         "LONGVL", "VXLOW", "UNLOADED_RADIUS", "NOMPRES", "FNOMIN", "VERTICAL_STIFFNESS", "BREFF",
@@ -128,8 +128,8 @@ REACH = (
         "PKY5", "PHY1", "PHY2", "PHY3", "PVY1", "PVY2", "PVY3", "PVY4", "PPY1", "PPY2", "PPY3", "PPY4",
         "RBY1", "RBY2", "RBY3", "RBY4", "RCY1", "REY1", "REY2", "RHY1", "RHY2", "RVY1", "RVY2", "RVY3",
         "RVY4", "RVY5", "RVY6", "PKYP1", "PDYP1", "PDYP2", "PDYP3", "PDYP4", "PECP1", "PECP2", "BIMU",
-        "BIWORK", "CASIG", "HMU", "HSLOW", "HK", "HFY", "HFPLAY", "LLMU", "LLK", "SHMU", "SHK", "VMU1",
-        "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+        "BIWORK", "CASIG", "HMU", "HSLOW", "HK", "HFY", "HFPLAY", "LLMU", "LLK", "SHMUY", "SHKY",
+        "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
         "LONGVL", "VXLOW", "UNLOADED_RADIUS", "NOMPRES", "FNOMIN", "VERTICAL_STIFFNESS", "BREFF",
@@ -138,8 +138,8 @@ REACH = (
         "LVX", "LXAL", "LMY", "LMUV", "PCX1", "PDX1", "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4",
         "PKX1", "PKX2", "PKX3", "PHX1", "PHX2", "PVX1", "PVX2", "PPX1", "PPX2", "PPX3", "PPX4", "RBX1",
         "RBX2", "RBX3", "RCX1", "REX1", "REX2", "RHX1", "QSY1", "QSY2", "QSY3", "QSY4", "PDXP1",
-        "PDXP2", "PDXP3", "PECP1", "PECP2", "BIMU", "BIWORK", "CASIG", "HMU", "HSLOW", "HK", "SHMU",
-        "SHK", "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+        "PDXP2", "PDXP3", "PECP1", "PECP2", "BIMU", "BIWORK", "CASIG", "HMU", "HSLOW", "HK", "SHMUX",
+        "SHKX", "VMU1", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
     ),
 )
 
@@ -163,9 +163,10 @@ def quantities(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Inputs
@@ -238,13 +239,13 @@ def quantities(inputs, parameters):
     mu_x_loaded_without_break_in = LMUX_star*(1 - PDX3*gamma_in**2)*(PDX1 + PDX2*dfz)*(1 + PPX3*dpi + PPX4*dpi**2)  # [4.E13] peak friction
     mu_x_loaded_without_heat_friction = mu_x_loaded_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E13] peak friction
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E13] peak friction
-    mu_x_loaded = mu_x_loaded_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
+    mu_x_loaded = mu_x_loaded_without_slip_history*(1 + SHMUX*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
     mu_x = ca.if_else(F_z_limited <= 0, 0, mu_x_loaded)  # [4.E13] peak friction; 0 off the ground, as MFeval prints it
     D_x = F_z_limited*mu_x*zeta_1  # [4.E12] peak factor
     E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2))  # [4.E14] curvature factor
     K_xkappa_without_heat_stiffness = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1 + PPX1*dpi + PPX2*dpi**2)*ca.exp(PKX3*dfz)  # [4.E15] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E15] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
     B_x = K_xkappa/(1e-06*ca.if_else(D_x >= 0, 1, ca.sign(D_x)) + C_x*D_x)  # [4.E16] stiffness factor
     S_Vx = F_z_limited*LMUX_shift*LVX*fade_smooth*zeta_1*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
@@ -256,13 +257,13 @@ def quantities(inputs, parameters):
     K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1 + PPY1*dpi)*(1 - PKY3*ca.fabs(gamma_star))*ca.sin(PKY4*ca.atan(F_z_limited/(F_z01*(1 + PPY2*dpi)*(PKY2 + PKY5*gamma_star**2))))  # [4.E25] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E25] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E25] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
     K_yalpha1 = K_yalpha + 1e-06*ca.if_else(K_yalpha >= 0, 1, ca.sign(K_yalpha))  # [4.E39] cornering stiffness, not 0
     K_ygamma0 = LKYC*(F_z_limited*(PVY3 + PVY4*dfz) + F_z01*LKYC*PHY3*PKY1*ca.sin(PKY4*ca.atan(F_z_limited/(F_z01*PKY2))))  # [4.E30] camber stiffness
     K_yalpha_00_without_heat_stiffness = F_z01*LKY*PKY1*(1 + PPY1*dpi)*ca.sin(PKY4*ca.atan(F_z_limited/(F_z01*PKY2*(1 + PPY2*dpi))))  # [4.E25] cornering stiffness
     K_yalpha_00_without_load_lag = K_yalpha_00_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E25] cornering stiffness
     K_yalpha_00_without_slip_history = K_yalpha_00_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E25] cornering stiffness
-    K_yalpha_00 = K_yalpha_00_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
+    K_yalpha_00 = K_yalpha_00_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
     S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz)  # [4.E28] vertical shift by inclination
     S_Hy = fade_smooth*(LHY*(PHY1 + PHY2*dfz) + LKYC*PHY3*gamma_star)  # [4.E27] horizontal shift
     alpha_y = S_Hy + alpha_star  # [4.E20] slip angle, shifted
@@ -271,7 +272,7 @@ def quantities(inputs, parameters):
     mu_y_loaded_without_heat_friction = mu_y_loaded_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E23] peak friction
     mu_y_loaded_without_load_lag = mu_y_loaded_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E23] peak friction
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E23] peak friction
-    mu_y_loaded = mu_y_loaded_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
+    mu_y_loaded = mu_y_loaded_without_slip_history*(1 + SHMUY*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
     D_y = F_z_limited*mu_y_loaded*zeta_2  # [4.E22] peak factor
     E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))))  # [4.E24] curvature factor
     B_y = K_yalpha/(1e-06*ca.if_else(D_y >= 0, 1, ca.sign(D_y)) + C_y*D_y)  # [4.E26] stiffness factor
@@ -287,7 +288,7 @@ def quantities(inputs, parameters):
     mu_y_loaded_00_without_heat_friction = mu_y_loaded_00_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E23] peak friction
     mu_y_loaded_00_without_load_lag = mu_y_loaded_00_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E23] peak friction
     mu_y_loaded_00_without_slip_history = mu_y_loaded_00_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E23] peak friction
-    mu_y_loaded_00 = mu_y_loaded_00_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
+    mu_y_loaded_00 = mu_y_loaded_00_without_slip_history*(1 + SHMUY*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
     D_y_00 = F_z_limited*mu_y_loaded_00  # [4.E22] peak factor
     E_y_00 = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(1 - PEY3*ca.if_else(alpha_y_00 >= 0, 1, ca.sign(alpha_y_00)))*(PEY1 + PEY2*dfz) > 1, 1, LEY*(1 - PEY3*ca.if_else(alpha_y_00 >= 0, 1, ca.sign(alpha_y_00)))*(PEY1 + PEY2*dfz)), LEY*(1 - PEY3*ca.if_else(alpha_y_00 >= 0, 1, ca.sign(alpha_y_00)))*(PEY1 + PEY2*dfz))  # [4.E24] curvature factor
     B_y_00 = K_yalpha_00/(1e-06*ca.if_else(D_y_00 >= 0, 1, ca.sign(D_y_00)) + C_y_00*D_y_00)  # [4.E26] stiffness factor
@@ -418,12 +419,12 @@ def quantities(inputs, parameters):
     sliding_work_rate = 0  # [tirefmu] rate of sliding work that the tread has done, over nominal load
     sliding_work_start = 0  # [tirefmu] start of sliding work that the tread has done, over nominal load
     sliding_work_derivative = sliding_work_target  # [tirefmu] derivative of sliding work that the tread has done, over nominal load
-    carcass_deflection_target = ca.tan(alpha)  # [tirefmu] target of lateral deflection of the carcass over its relaxation length
+    carcass_deflection_target = ca.tan(alpha)/ca.sqrt(1 + CASAT**2*ca.tan(alpha)**2)  # [tirefmu] target of lateral deflection of the carcass over its relaxation length
     carcass_deflection_rate = CAFREQ  # [tirefmu] rate of lateral deflection of the carcass over its relaxation length
     carcass_deflection_start = 0  # [tirefmu] start of lateral deflection of the carcass over its relaxation length
     carcass_deflection_derivative = carcass_deflection_speed  # [tirefmu] derivative of lateral deflection of the carcass over its relaxation length
     carcass_deflection_speed_target = 0  # [tirefmu] target of rate of change of lateral deflection of the carcass over its relaxation length
-    carcass_deflection_speed_rate = 2*CADAMP*CAFREQ + CASIG*CAFREQ**2/ca.sqrt(0.01 + V**2)  # [tirefmu] rate of rate of change of lateral deflection of the carcass over its relaxation length
+    carcass_deflection_speed_rate = 2*CADAMP*CAFREQ + CASIG*CAFREQ**2*(1 + CASAT**2*ca.tan(alpha)**2)**(-1.5)/ca.sqrt(0.01 + V**2)  # [tirefmu] rate of rate of change of lateral deflection of the carcass over its relaxation length
     carcass_deflection_speed_start = 0  # [tirefmu] start of rate of change of lateral deflection of the carcass over its relaxation length
     carcass_deflection_speed_derivative = carcass_deflection_rate**2*(carcass_deflection_target - carcass_deflection) - carcass_deflection_speed*carcass_deflection_speed_rate  # [tirefmu] derivative of rate of change of lateral deflection of the carcass over its relaxation length
     tread_heat_target = sliding_power*((1 + Fz**2)/FNOMIN**2)**(-0.5*HLOAD)/(FNOMIN*(1 + HCOOL*ca.fabs(V)))  # [tirefmu] target of excess temperature of the tread, as the sliding power over nominal load that sustains it
@@ -448,7 +449,7 @@ def quantities(inputs, parameters):
     inner_play_margin = ca.if_else(inner_play*ca.sign(inner_play_target) < 1, 1 - inner_play*ca.sign(inner_play_target), -1)  # [tirefmu] margin of force of an elastic element in series with dry friction as a share of its largest value in its direction, -1 without one
     inner_play_derivative = ca.if_else(inner_play*ca.sign(inner_play_target) < 1, inner_play_rate*inner_play_target, 0)  # [tirefmu] derivative of force of an elastic element in series with dry friction as a share of its largest value
     late_load_target = Fz  # [tirefmu] target of load that the contact has followed
-    late_load_rate = ca.fabs(V)/LLEN  # [tirefmu] rate of load that the contact has followed
+    late_load_rate = ca.fabs(V)*ca.exp(-LLDIR*(late_load - Fz)/ca.sqrt((late_load - Fz)**2 + 0.0001*FNOMIN**2))/LLEN  # [tirefmu] rate of load that the contact has followed
     late_load_start = 0  # [tirefmu] start of load that the contact has followed
     late_load_derivative = late_load_rate*(late_load_target - late_load)  # [tirefmu] derivative of load that the contact has followed
     contact_slip_x_target = kappa  # [tirefmu] target of longitudinal slip that the contact has followed
@@ -604,9 +605,10 @@ def forces(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Inputs
@@ -677,13 +679,13 @@ def forces(inputs, parameters):
     mu_x_loaded_without_break_in = LMUX_star*(1 - PDX3*gamma_in**2)*(PDX1 + PDX2*dfz)*(1 + PPX3*dpi + PPX4*dpi**2)  # [4.E13] peak friction
     mu_x_loaded_without_heat_friction = mu_x_loaded_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E13] peak friction
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E13] peak friction
-    mu_x_loaded = mu_x_loaded_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
+    mu_x_loaded = mu_x_loaded_without_slip_history*(1 + SHMUX*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
     mu_x = ca.if_else(F_z_limited <= 0, 0, mu_x_loaded)  # [4.E13] peak friction; 0 off the ground, as MFeval prints it
     D_x = F_z_limited*mu_x*zeta_1  # [4.E12] peak factor
     E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2))  # [4.E14] curvature factor
     K_xkappa_without_heat_stiffness = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1 + PPX1*dpi + PPX2*dpi**2)*ca.exp(PKX3*dfz)  # [4.E15] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E15] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
     B_x = K_xkappa/(1e-06*ca.if_else(D_x >= 0, 1, ca.sign(D_x)) + C_x*D_x)  # [4.E16] stiffness factor
     S_Vx = F_z_limited*LMUX_shift*LVX*fade_smooth*zeta_1*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
@@ -695,7 +697,7 @@ def forces(inputs, parameters):
     K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1 + PPY1*dpi)*(1 - PKY3*ca.fabs(gamma_star))*ca.sin(PKY4*ca.atan(F_z_limited/(F_z01*(1 + PPY2*dpi)*(PKY2 + PKY5*gamma_star**2))))  # [4.E25] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E25] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E25] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
     K_yalpha1 = K_yalpha + 1e-06*ca.if_else(K_yalpha >= 0, 1, ca.sign(K_yalpha))  # [4.E39] cornering stiffness, not 0
     S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz)  # [4.E28] vertical shift by inclination
     S_Hy = fade_smooth*(LHY*(PHY1 + PHY2*dfz) + LKYC*PHY3*gamma_star)  # [4.E27] horizontal shift
@@ -705,7 +707,7 @@ def forces(inputs, parameters):
     mu_y_loaded_without_heat_friction = mu_y_loaded_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E23] peak friction
     mu_y_loaded_without_load_lag = mu_y_loaded_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E23] peak friction
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E23] peak friction
-    mu_y_loaded = mu_y_loaded_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
+    mu_y_loaded = mu_y_loaded_without_slip_history*(1 + SHMUY*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
     D_y = F_z_limited*mu_y_loaded*zeta_2  # [4.E22] peak factor
     E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))))  # [4.E24] curvature factor
     B_y = K_yalpha/(1e-06*ca.if_else(D_y >= 0, 1, ca.sign(D_y)) + C_y*D_y)  # [4.E26] stiffness factor
@@ -831,9 +833,10 @@ def slip_stiffnesses(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Inputs
@@ -964,7 +967,7 @@ def slip_stiffnesses(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = ca.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = ca.fabs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -990,7 +993,7 @@ def slip_stiffnesses(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = ca.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -1037,7 +1040,7 @@ def slip_stiffnesses(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -1072,7 +1075,7 @@ def slip_stiffnesses(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = ca.fabs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -1982,9 +1985,10 @@ def relaxation(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Inputs
@@ -2030,9 +2034,10 @@ def drives(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Inputs
@@ -2097,13 +2102,13 @@ def drives(inputs, parameters):
     mu_x_loaded_without_break_in = LMUX_star*(1 - PDX3*gamma_in**2)*(PDX1 + PDX2*dfz)*(1 + PPX3*dpi + PPX4*dpi**2)  # [4.E13] peak friction
     mu_x_loaded_without_heat_friction = mu_x_loaded_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E13] peak friction
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E13] peak friction
-    mu_x_loaded = mu_x_loaded_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
+    mu_x_loaded = mu_x_loaded_without_slip_history*(1 + SHMUX*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
     mu_x = ca.if_else(F_z_limited <= 0, 0, mu_x_loaded)  # [4.E13] peak friction; 0 off the ground, as MFeval prints it
     D_x = F_z_limited*mu_x*zeta_1  # [4.E12] peak factor
     E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2))  # [4.E14] curvature factor
     K_xkappa_without_heat_stiffness = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1 + PPX1*dpi + PPX2*dpi**2)*ca.exp(PKX3*dfz)  # [4.E15] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E15] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
     B_x = K_xkappa/(1e-06*ca.if_else(D_x >= 0, 1, ca.sign(D_x)) + C_x*D_x)  # [4.E16] stiffness factor
     S_Vx = F_z_limited*LMUX_shift*LVX*fade_smooth*zeta_1*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
@@ -2115,7 +2120,7 @@ def drives(inputs, parameters):
     K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*zeta_3*(1 + PPY1*dpi)*(1 - PKY3*ca.fabs(gamma_star))*ca.sin(PKY4*ca.atan(F_z_limited/(F_z01*(1 + PPY2*dpi)*(PKY2 + PKY5*gamma_star**2))))  # [4.E25] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E25] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E25] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
     S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz)  # [4.E28] vertical shift by inclination
     S_Hy = fade_smooth*(LHY*(PHY1 + PHY2*dfz) + LKYC*PHY3*gamma_star)  # [4.E27] horizontal shift
     alpha_y = S_Hy + alpha_star  # [4.E20] slip angle, shifted
@@ -2124,7 +2129,7 @@ def drives(inputs, parameters):
     mu_y_loaded_without_heat_friction = mu_y_loaded_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E23] peak friction
     mu_y_loaded_without_load_lag = mu_y_loaded_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E23] peak friction
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E23] peak friction
-    mu_y_loaded = mu_y_loaded_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
+    mu_y_loaded = mu_y_loaded_without_slip_history*(1 + SHMUY*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
     D_y = F_z_limited*mu_y_loaded*zeta_2  # [4.E22] peak factor
     E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))))  # [4.E24] curvature factor
     B_y = K_yalpha/(1e-06*ca.if_else(D_y >= 0, 1, ca.sign(D_y)) + C_y*D_y)  # [4.E26] stiffness factor
@@ -2168,11 +2173,11 @@ def drives(inputs, parameters):
     sliding_work_target = sliding_power/FNOMIN  # [tirefmu] target of sliding work that the tread has done, over nominal load
     sliding_work_rate = 0  # [tirefmu] rate of sliding work that the tread has done, over nominal load
     sliding_work_start = 0  # [tirefmu] start of sliding work that the tread has done, over nominal load
-    carcass_deflection_target = ca.tan(alpha)  # [tirefmu] target of lateral deflection of the carcass over its relaxation length
+    carcass_deflection_target = ca.tan(alpha)/ca.sqrt(1 + CASAT**2*ca.tan(alpha)**2)  # [tirefmu] target of lateral deflection of the carcass over its relaxation length
     carcass_deflection_rate = CAFREQ  # [tirefmu] rate of lateral deflection of the carcass over its relaxation length
     carcass_deflection_start = 0  # [tirefmu] start of lateral deflection of the carcass over its relaxation length
     carcass_deflection_speed_target = 0  # [tirefmu] target of rate of change of lateral deflection of the carcass over its relaxation length
-    carcass_deflection_speed_rate = 2*CADAMP*CAFREQ + CASIG*CAFREQ**2/ca.sqrt(0.01 + V**2)  # [tirefmu] rate of rate of change of lateral deflection of the carcass over its relaxation length
+    carcass_deflection_speed_rate = 2*CADAMP*CAFREQ + CASIG*CAFREQ**2*(1 + CASAT**2*ca.tan(alpha)**2)**(-1.5)/ca.sqrt(0.01 + V**2)  # [tirefmu] rate of rate of change of lateral deflection of the carcass over its relaxation length
     carcass_deflection_speed_start = 0  # [tirefmu] start of rate of change of lateral deflection of the carcass over its relaxation length
     tread_heat_target = sliding_power*((1 + Fz**2)/FNOMIN**2)**(-0.5*HLOAD)/(FNOMIN*(1 + HCOOL*ca.fabs(V)))  # [tirefmu] target of excess temperature of the tread, as the sliding power over nominal load that sustains it
     tread_heat_rate = (1 + HCOOL*ca.fabs(V))/HTAU  # [tirefmu] rate of excess temperature of the tread, as the sliding power over nominal load that sustains it
@@ -2190,7 +2195,7 @@ def drives(inputs, parameters):
     inner_play_rate = 1/HFWID  # [tirefmu] rate of force of an elastic element in series with dry friction as a share of its largest value
     inner_play_start = 0  # [tirefmu] start of force of an elastic element in series with dry friction as a share of its largest value
     late_load_target = Fz  # [tirefmu] target of load that the contact has followed
-    late_load_rate = ca.fabs(V)/LLEN  # [tirefmu] rate of load that the contact has followed
+    late_load_rate = ca.fabs(V)*ca.exp(-LLDIR*(late_load - Fz)/ca.sqrt((late_load - Fz)**2 + 0.0001*FNOMIN**2))/LLEN  # [tirefmu] rate of load that the contact has followed
     late_load_start = 0  # [tirefmu] start of load that the contact has followed
     contact_slip_x_target = kappa  # [tirefmu] target of longitudinal slip that the contact has followed
     contact_slip_x_rate = ca.fabs(V)/SHLEN  # [tirefmu] rate of longitudinal slip that the contact has followed
@@ -2264,9 +2269,10 @@ def forces_straight(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Inputs
@@ -2290,13 +2296,13 @@ def forces_straight(inputs, parameters):
     mu_x_loaded_without_break_in = LMUX*(1 - PDX3*gamma**2)*(PDX1 + PDX2*dfz)*(1 + PPX3*dpi + PPX4*dpi**2)  # [4.E13] peak friction
     mu_x_loaded_without_heat_friction = mu_x_loaded_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E13] peak friction
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E13] peak friction
-    mu_x_loaded = mu_x_loaded_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
+    mu_x_loaded = mu_x_loaded_without_slip_history*(1 + SHMUX*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
     mu_x = ca.if_else(F_z <= 0, 0, mu_x_loaded)  # [4.E13] peak friction; 0 off the ground, as MFeval prints it
     D_x = F_z*mu_x  # [4.E12] peak factor
     E_x = LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)  # [4.E14] curvature factor
     K_xkappa_without_heat_stiffness = F_z*LKX*(PKX1 + PKX2*dfz)*(1 + PPX1*dpi + PPX2*dpi**2)*ca.exp(PKX3*dfz)  # [4.E15] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E15] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
     B_x = K_xkappa/(1e-06*ca.if_else(D_x >= 0, 1, ca.sign(D_x)) + C_x*D_x)  # [4.E16] stiffness factor
     S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
@@ -2308,7 +2314,7 @@ def forces_straight(inputs, parameters):
     K_yalpha_without_heat_stiffness = F_z01*LKY*PKY1*(1 + PPY1*dpi)*(1 - PKY3*ca.fabs(gamma_star))*ca.sin(PKY4*ca.atan(F_z/(F_z01*(1 + PPY2*dpi)*(PKY2 + PKY5*gamma_star**2))))  # [4.E25] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E25] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E25] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
     K_yalpha1 = K_yalpha + 1e-06*ca.if_else(K_yalpha >= 0, 1, ca.sign(K_yalpha))  # [4.E39] cornering stiffness, not 0
     S_Vygamma = F_z*LKYC*LMUY*gamma_star*(PVY3 + PVY4*dfz)  # [4.E28] vertical shift by inclination
     S_Hy = LHY*(PHY1 + PHY2*dfz) + LKYC*PHY3*gamma_star  # [4.E27] horizontal shift
@@ -2318,7 +2324,7 @@ def forces_straight(inputs, parameters):
     mu_y_loaded_without_heat_friction = mu_y_loaded_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E23] peak friction
     mu_y_loaded_without_load_lag = mu_y_loaded_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E23] peak friction
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E23] peak friction
-    mu_y_loaded = mu_y_loaded_without_slip_history*(1 + SHMU*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
+    mu_y_loaded = mu_y_loaded_without_slip_history*(1 + SHMUY*slip_growth)*(1 + VMU1*(-LONGVL + ca.fabs(V))/LONGVL)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
     D_y = F_z*mu_y_loaded  # [4.E22] peak factor
     E_y = LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))  # [4.E24] curvature factor
     B_y = K_yalpha/(1e-06*ca.if_else(D_y >= 0, 1, ca.sign(D_y)) + C_y*D_y)  # [4.E26] stiffness factor
@@ -2428,9 +2434,10 @@ def slip_stiffnesses_straight(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Inputs
@@ -2478,7 +2485,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = ca.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = ca.fabs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -2503,7 +2510,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = ca.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -2550,7 +2557,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -2584,7 +2591,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = ca.fabs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -3056,9 +3063,10 @@ def relaxation_straight(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = ca.vertsplit(parameters)
 
     # Inputs

@@ -23,8 +23,9 @@ COEFFICIENTS = (
     "QBZ2", "QBZ3", "QBZ4", "QBZ5", "QBZ9", "QBZ10", "QCZ1", "QDZ1", "QDZ2", "QDZ3", "QDZ4", "QDZ6",
     "QDZ7", "QDZ8", "QDZ9", "QEZ1", "QEZ2", "QEZ3", "QEZ4", "QEZ5", "QHZ1", "QHZ2", "QHZ3", "QHZ4",
     "SSZ1", "SSZ2", "SSZ3", "SSZ4", "BIMU", "BIWORK", "HTAU", "HCOOL", "HLOAD", "HMU", "HBODY",
-    "HSLOW", "HK", "HFLEN", "HFWID", "HFY", "HFPLAY", "HFARM", "LLEN", "LLMU", "LLK", "SHLEN",
-    "SHWID", "SHMU", "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+    "HSLOW", "HK", "HFLEN", "HFWID", "HFY", "HFPLAY", "HFARM", "LLEN", "LLDIR", "LLMU", "LLK",
+    "SHLEN", "SHWID", "SHMUX", "SHMUY", "SHKX", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1",
+    "TKA", "WMU1", "WMU2", "WK1",
 )
 OPTIONS = ()
 STRAIGHT_OPTIONS = ()
@@ -58,7 +59,7 @@ REACH = (
     (
         "FNOMIN", "LFZ0", "LCX", "LMUX", "LEX", "LKXK", "LHX", "LVX", "LGAMMAY", "LXA", "PCX1", "PDX1",
         "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4", "PKX1", "PKX2", "PKX3", "PHX1", "PHX2", "PVX1",
-        "PVX2", "RBX1", "RBX2", "RCX1", "RHX1", "BIMU", "BIWORK", "HMU", "HSLOW", "HK", "SHMU", "SHK",
+        "PVX2", "RBX1", "RBX2", "RCX1", "RHX1", "BIMU", "BIWORK", "HMU", "HSLOW", "HK", "SHMUX", "SHKX",
         "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
@@ -66,7 +67,7 @@ REACH = (
         "PDY1", "PDY2", "PDY3", "PEY1", "PEY2", "PEY3", "PEY4", "PKY1", "PKY2", "PKY3", "PHY1", "PHY2",
         "PHY3", "PVY1", "PVY2", "PVY3", "PVY4", "RBY1", "RBY2", "RBY3", "RCY1", "RHY1", "RVY1", "RVY2",
         "RVY3", "RVY4", "RVY5", "RVY6", "BIMU", "BIWORK", "HMU", "HSLOW", "HK", "HFY", "HFPLAY", "LLMU",
-        "LLK", "SHMU", "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+        "LLK", "SHMUY", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
         "UNLOADED_RADIUS", "FNOMIN", "LFZ0", "LCX", "LMUX", "LEX", "LKXK", "LHX", "LVX", "LCY", "LMUY",
@@ -78,8 +79,8 @@ REACH = (
         "QBZ2", "QBZ3", "QBZ4", "QBZ5", "QBZ9", "QBZ10", "QCZ1", "QDZ1", "QDZ2", "QDZ3", "QDZ4", "QDZ6",
         "QDZ7", "QDZ8", "QDZ9", "QEZ1", "QEZ2", "QEZ3", "QEZ4", "QEZ5", "QHZ1", "QHZ2", "QHZ3", "QHZ4",
         "SSZ1", "SSZ2", "SSZ3", "SSZ4", "BIMU", "BIWORK", "HMU", "HSLOW", "HK", "HFY", "HFPLAY",
-        "HFARM", "LLMU", "LLK", "SHMU", "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1",
-        "WMU2", "WK1",
+        "HFARM", "LLMU", "LLK", "SHMUX", "SHMUY", "SHKX", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1",
+        "TKA", "WMU1", "WMU2", "WK1",
     ),
 )
 
@@ -95,8 +96,8 @@ def quantities(inputs, parameters):
         RHY1, RVY1, RVY2, RVY3, RVY4, RVY5, RVY6, QBZ1, QBZ2, QBZ3, QBZ4, QBZ5, QBZ9, QBZ10, QCZ1, QDZ1,
         QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4,
         SSZ1, SSZ2, SSZ3, SSZ4, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA,
-        WMU1, WMU2, WK1
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1,
+        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
@@ -114,12 +115,12 @@ def quantities(inputs, parameters):
     mu_x_without_break_in = LMUX*(1 - PDX3*gamma_s**2)*(PDX1 + PDX2*dfz)  # [4.E13] peak friction
     mu_x_without_heat_friction = mu_x_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E13] peak friction
     mu_x_without_slip_history = mu_x_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E13] peak friction
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
     D_x = F_z*mu_x  # [4.E12] peak factor
     E_x = LEX*(1 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*dfz**2)  # [4.E14] curvature factor
     K_xkappa_without_heat_stiffness = F_z*LKXK*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)  # [4.E15] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E15] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
     B_x = K_xkappa/(C_x*D_x)  # [4.E16] stiffness factor
     S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
@@ -138,14 +139,14 @@ def quantities(inputs, parameters):
     mu_y_without_heat_friction = mu_y_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E23] peak friction
     mu_y_without_load_lag = mu_y_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E23] peak friction
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E23] peak friction
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
     D_y = F_z*mu_y  # [4.E22] peak factor
     E_y = LEY*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz)  # [4.E24] curvature factor
     K_yalpha_w = 2*ca.atan(F_z/(F_z01*PKY2))  # [4.E25] how far K_yalpha is up
     K_yalpha_without_heat_stiffness = F_z01*LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)  # [4.E25] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E25] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E25] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
     B_y = K_yalpha/(C_y*D_y)  # [4.E26] stiffness factor
     F_y0_u = B_y*alpha_y  # [4.1] B x
     F_y0_v = F_y0_u - E_y*(F_y0_u - ca.atan(F_y0_u))  # [4.1] B x bent by E
@@ -223,7 +224,7 @@ def quantities(inputs, parameters):
     inner_play_margin = ca.if_else(inner_play*ca.sign(inner_play_target) < 1, 1 - inner_play*ca.sign(inner_play_target), -1)  # [tirefmu] margin of force of an elastic element in series with dry friction as a share of its largest value in its direction, -1 without one
     inner_play_derivative = ca.if_else(inner_play*ca.sign(inner_play_target) < 1, inner_play_rate*inner_play_target, 0)  # [tirefmu] derivative of force of an elastic element in series with dry friction as a share of its largest value
     late_load_target = Fz  # [tirefmu] target of load that the contact has followed
-    late_load_rate = ca.fabs(V)/LLEN  # [tirefmu] rate of load that the contact has followed
+    late_load_rate = ca.fabs(V)*ca.exp(-LLDIR*(late_load - Fz)/ca.sqrt((late_load - Fz)**2 + 0.0001*FNOMIN**2))/LLEN  # [tirefmu] rate of load that the contact has followed
     late_load_start = 0  # [tirefmu] start of load that the contact has followed
     late_load_derivative = late_load_rate*(late_load_target - late_load)  # [tirefmu] derivative of load that the contact has followed
     contact_slip_x_target = kappa  # [tirefmu] target of longitudinal slip that the contact has followed
@@ -345,8 +346,8 @@ def forces(inputs, parameters):
         RHY1, RVY1, RVY2, RVY3, RVY4, RVY5, RVY6, QBZ1, QBZ2, QBZ3, QBZ4, QBZ5, QBZ9, QBZ10, QCZ1, QDZ1,
         QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4,
         SSZ1, SSZ2, SSZ3, SSZ4, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA,
-        WMU1, WMU2, WK1
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1,
+        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
@@ -364,12 +365,12 @@ def forces(inputs, parameters):
     mu_x_without_break_in = LMUX*(1 - PDX3*gamma_s**2)*(PDX1 + PDX2*dfz)  # [4.E13] peak friction
     mu_x_without_heat_friction = mu_x_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E13] peak friction
     mu_x_without_slip_history = mu_x_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E13] peak friction
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
     D_x = F_z*mu_x  # [4.E12] peak factor
     E_x = LEX*(1 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*dfz**2)  # [4.E14] curvature factor
     K_xkappa_without_heat_stiffness = F_z*LKXK*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)  # [4.E15] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E15] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
     B_x = K_xkappa/(C_x*D_x)  # [4.E16] stiffness factor
     S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
@@ -387,14 +388,14 @@ def forces(inputs, parameters):
     mu_y_without_heat_friction = mu_y_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E23] peak friction
     mu_y_without_load_lag = mu_y_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E23] peak friction
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E23] peak friction
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
     D_y = F_z*mu_y  # [4.E22] peak factor
     E_y = LEY*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz)  # [4.E24] curvature factor
     K_yalpha_w = 2*ca.atan(F_z/(F_z01*PKY2))  # [4.E25] how far K_yalpha is up
     K_yalpha_without_heat_stiffness = F_z01*LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)  # [4.E25] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E25] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E25] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
     B_y = K_yalpha/(C_y*D_y)  # [4.E26] stiffness factor
     F_y0_u = B_y*alpha_y  # [4.1] B x
     F_y0_v = F_y0_u - E_y*(F_y0_u - ca.atan(F_y0_u))  # [4.1] B x bent by E
@@ -457,8 +458,8 @@ def slip_stiffnesses(inputs, parameters):
         RHY1, RVY1, RVY2, RVY3, RVY4, RVY5, RVY6, QBZ1, QBZ2, QBZ3, QBZ4, QBZ5, QBZ9, QBZ10, QCZ1, QDZ1,
         QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4,
         SSZ1, SSZ2, SSZ3, SSZ4, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA,
-        WMU1, WMU2, WK1
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1,
+        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
@@ -493,7 +494,7 @@ def slip_stiffnesses(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = ca.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -511,7 +512,7 @@ def slip_stiffnesses(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = ca.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -562,7 +563,7 @@ def slip_stiffnesses(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -591,7 +592,7 @@ def slip_stiffnesses(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -920,8 +921,8 @@ def drives(inputs, parameters):
         RHY1, RVY1, RVY2, RVY3, RVY4, RVY5, RVY6, QBZ1, QBZ2, QBZ3, QBZ4, QBZ5, QBZ9, QBZ10, QCZ1, QDZ1,
         QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4,
         SSZ1, SSZ2, SSZ3, SSZ4, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA,
-        WMU1, WMU2, WK1
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1,
+        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
@@ -939,12 +940,12 @@ def drives(inputs, parameters):
     mu_x_without_break_in = LMUX*(1 - PDX3*gamma_s**2)*(PDX1 + PDX2*dfz)  # [4.E13] peak friction
     mu_x_without_heat_friction = mu_x_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E13] peak friction
     mu_x_without_slip_history = mu_x_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E13] peak friction
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E13] peak friction
     D_x = F_z*mu_x  # [4.E12] peak factor
     E_x = LEX*(1 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*dfz**2)  # [4.E14] curvature factor
     K_xkappa_without_heat_stiffness = F_z*LKXK*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)  # [4.E15] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E15] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E15] longitudinal slip stiffness
     B_x = K_xkappa/(C_x*D_x)  # [4.E16] stiffness factor
     S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
@@ -962,14 +963,14 @@ def drives(inputs, parameters):
     mu_y_without_heat_friction = mu_y_without_break_in*(1 + BIMU*ca.exp(-sliding_work/BIWORK))  # [4.E23] peak friction
     mu_y_without_load_lag = mu_y_without_heat_friction*ca.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [4.E23] peak friction
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E23] peak friction
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*ca.exp(-TMUA*(T - TREF))  # [4.E23] peak friction
     D_y = F_z*mu_y  # [4.E22] peak factor
     E_y = LEY*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz)  # [4.E24] curvature factor
     K_yalpha_w = 2*ca.atan(F_z/(F_z01*PKY2))  # [4.E25] how far K_yalpha is up
     K_yalpha_without_heat_stiffness = F_z01*LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)  # [4.E25] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*ca.exp(-HK*tread_heat)  # [4.E25] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/ca.sqrt(1 + Fz**2))  # [4.E25] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*ca.exp(-TKA*(T - TREF))  # [4.E25] cornering stiffness
     B_y = K_yalpha/(C_y*D_y)  # [4.E26] stiffness factor
     F_y0_u = B_y*alpha_y  # [4.1] B x
     F_y0_v = F_y0_u - E_y*(F_y0_u - ca.atan(F_y0_u))  # [4.1] B x bent by E
@@ -1012,7 +1013,7 @@ def drives(inputs, parameters):
     inner_play_rate = 1/HFWID  # [tirefmu] rate of force of an elastic element in series with dry friction as a share of its largest value
     inner_play_start = 0  # [tirefmu] start of force of an elastic element in series with dry friction as a share of its largest value
     late_load_target = Fz  # [tirefmu] target of load that the contact has followed
-    late_load_rate = ca.fabs(V)/LLEN  # [tirefmu] rate of load that the contact has followed
+    late_load_rate = ca.fabs(V)*ca.exp(-LLDIR*(late_load - Fz)/ca.sqrt((late_load - Fz)**2 + 0.0001*FNOMIN**2))/LLEN  # [tirefmu] rate of load that the contact has followed
     late_load_start = 0  # [tirefmu] start of load that the contact has followed
     contact_slip_x_target = kappa  # [tirefmu] target of longitudinal slip that the contact has followed
     contact_slip_x_rate = ca.fabs(V)/SHLEN  # [tirefmu] rate of longitudinal slip that the contact has followed

@@ -16,8 +16,8 @@ INPUTS = (
 COEFFICIENTS = (
     "UNLOADED_RADIUS", "FNOMIN", "CKAPPA", "CALPHA", "MUX", "MUY", "PATCH", "NSTIFF", "NMU",
     "NPATCH", "BIMU", "BIWORK", "HTAU", "HCOOL", "HLOAD", "HMU", "HBODY", "HSLOW", "HK", "HFLEN",
-    "HFWID", "HFY", "HFPLAY", "HFARM", "LLEN", "LLMU", "LLK", "SHLEN", "SHWID", "SHMU", "SHK",
-    "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+    "HFWID", "HFY", "HFPLAY", "HFARM", "LLEN", "LLDIR", "LLMU", "LLK", "SHLEN", "SHWID", "SHMUX",
+    "SHMUY", "SHKX", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
 )
 OPTIONS = (
     "SIGNS",
@@ -49,18 +49,19 @@ PARAMETERS = COEFFICIENTS + OPTIONS
 REACH = (
     (
         "FNOMIN", "CKAPPA", "CALPHA", "MUX", "MUY", "NSTIFF", "NMU", "BIMU", "BIWORK", "HMU", "HSLOW",
-        "HK", "LLMU", "LLK", "SHMU", "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1",
-        "WMU2", "WK1",
+        "HK", "LLMU", "LLK", "SHMUX", "SHMUY", "SHKX", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1",
+        "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
         "FNOMIN", "CKAPPA", "CALPHA", "MUX", "MUY", "NSTIFF", "NMU", "BIMU", "BIWORK", "HMU", "HSLOW",
-        "HK", "HFY", "HFPLAY", "LLMU", "LLK", "SHMU", "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1",
-        "TKA", "WMU1", "WMU2", "WK1",
+        "HK", "HFY", "HFPLAY", "LLMU", "LLK", "SHMUX", "SHMUY", "SHKX", "SHKY", "TREF", "TMU1", "TMUA",
+        "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
     ),
     (
         "UNLOADED_RADIUS", "FNOMIN", "CKAPPA", "CALPHA", "MUX", "MUY", "PATCH", "NSTIFF", "NMU",
         "NPATCH", "BIMU", "BIWORK", "HMU", "HSLOW", "HK", "HFY", "HFPLAY", "HFARM", "LLMU", "LLK",
-        "SHMU", "SHK", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2", "WK1",
+        "SHMUX", "SHMUY", "SHKX", "SHKY", "TREF", "TMU1", "TMUA", "TMU2", "TK1", "TKA", "WMU1", "WMU2",
+        "WK1",
     ),
 )
 
@@ -70,8 +71,9 @@ def quantities(inputs, parameters):
     kappa, alpha, Fz, T, distance, V, sliding_work, tread_heat, carcass_heat, carcass_slip, inner_friction, inner_play, late_load, contact_slip_x, contact_slip_y, slip_growth = inputs
     (
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, BIMU, BIWORK,
-        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK,
-        SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU,
+        LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1,
+        SIGNS
     ) = parameters
 
     # Contact patch with bristles
@@ -82,20 +84,20 @@ def quantities(inputs, parameters):
     mu_x_without_break_in = MUX*friction_ratio  # [tirefmu] longitudinal friction
     mu_x_without_heat_friction = mu_x_without_break_in*(1 + BIMU*np.exp(-sliding_work/BIWORK))  # [tirefmu] longitudinal friction
     mu_x_without_slip_history = mu_x_without_heat_friction*np.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [tirefmu] longitudinal friction
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] longitudinal friction
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] longitudinal friction
     mu_y_without_break_in = MUY*friction_ratio  # [tirefmu] lateral friction
     mu_y_without_heat_friction = mu_y_without_break_in*(1 + BIMU*np.exp(-sliding_work/BIWORK))  # [tirefmu] lateral friction
     mu_y_without_load_lag = mu_y_without_heat_friction*np.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [tirefmu] lateral friction
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/np.sqrt(1 + Fz**2))  # [tirefmu] lateral friction
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] lateral friction
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] lateral friction
     side = np.where(SIGNS > 0.5, 1, -1)  # [tirefmu] sign of Fy at a positive slip angle: -1 in ISO
     K_xkappa_without_heat_stiffness = CKAPPA*stiffness_ratio  # [3.2.2] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*np.exp(-HK*tread_heat)  # [3.2.2] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.2] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.2] longitudinal slip stiffness
     K_yalpha_without_heat_stiffness = CALPHA*side*stiffness_ratio  # [3.2.1] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*np.exp(-HK*tread_heat)  # [3.2.1] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/np.sqrt(1 + Fz**2))  # [3.2.1] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.1] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.1] cornering stiffness
     a = PATCH*load_ratio**NPATCH  # [tirefmu] half length of the contact patch
     tan_alpha = np.tan(alpha)  # [3.2.3] lateral sliding velocity of the wheel per forward velocity
     rolling = np.where(np.abs(1 + kappa) < 1e-06, 1e-06, np.abs(1 + kappa))  # [3.2.3] rolling velocity per forward velocity, limited to positive values
@@ -147,7 +149,7 @@ def quantities(inputs, parameters):
     inner_play_margin = np.where(inner_play*np.sign(inner_play_target) < 1, 1 - inner_play*np.sign(inner_play_target), -1)  # [tirefmu] margin of force of an elastic element in series with dry friction as a share of its largest value in its direction, -1 without one
     inner_play_derivative = np.where(inner_play*np.sign(inner_play_target) < 1, inner_play_rate*inner_play_target, 0)  # [tirefmu] derivative of force of an elastic element in series with dry friction as a share of its largest value
     late_load_target = Fz  # [tirefmu] target of load that the contact has followed
-    late_load_rate = np.abs(V)/LLEN  # [tirefmu] rate of load that the contact has followed
+    late_load_rate = np.abs(V)*np.exp(-LLDIR*(late_load - Fz)/np.sqrt((late_load - Fz)**2 + 0.0001*FNOMIN**2))/LLEN  # [tirefmu] rate of load that the contact has followed
     late_load_start = 0  # [tirefmu] start of load that the contact has followed
     late_load_derivative = late_load_rate*(late_load_target - late_load)  # [tirefmu] derivative of load that the contact has followed
     contact_slip_x_target = kappa  # [tirefmu] target of longitudinal slip that the contact has followed
@@ -224,8 +226,9 @@ def forces(inputs, parameters):
     kappa, alpha, Fz, T, distance, V, sliding_work, tread_heat, carcass_heat, carcass_slip, inner_friction, inner_play, late_load, contact_slip_x, contact_slip_y, slip_growth = inputs
     (
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, BIMU, BIWORK,
-        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK,
-        SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU,
+        LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1,
+        SIGNS
     ) = parameters
 
     # Contact patch with bristles
@@ -236,20 +239,20 @@ def forces(inputs, parameters):
     mu_x_without_break_in = MUX*friction_ratio  # [tirefmu] longitudinal friction
     mu_x_without_heat_friction = mu_x_without_break_in*(1 + BIMU*np.exp(-sliding_work/BIWORK))  # [tirefmu] longitudinal friction
     mu_x_without_slip_history = mu_x_without_heat_friction*np.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [tirefmu] longitudinal friction
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] longitudinal friction
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] longitudinal friction
     mu_y_without_break_in = MUY*friction_ratio  # [tirefmu] lateral friction
     mu_y_without_heat_friction = mu_y_without_break_in*(1 + BIMU*np.exp(-sliding_work/BIWORK))  # [tirefmu] lateral friction
     mu_y_without_load_lag = mu_y_without_heat_friction*np.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [tirefmu] lateral friction
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/np.sqrt(1 + Fz**2))  # [tirefmu] lateral friction
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] lateral friction
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] lateral friction
     side = np.where(SIGNS > 0.5, 1, -1)  # [tirefmu] sign of Fy at a positive slip angle: -1 in ISO
     K_xkappa_without_heat_stiffness = CKAPPA*stiffness_ratio  # [3.2.2] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*np.exp(-HK*tread_heat)  # [3.2.2] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.2] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.2] longitudinal slip stiffness
     K_yalpha_without_heat_stiffness = CALPHA*side*stiffness_ratio  # [3.2.1] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*np.exp(-HK*tread_heat)  # [3.2.1] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/np.sqrt(1 + Fz**2))  # [3.2.1] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.1] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.1] cornering stiffness
     a = PATCH*load_ratio**NPATCH  # [tirefmu] half length of the contact patch
     tan_alpha = np.tan(alpha)  # [3.2.3] lateral sliding velocity of the wheel per forward velocity
     rolling = np.where(np.abs(1 + kappa) < 1e-06, 1e-06, np.abs(1 + kappa))  # [3.2.3] rolling velocity per forward velocity, limited to positive values
@@ -287,8 +290,9 @@ def slip_stiffnesses(inputs, parameters):
     kappa, alpha, Fz, T, distance, V, sliding_work, tread_heat, carcass_heat, carcass_slip, inner_friction, inner_play, late_load, contact_slip_x, contact_slip_y, slip_growth = inputs
     (
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, BIMU, BIWORK,
-        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK,
-        SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU,
+        LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1,
+        SIGNS
     ) = parameters
 
     # Contact patch with bristles
@@ -307,7 +311,7 @@ def slip_stiffnesses(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = np.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [tirefmu] longitudinal friction
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -330,7 +334,7 @@ def slip_stiffnesses(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [tirefmu] lateral friction
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -342,7 +346,7 @@ def slip_stiffnesses(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [3.2.2] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -359,7 +363,7 @@ def slip_stiffnesses(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [3.2.1] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -523,8 +527,9 @@ def drives(inputs, parameters):
     kappa, alpha, Fz, T, distance, V, sliding_work, tread_heat, carcass_heat, carcass_slip, inner_friction, inner_play, late_load, contact_slip_x, contact_slip_y, slip_growth = inputs
     (
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, BIMU, BIWORK,
-        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLMU, LLK,
-        SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, SIGNS
+        HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU,
+        LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1,
+        SIGNS
     ) = parameters
 
     # Contact patch with bristles
@@ -535,20 +540,20 @@ def drives(inputs, parameters):
     mu_x_without_break_in = MUX*friction_ratio  # [tirefmu] longitudinal friction
     mu_x_without_heat_friction = mu_x_without_break_in*(1 + BIMU*np.exp(-sliding_work/BIWORK))  # [tirefmu] longitudinal friction
     mu_x_without_slip_history = mu_x_without_heat_friction*np.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [tirefmu] longitudinal friction
-    mu_x = mu_x_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] longitudinal friction
+    mu_x = mu_x_without_slip_history*(1 + SHMUX*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] longitudinal friction
     mu_y_without_break_in = MUY*friction_ratio  # [tirefmu] lateral friction
     mu_y_without_heat_friction = mu_y_without_break_in*(1 + BIMU*np.exp(-sliding_work/BIWORK))  # [tirefmu] lateral friction
     mu_y_without_load_lag = mu_y_without_heat_friction*np.exp(-HMU*(tread_heat + HSLOW*carcass_heat))  # [tirefmu] lateral friction
     mu_y_without_slip_history = mu_y_without_load_lag*(1 + LLMU*(late_load - Fz)/np.sqrt(1 + Fz**2))  # [tirefmu] lateral friction
-    mu_y = mu_y_without_slip_history*(1 + SHMU*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] lateral friction
+    mu_y = mu_y_without_slip_history*(1 + SHMUY*slip_growth)*(1 + TMU1*(T - TREF) + TMU2*(T - TREF)**2)*(1 + WMU1*distance + WMU2*distance**2)*np.exp(-TMUA*(T - TREF))  # [tirefmu] lateral friction
     side = np.where(SIGNS > 0.5, 1, -1)  # [tirefmu] sign of Fy at a positive slip angle: -1 in ISO
     K_xkappa_without_heat_stiffness = CKAPPA*stiffness_ratio  # [3.2.2] longitudinal slip stiffness
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*np.exp(-HK*tread_heat)  # [3.2.2] longitudinal slip stiffness
-    K_xkappa = K_xkappa_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.2] longitudinal slip stiffness
+    K_xkappa = K_xkappa_without_slip_history*(1 + SHKX*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.2] longitudinal slip stiffness
     K_yalpha_without_heat_stiffness = CALPHA*side*stiffness_ratio  # [3.2.1] cornering stiffness
     K_yalpha_without_load_lag = K_yalpha_without_heat_stiffness*np.exp(-HK*tread_heat)  # [3.2.1] cornering stiffness
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1 + LLK*(late_load - Fz)/np.sqrt(1 + Fz**2))  # [3.2.1] cornering stiffness
-    K_yalpha = K_yalpha_without_slip_history*(1 + SHK*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.1] cornering stiffness
+    K_yalpha = K_yalpha_without_slip_history*(1 + SHKY*slip_growth)*(1 + TK1*(T - TREF))*(1 + WK1*distance)*np.exp(-TKA*(T - TREF))  # [3.2.1] cornering stiffness
     tan_alpha = np.tan(alpha)  # [3.2.3] lateral sliding velocity of the wheel per forward velocity
     rolling = np.where(np.abs(1 + kappa) < 1e-06, 1e-06, np.abs(1 + kappa))  # [3.2.3] rolling velocity per forward velocity, limited to positive values
     slip_x = kappa/rolling  # [3.2.3] theoretical longitudinal slip: sliding per rolling velocity
@@ -589,7 +594,7 @@ def drives(inputs, parameters):
     inner_play_rate = 1/HFWID  # [tirefmu] rate of force of an elastic element in series with dry friction as a share of its largest value
     inner_play_start = 0  # [tirefmu] start of force of an elastic element in series with dry friction as a share of its largest value
     late_load_target = Fz  # [tirefmu] target of load that the contact has followed
-    late_load_rate = np.abs(V)/LLEN  # [tirefmu] rate of load that the contact has followed
+    late_load_rate = np.abs(V)*np.exp(-LLDIR*(late_load - Fz)/np.sqrt((late_load - Fz)**2 + 0.0001*FNOMIN**2))/LLEN  # [tirefmu] rate of load that the contact has followed
     late_load_start = 0  # [tirefmu] start of load that the contact has followed
     contact_slip_x_target = kappa  # [tirefmu] target of longitudinal slip that the contact has followed
     contact_slip_x_rate = np.abs(V)/SHLEN  # [tirefmu] rate of longitudinal slip that the contact has followed

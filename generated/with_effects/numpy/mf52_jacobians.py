@@ -28,9 +28,10 @@ def jacobian_inputs(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = parameters
 
     # Inputs
@@ -161,7 +162,7 @@ def jacobian_inputs(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = np.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = np.abs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -187,7 +188,7 @@ def jacobian_inputs(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -234,7 +235,7 @@ def jacobian_inputs(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -269,7 +270,7 @@ def jacobian_inputs(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = np.abs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -1404,7 +1405,7 @@ def jacobian_inputs(inputs, parameters):
     dK_yalpha_without_heat_stiffness_dR_0_phi = K_yalpha_without_heat_stiffness_by_zeta_3*zeta_3_by_R_0_phi
     dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
     dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi
-    dmu_x_loaded_dslip_growth = SHMU*mu_x_loaded_by_mu_x_loaded_part1
+    dmu_x_loaded_dslip_growth = SHMUX*mu_x_loaded_by_mu_x_loaded_part1
     dmu_x_loaded_dV = dmu_x_loaded_part5_dV*mu_x_loaded_by_mu_x_loaded_part5
     dmu_x_loaded_dT = dmu_x_loaded_part10_dT*mu_x_loaded_by_mu_x_loaded_part10 + mu_x_loaded_by_mu_x_loaded_part7*mu_x_loaded_part7_by_mu_x_loaded_part6
     dmu_x_loaded_ddistance = mu_x_loaded_by_mu_x_loaded_part8*mu_x_loaded_part8_by_distance
@@ -1650,7 +1651,7 @@ def jacobian_inputs(inputs, parameters):
     dtrail_dFz = dF_z_limited_dFz*dtrail_dF_z_limited
     dtrail_dkappa = dkappa_in_dkappa*dtrail_dkappa_in
     dtrail_dcarcass_deflection_speed = alpha_star_by_carcass_deflection_speed*dtrail_dalpha_star
-    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHK
+    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHKX
     dK_xkappa_dT = K_xkappa_by_K_xkappa_part3*TK1 + K_xkappa_by_K_xkappa_part6*dK_xkappa_part6_dT
     dK_xkappa_ddistance = K_xkappa_by_K_xkappa_part4*WK1
     dK_xkappa_dtread_heat = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dtread_heat
@@ -1701,7 +1702,7 @@ def jacobian_inputs(inputs, parameters):
     dMz_without_hysteresis_force_part1_ddistance = dK_xkappa_ddistance*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dtread_heat = dK_xkappa_dtread_heat*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dphit = dMz_without_hysteresis_force_part1_dphit_in*phit_in_by_phit
-    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHK
+    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHKY
     dK_yalpha_dT = K_yalpha_by_K_yalpha_part3*TK1 + K_yalpha_by_K_yalpha_part6*dK_yalpha_part6_dT
     dK_yalpha_ddistance = K_yalpha_by_K_yalpha_part4*WK1
     dK_yalpha_dtread_heat = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dtread_heat
@@ -1724,7 +1725,7 @@ def jacobian_inputs(inputs, parameters):
     dFx_dphi_part4 = dD_x_dphi_part4*dFx_dD_x + dF_x0_part2_dphi_part4*dFx_dF_x0_part2
     dFy_dphi_part4 = dFy_dK_yalpha*dK_yalpha_dphi_part4 + dFy_dzeta_2*dzeta_2_dphi_part4
     dMz_dphi_part4 = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dphi_part4 + dK_yalpha_dphi_part4*dMz_dK_yalpha
-    dmu_y_loaded_dslip_growth = SHMU*mu_y_loaded_by_mu_y_loaded_part1
+    dmu_y_loaded_dslip_growth = SHMUY*mu_y_loaded_by_mu_y_loaded_part1
     dmu_y_loaded_dV = dmu_y_loaded_dslide*dslide_dV + dmu_y_loaded_part5_dV*mu_y_loaded_by_mu_y_loaded_part5
     dmu_y_loaded_dT = dmu_y_loaded_part10_dT*mu_y_loaded_by_mu_y_loaded_part10 + mu_y_loaded_by_mu_y_loaded_part7*mu_y_loaded_part7_by_mu_y_loaded_part6
     dmu_y_loaded_ddistance = mu_y_loaded_by_mu_y_loaded_part8*mu_y_loaded_part8_by_distance
@@ -1913,9 +1914,10 @@ def jacobian_parameters(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = parameters
 
     # Inputs
@@ -2046,7 +2048,7 @@ def jacobian_parameters(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = np.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = np.abs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -2072,7 +2074,7 @@ def jacobian_parameters(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -2119,7 +2121,7 @@ def jacobian_parameters(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -2154,7 +2156,7 @@ def jacobian_parameters(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = np.abs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -3772,7 +3774,7 @@ def jacobian_parameters(inputs, parameters):
     dD_Vyk_dFZMAX = D_Vyk_by_F_z_limited*F_z_limited_by_FZMAX
     dMz_without_hysteresis_force_part1_dD_Vyk = S_Vyk_by_D_Vyk*trail
     dFy_dD_Vyk = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*S_Vyk_by_D_Vyk
-    dmu_x_loaded_dSHMU = mu_x_loaded_by_mu_x_loaded_part1*slip_growth
+    dmu_x_loaded_dSHMUX = mu_x_loaded_by_mu_x_loaded_part1*slip_growth
     dmu_x_loaded_dVMU1 = mu_x_loaded_by_mu_x_loaded_part5*mu_x_loaded_part5_by_VMU1
     dmu_x_loaded_dLONGVL = dmu_x_loaded_part5_dLONGVL*mu_x_loaded_by_mu_x_loaded_part5
     dmu_x_loaded_dWMU1 = distance*mu_x_loaded_by_mu_x_loaded_part8
@@ -3993,7 +3995,7 @@ def jacobian_parameters(inputs, parameters):
     dtrail_dALPMIN = dalpha_in_dALPMIN*dtrail_dalpha_in + dslide_dALPMIN*dtrail_dslide
     dtrail_dLMUV = dtrail_dslide*slide_by_LMUV
     dtrail_dLONGVL = dtrail_dslide*slide_by_LONGVL
-    dK_xkappa_dSHK = K_xkappa_by_K_xkappa_part1*slip_growth
+    dK_xkappa_dSHKX = K_xkappa_by_K_xkappa_part1*slip_growth
     dK_xkappa_dWK1 = K_xkappa_by_K_xkappa_part4*distance
     dK_xkappa_dHK = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dHK
     dK_xkappa_dTK1 = K_xkappa_by_K_xkappa_part3*K_xkappa_part2
@@ -4074,7 +4076,7 @@ def jacobian_parameters(inputs, parameters):
     dM_zr_part1_dRBY4 = dG_yk_dRBY4*dM_zr_part1_dG_yk
     dM_zr_part1_dRBY2 = dG_yk_dRBY2*dM_zr_part1_dG_yk
     dM_zr_part1_dRBY3 = dG_yk_dRBY3*dM_zr_part1_dG_yk
-    dM_zr_part1_dSHK = dK_xkappa_dSHK*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dSHKX = dK_xkappa_dSHKX*dM_zr_part1_dK_xkappa
     dM_zr_part1_dWK1 = dK_xkappa_dWK1*dM_zr_part1_dK_xkappa
     dM_zr_part1_dHK = dK_xkappa_dHK*dM_zr_part1_dK_xkappa
     dM_zr_part1_dTK1 = dK_xkappa_dTK1*dM_zr_part1_dK_xkappa
@@ -4089,7 +4091,7 @@ def jacobian_parameters(inputs, parameters):
     dM_zr_part1_dNOMPRES = dK_xkappa_dNOMPRES*dM_zr_part1_dK_xkappa
     dM_zr_part1_dPRESMAX = dK_xkappa_dPRESMAX*dM_zr_part1_dK_xkappa
     dM_zr_part1_dPRESMIN = dK_xkappa_dPRESMIN*dM_zr_part1_dK_xkappa
-    dK_yalpha_dSHK = K_yalpha_by_K_yalpha_part1*slip_growth
+    dK_yalpha_dSHKY = K_yalpha_by_K_yalpha_part1*slip_growth
     dK_yalpha_dWK1 = K_yalpha_by_K_yalpha_part4*distance
     dK_yalpha_dTK1 = K_yalpha_by_K_yalpha_part3*K_yalpha_part2
     dK_yalpha_dTREF = TKA*dK_yalpha_dK_yalpha_part5 - K_yalpha_by_K_yalpha_part3*TK1
@@ -4142,7 +4144,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dR_0_phi = dF_x0_v_dR_0_phi*dFx_dF_x0_v + dFx_dzeta_1*zeta_1_by_R_0_phi
     dMz_without_hysteresis_force_part1_dR_0_phi = M_zr_by_M_zr_part1*dM_zr_part1_dR_0_phi + dK_yalpha_dR_0_phi*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi
     dFy_dR_0_phi = dFy_dK_yalpha*dK_yalpha_dR_0_phi + dFy_dzeta_2*zeta_2_by_R_0_phi
-    dmu_y_loaded_dSHMU = mu_y_loaded_by_mu_y_loaded_part1*slip_growth
+    dmu_y_loaded_dSHMUY = mu_y_loaded_by_mu_y_loaded_part1*slip_growth
     dmu_y_loaded_dLLMU = dmu_y_loaded_without_slip_history_dLLMU*mu_y_loaded_by_mu_y_loaded_without_slip_history
     dmu_y_loaded_dVMU1 = mu_y_loaded_by_mu_y_loaded_part5*mu_y_loaded_part5_by_VMU1
     dmu_y_loaded_dLONGVL = dmu_y_loaded_dslide*slide_by_LONGVL + dmu_y_loaded_part5_dLONGVL*mu_y_loaded_by_mu_y_loaded_part5
@@ -4251,7 +4253,7 @@ def jacobian_parameters(inputs, parameters):
     dMz_without_hysteresis_force_part1_dQDTP1 = -F_y1*dtrail_dQDTP1
     dMz_without_hysteresis_force_part1_dQDZ3 = -F_y1*dtrail_dQDZ3
     dMz_without_hysteresis_force_part1_dQDZ4 = -F_y1*dtrail_dQDZ4
-    dMz_without_hysteresis_force_part1_dSHK = M_zr_by_M_zr_part1*dM_zr_part1_dSHK + dK_xkappa_dSHK*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dSHK*dMz_without_hysteresis_force_part1_dK_yalpha
+    dMz_without_hysteresis_force_part1_dSHKX = M_zr_by_M_zr_part1*dM_zr_part1_dSHKX + dK_xkappa_dSHKX*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dWK1 = M_zr_by_M_zr_part1*dM_zr_part1_dWK1 + dK_xkappa_dWK1*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dWK1*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dHK = M_zr_by_M_zr_part1*dM_zr_part1_dHK + dK_xkappa_dHK*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dHK*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dTK1 = M_zr_by_M_zr_part1*dM_zr_part1_dTK1 + dK_xkappa_dTK1*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dTK1*dMz_without_hysteresis_force_part1_dK_yalpha
@@ -4289,6 +4291,7 @@ def jacobian_parameters(inputs, parameters):
     dMz_without_hysteresis_force_part1_dRBY4 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY4
     dMz_without_hysteresis_force_part1_dRBY2 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY2
     dMz_without_hysteresis_force_part1_dRBY3 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY3
+    dMz_without_hysteresis_force_part1_dSHKY = dK_yalpha_dSHKY*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dLLK = dK_yalpha_dLLK*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dPKY1 = dK_yalpha_dPKY1*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dPPY1 = dK_yalpha_dPPY1*dMz_without_hysteresis_force_part1_dK_yalpha
@@ -4305,7 +4308,7 @@ def jacobian_parameters(inputs, parameters):
     dMz_without_hysteresis_force_part1_dDREFF = dMz_without_hysteresis_force_part1_dR_0_phi*dR_0_phi_dDREFF
     dMz_without_hysteresis_force_part1_dFREFF = dMz_without_hysteresis_force_part1_dR_0_phi*dR_0_phi_dFREFF
     dMz_without_hysteresis_force_part1_dBREFF = dMz_without_hysteresis_force_part1_dR_0_phi*dR_0_phi_dBREFF
-    dMz_without_hysteresis_force_part1_dSHMU = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMU
+    dMz_without_hysteresis_force_part1_dSHMUY = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMUY
     dMz_without_hysteresis_force_part1_dLLMU = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLLMU
     dMz_without_hysteresis_force_part1_dVMU1 = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dVMU1
     dMz_without_hysteresis_force_part1_dWMU1 = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dWMU1
@@ -4352,7 +4355,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dPEX4 = dF_x0_v_dPEX4*dFx_dF_x0_v
     dFx_dKPUMAX = dFx_dkappa_in*kappa_in_by_KPUMAX + dFx_dslide*dslide_dKPUMAX
     dFx_dKPUMIN = dFx_dkappa_in*dkappa_in_dKPUMIN + dFx_dslide*dslide_dKPUMIN
-    dFx_dSHMU = dFx_dmu_x_loaded*dmu_x_loaded_dSHMU
+    dFx_dSHMUX = dFx_dmu_x_loaded*dmu_x_loaded_dSHMUX
     dFx_dVMU1 = dFx_dmu_x_loaded*dmu_x_loaded_dVMU1
     dFx_dLONGVL = dFx_dR_0_phi*dR_0_phi_dLONGVL + dFx_dmu_x_loaded*dmu_x_loaded_dLONGVL + dFx_dslide*slide_by_LONGVL
     dFx_dWMU1 = dFx_dmu_x_loaded*dmu_x_loaded_dWMU1
@@ -4380,7 +4383,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dFNOMIN = dFx_dK_xkappa*dK_xkappa_dFNOMIN + dFx_dR_0_phi*dR_0_phi_dFNOMIN + dFx_ddfz*ddfz_dFNOMIN
     dFx_dLFZO = dFx_dK_xkappa*dK_xkappa_dLFZO + dFx_dR_0_phi*dR_0_phi_dLFZO + dFx_ddfz*ddfz_dLFZO
     dFx_dLMUV = dFx_dslide*slide_by_LMUV
-    dFx_dSHK = dFx_dK_xkappa*dK_xkappa_dSHK
+    dFx_dSHKX = dFx_dK_xkappa*dK_xkappa_dSHKX
     dFx_dWK1 = dFx_dK_xkappa*dK_xkappa_dWK1
     dFx_dHK = dFx_dK_xkappa*dK_xkappa_dHK
     dFx_dTK1 = dFx_dK_xkappa*dK_xkappa_dTK1
@@ -4458,7 +4461,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dRBY4 = dFy_dG_yk*dG_yk_dRBY4
     dFy_dRBY2 = dFy_dG_yk*dG_yk_dRBY2
     dFy_dRBY3 = dFy_dG_yk*dG_yk_dRBY3
-    dFy_dSHK = dFy_dK_yalpha*dK_yalpha_dSHK
+    dFy_dSHKY = dFy_dK_yalpha*dK_yalpha_dSHKY
     dFy_dWK1 = dFy_dK_yalpha*dK_yalpha_dWK1
     dFy_dTK1 = dFy_dK_yalpha*dK_yalpha_dTK1
     dFy_dTREF = dFy_dK_yalpha*dK_yalpha_dTREF + dFy_dmu_y_loaded*dmu_y_loaded_dTREF
@@ -4487,7 +4490,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dDREFF = dFy_dR_0_phi*dR_0_phi_dDREFF
     dFy_dFREFF = dFy_dR_0_phi*dR_0_phi_dFREFF
     dFy_dBREFF = dFy_dR_0_phi*dR_0_phi_dBREFF
-    dFy_dSHMU = dFy_dmu_y_loaded*dmu_y_loaded_dSHMU
+    dFy_dSHMUY = dFy_dmu_y_loaded*dmu_y_loaded_dSHMUY
     dFy_dLLMU = dFy_dmu_y_loaded*dmu_y_loaded_dLLMU
     dFy_dVMU1 = dFy_dmu_y_loaded*dmu_y_loaded_dVMU1
     dFy_dWMU1 = dFy_dmu_y_loaded*dmu_y_loaded_dWMU1
@@ -4728,6 +4731,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dHMU,
         0,
         dFx_dHSLOW,
@@ -4745,8 +4749,11 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU,
-        dFx_dSHK,
+        0,
+        dFx_dSHMUX,
+        0,
+        dFx_dSHKX,
+        0,
         dFx_dVMU1,
         dFx_dTREF,
         dFx_dTMU1,
@@ -4978,6 +4985,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFy_dHMU,
         0,
         dFy_dHSLOW,
@@ -4988,6 +4996,7 @@ def jacobian_parameters(inputs, parameters):
         dFy_dHFPLAY,
         0,
         0,
+        0,
         dFy_dLLMU,
         dFy_dLLK,
         0,
@@ -4995,8 +5004,10 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFy_dSHMU,
-        dFy_dSHK,
+        0,
+        dFy_dSHMUY,
+        0,
+        dFy_dSHKY,
         dFy_dVMU1,
         dFy_dTREF,
         dFy_dTMU1,
@@ -5228,6 +5239,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dHMU + dFx_dHMU*dMz_dFx + dFy_dHMU*dMz_dFy,
         0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dHSLOW + dFx_dHSLOW*dMz_dFx + dFy_dHSLOW*dMz_dFy,
@@ -5238,6 +5250,7 @@ def jacobian_parameters(inputs, parameters):
         Mz_by_Mz_part1*inner_play + dFy_dHFPLAY*dMz_dFy,
         Mz_by_HFARM,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dLLMU + dFy_dLLMU*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dLLK + dFy_dLLK*dMz_dFy,
         0,
@@ -5245,8 +5258,10 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHMU + dFx_dSHMU*dMz_dFx + dFy_dSHMU*dMz_dFy,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHK + dFx_dSHK*dMz_dFx + dFy_dSHK*dMz_dFy,
+        dFx_dSHMUX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHMUY + dFy_dSHMUY*dMz_dFy,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHKX + dFx_dSHKX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHKY + dFy_dSHKY*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dVMU1 + dFx_dVMU1*dMz_dFx + dFy_dVMU1*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dTREF + dFx_dTREF*dMz_dFx + dFy_dTREF*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dTMU1 + dFx_dTMU1*dMz_dFx + dFy_dTMU1*dMz_dFy,
@@ -5478,6 +5493,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFy_dHMU*dMx_dFy,
         0,
         dFy_dHSLOW*dMx_dFy,
@@ -5488,6 +5504,7 @@ def jacobian_parameters(inputs, parameters):
         dFy_dHFPLAY*dMx_dFy,
         0,
         0,
+        0,
         dFy_dLLMU*dMx_dFy,
         dFy_dLLK*dMx_dFy,
         0,
@@ -5495,8 +5512,10 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFy_dSHMU*dMx_dFy,
-        dFy_dSHK*dMx_dFy,
+        0,
+        dFy_dSHMUY*dMx_dFy,
+        0,
+        dFy_dSHKY*dMx_dFy,
         dFy_dVMU1*dMx_dFy,
         dFy_dTREF*dMx_dFy,
         dFy_dTMU1*dMx_dFy,
@@ -5728,6 +5747,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dHMU*dMy_dFx,
         0,
         dFx_dHSLOW*dMy_dFx,
@@ -5745,8 +5765,11 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU*dMy_dFx,
-        dFx_dSHK*dMy_dFx,
+        0,
+        dFx_dSHMUX*dMy_dFx,
+        0,
+        dFx_dSHKX*dMy_dFx,
+        0,
         dFx_dVMU1*dMy_dFx,
         dFx_dTREF*dMy_dFx,
         dFx_dTMU1*dMy_dFx,
@@ -5783,9 +5806,10 @@ def jacobian_inputs_straight(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = parameters
 
     # Inputs
@@ -5833,7 +5857,7 @@ def jacobian_inputs_straight(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = np.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = np.abs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -5858,7 +5882,7 @@ def jacobian_inputs_straight(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -5905,7 +5929,7 @@ def jacobian_inputs_straight(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -5939,7 +5963,7 @@ def jacobian_inputs_straight(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = np.abs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -6659,7 +6683,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dF_x0_u_dF_z = dF_x0_u_dD_x*mu_x
     dF_x0_u_dmu_x_loaded = dD_x_dmu_x_loaded*dF_x0_u_dD_x
     dFx_dF_x0_u = dF_x0_part2_dF_x0_u*dFx_dF_x0_part2
-    dmu_x_loaded_dslip_growth = SHMU*mu_x_loaded_by_mu_x_loaded_part1
+    dmu_x_loaded_dslip_growth = SHMUX*mu_x_loaded_by_mu_x_loaded_part1
     dmu_x_loaded_dV = dmu_x_loaded_part5_dV*mu_x_loaded_by_mu_x_loaded_part5
     dmu_x_loaded_dT = dmu_x_loaded_part10_dT*mu_x_loaded_by_mu_x_loaded_part10 + mu_x_loaded_by_mu_x_loaded_part7*mu_x_loaded_part7_by_mu_x_loaded_part6
     dmu_x_loaded_ddistance = mu_x_loaded_by_mu_x_loaded_part8*mu_x_loaded_part8_by_distance
@@ -6764,7 +6788,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dFx_dalpha_star = dFx_dG_xa*dG_xa_dalpha_star
     dMz_without_hysteresis_force_part1_dalpha_star = M_zr_part3*dD_r_dalpha_star + dD_Vyk_dalpha_star*dMz_without_hysteresis_force_part1_dD_Vyk + dMz_without_hysteresis_force_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_r - F_y1*dtrail_dalpha_star
     dFy_dalpha_star = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dalpha_star + dD_Vyk_dalpha_star*dFy_dD_Vyk
-    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHK
+    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHKX
     dK_xkappa_dT = K_xkappa_by_K_xkappa_part3*TK1 + K_xkappa_by_K_xkappa_part6*dK_xkappa_part6_dT
     dK_xkappa_ddistance = K_xkappa_by_K_xkappa_part4*WK1
     dK_xkappa_dtread_heat = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dtread_heat
@@ -6786,7 +6810,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dMz_without_hysteresis_force_part1_dT = dK_xkappa_dT*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_ddistance = dK_xkappa_ddistance*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dtread_heat = dK_xkappa_dtread_heat*dMz_without_hysteresis_force_part1_dK_xkappa
-    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHK
+    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHKY
     dK_yalpha_dT = K_yalpha_by_K_yalpha_part3*TK1 + K_yalpha_by_K_yalpha_part6*dK_yalpha_part6_dT
     dK_yalpha_ddistance = K_yalpha_by_K_yalpha_part4*WK1
     dK_yalpha_dtread_heat = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dtread_heat
@@ -6796,7 +6820,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dK_yalpha_dgamma = dK_yalpha_dgamma_star*gamma_star_by_gamma
     dFy_dK_yalpha = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dK_yalpha
     dMz_dK_yalpha = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dK_yalpha
-    dmu_y_loaded_dslip_growth = SHMU*mu_y_loaded_by_mu_y_loaded_part1
+    dmu_y_loaded_dslip_growth = SHMUY*mu_y_loaded_by_mu_y_loaded_part1
     dmu_y_loaded_dV = dmu_y_loaded_part5_dV*mu_y_loaded_by_mu_y_loaded_part5
     dmu_y_loaded_dT = dmu_y_loaded_part10_dT*mu_y_loaded_by_mu_y_loaded_part10 + mu_y_loaded_by_mu_y_loaded_part7*mu_y_loaded_part7_by_mu_y_loaded_part6
     dmu_y_loaded_ddistance = mu_y_loaded_by_mu_y_loaded_part8*mu_y_loaded_part8_by_distance
@@ -6984,9 +7008,10 @@ def jacobian_parameters_straight(inputs, parameters):
         QDZ1, QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5,
         QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2, SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1,
         PDYP2, PDYP3, PDYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK,
-        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF,
-        TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIMU, BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN,
+        HFWID, HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX,
+        SHMUY, SHKX, SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION,
+        SLIP_ANGLE, LIMITS, SIGNS
     ) = parameters
 
     # Inputs
@@ -7034,7 +7059,7 @@ def jacobian_parameters_straight(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = np.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = np.abs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -7059,7 +7084,7 @@ def jacobian_parameters_straight(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -7106,7 +7131,7 @@ def jacobian_parameters_straight(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -7140,7 +7165,7 @@ def jacobian_parameters_straight(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = np.abs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -8059,7 +8084,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dS_Vy_dFNOMIN = dS_Vy_ddfz*ddfz_dFNOMIN
     dS_Vy_dLFZO = dS_Vy_ddfz*ddfz_dLFZO
     dMz_without_hysteresis_force_part1_dS_Vy = alpha_r_part1*dMz_without_hysteresis_force_part1_dalpha_r
-    dmu_x_loaded_dSHMU = mu_x_loaded_by_mu_x_loaded_part1*slip_growth
+    dmu_x_loaded_dSHMUX = mu_x_loaded_by_mu_x_loaded_part1*slip_growth
     dmu_x_loaded_dVMU1 = mu_x_loaded_by_mu_x_loaded_part5*mu_x_loaded_part5_by_VMU1
     dmu_x_loaded_dLONGVL = dmu_x_loaded_part5_dLONGVL*mu_x_loaded_by_mu_x_loaded_part5
     dmu_x_loaded_dWMU1 = distance*mu_x_loaded_by_mu_x_loaded_part8
@@ -8103,7 +8128,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dtrail_v_dFNOMIN = ddfz_dFNOMIN*dtrail_v_ddfz
     dtrail_v_dLFZO = ddfz_dLFZO*dtrail_v_ddfz
     dMz_without_hysteresis_force_part1_dtrail_v = -F_y1*dtrail_dtrail_v
-    dK_xkappa_dSHK = K_xkappa_by_K_xkappa_part1*slip_growth
+    dK_xkappa_dSHKX = K_xkappa_by_K_xkappa_part1*slip_growth
     dK_xkappa_dWK1 = K_xkappa_by_K_xkappa_part4*distance
     dK_xkappa_dHK = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dHK
     dK_xkappa_dTK1 = K_xkappa_by_K_xkappa_part3*K_xkappa_part2
@@ -8120,7 +8145,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dK_xkappa_dLFZO = dK_xkappa_ddfz*ddfz_dLFZO
     dMz_without_hysteresis_force_part1_dK_xkappa = dMz_without_hysteresis_force_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa + dMz_without_hysteresis_force_part1_dtrail_v*dtrail_v_dK_xkappa
     dFx_dK_xkappa = dF_x0_v_dK_xkappa*dFx_dF_x0_v
-    dK_yalpha_dSHK = K_yalpha_by_K_yalpha_part1*slip_growth
+    dK_yalpha_dSHKY = K_yalpha_by_K_yalpha_part1*slip_growth
     dK_yalpha_dWK1 = K_yalpha_by_K_yalpha_part4*distance
     dK_yalpha_dTK1 = K_yalpha_by_K_yalpha_part3*K_yalpha_part2
     dK_yalpha_dTREF = TKA*dK_yalpha_dK_yalpha_part5 - K_yalpha_by_K_yalpha_part3*TK1
@@ -8140,7 +8165,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dK_yalpha_dNOMPRES = dK_yalpha_dK_yalpha_without_heat_stiffness*dK_yalpha_without_heat_stiffness_dNOMPRES
     dMz_without_hysteresis_force_part1_dK_yalpha = B_y_part3*dMz_without_hysteresis_force_part1_dB_y + dMz_without_hysteresis_force_part1_dalpha_r*dalpha_r_dK_yalpha + dMz_without_hysteresis_force_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dtrail_v*dtrail_v_dK_yalpha
     dFy_without_hysteresis_force_part1_dK_yalpha = B_y_part3*dFy_without_hysteresis_force_part1_dB_y
-    dmu_y_loaded_dSHMU = mu_y_loaded_by_mu_y_loaded_part1*slip_growth
+    dmu_y_loaded_dSHMUY = mu_y_loaded_by_mu_y_loaded_part1*slip_growth
     dmu_y_loaded_dLLMU = dmu_y_loaded_without_slip_history_dLLMU*mu_y_loaded_by_mu_y_loaded_without_slip_history
     dmu_y_loaded_dVMU1 = mu_y_loaded_by_mu_y_loaded_part5*mu_y_loaded_part5_by_VMU1
     dmu_y_loaded_dLONGVL = dmu_y_loaded_part5_dLONGVL*mu_y_loaded_by_mu_y_loaded_part5
@@ -8203,7 +8228,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFy_without_hysteresis_force_part1_dPVY4 = dFy_without_hysteresis_force_part1_dF_y0_part2*dS_Vy_dPVY4
     dFy_without_hysteresis_force_part1_dPVY1 = S_Vy_by_S_Vy_part1*dFy_without_hysteresis_force_part1_dF_y0_part2
     dFy_without_hysteresis_force_part1_dPVY2 = dFy_without_hysteresis_force_part1_dF_y0_part2*dS_Vy_dPVY2
-    dFy_without_hysteresis_force_part1_dSHK = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dSHK
+    dFy_without_hysteresis_force_part1_dSHKY = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dSHKY
     dFy_without_hysteresis_force_part1_dWK1 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dWK1
     dFy_without_hysteresis_force_part1_dTK1 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dTK1
     dFy_without_hysteresis_force_part1_dTREF = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dTREF + dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dTREF
@@ -8219,7 +8244,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFy_without_hysteresis_force_part1_dPKY2 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dPKY2
     dFy_without_hysteresis_force_part1_dPKY5 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dPKY5
     dFy_without_hysteresis_force_part1_dNOMPRES = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dNOMPRES + dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dNOMPRES
-    dFy_without_hysteresis_force_part1_dSHMU = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMU
+    dFy_without_hysteresis_force_part1_dSHMUY = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMUY
     dFy_without_hysteresis_force_part1_dLLMU = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLLMU
     dFy_without_hysteresis_force_part1_dVMU1 = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dVMU1
     dFy_without_hysteresis_force_part1_dLONGVL = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLONGVL
@@ -8300,7 +8325,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dMz_without_hysteresis_force_part1_dQBZ1 = dMz_without_hysteresis_force_part1_dtrail_v*dtrail_v_dQBZ1
     dMz_without_hysteresis_force_part1_dQBZ2 = dMz_without_hysteresis_force_part1_dtrail_v*dtrail_v_dQBZ2
     dMz_without_hysteresis_force_part1_dQBZ3 = dMz_without_hysteresis_force_part1_dtrail_v*dtrail_v_dQBZ3
-    dMz_without_hysteresis_force_part1_dSHK = dK_xkappa_dSHK*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dSHK*dMz_without_hysteresis_force_part1_dK_yalpha
+    dMz_without_hysteresis_force_part1_dSHKX = dK_xkappa_dSHKX*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dWK1 = dK_xkappa_dWK1*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dWK1*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dHK = dK_xkappa_dHK*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dHK*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dTK1 = dK_xkappa_dTK1*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dTK1*dMz_without_hysteresis_force_part1_dK_yalpha
@@ -8312,6 +8337,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dMz_without_hysteresis_force_part1_dPKX3 = dK_xkappa_dPKX3*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dPPX1 = dK_xkappa_dPPX1*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dPPX2 = dK_xkappa_dPPX2*dMz_without_hysteresis_force_part1_dK_xkappa
+    dMz_without_hysteresis_force_part1_dSHKY = dK_yalpha_dSHKY*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dLLK = dK_yalpha_dLLK*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dPKY1 = dK_yalpha_dPKY1*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dPKY3 = dK_yalpha_dPKY3*dMz_without_hysteresis_force_part1_dK_yalpha
@@ -8320,7 +8346,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dMz_without_hysteresis_force_part1_dPPY2 = dK_yalpha_dPPY2*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dPKY2 = dK_yalpha_dPKY2*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dPKY5 = dK_yalpha_dPKY5*dMz_without_hysteresis_force_part1_dK_yalpha
-    dMz_without_hysteresis_force_part1_dSHMU = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMU
+    dMz_without_hysteresis_force_part1_dSHMUY = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMUY
     dMz_without_hysteresis_force_part1_dLLMU = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLLMU
     dMz_without_hysteresis_force_part1_dVMU1 = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dVMU1
     dMz_without_hysteresis_force_part1_dLONGVL = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLONGVL
@@ -8363,7 +8389,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFx_dPEX3 = dF_x0_v_dPEX3*dFx_dF_x0_v
     dFx_dFNOMIN = dFx_dK_xkappa*dK_xkappa_dFNOMIN + dFx_ddfz*ddfz_dFNOMIN + dFx_dmu_x_loaded*dmu_x_loaded_dFNOMIN
     dFx_dLFZO = dFx_dK_xkappa*dK_xkappa_dLFZO + dFx_ddfz*ddfz_dLFZO + dFx_dmu_x_loaded*dmu_x_loaded_dLFZO
-    dFx_dSHMU = dFx_dmu_x_loaded*dmu_x_loaded_dSHMU
+    dFx_dSHMUX = dFx_dmu_x_loaded*dmu_x_loaded_dSHMUX
     dFx_dVMU1 = dFx_dmu_x_loaded*dmu_x_loaded_dVMU1
     dFx_dLONGVL = dFx_dmu_x_loaded*dmu_x_loaded_dLONGVL
     dFx_dWMU1 = dFx_dmu_x_loaded*dmu_x_loaded_dWMU1
@@ -8382,7 +8408,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFx_dPPX3 = dFx_dmu_x_loaded*dmu_x_loaded_dPPX3
     dFx_dPPX4 = dFx_dmu_x_loaded*dmu_x_loaded_dPPX4
     dFx_dNOMPRES = dFx_dK_xkappa*dK_xkappa_dNOMPRES + dFx_dmu_x_loaded*dmu_x_loaded_dNOMPRES
-    dFx_dSHK = dFx_dK_xkappa*dK_xkappa_dSHK
+    dFx_dSHKX = dFx_dK_xkappa*dK_xkappa_dSHKX
     dFx_dWK1 = dFx_dK_xkappa*dK_xkappa_dWK1
     dFx_dHK = dFx_dK_xkappa*dK_xkappa_dHK
     dFx_dTK1 = dFx_dK_xkappa*dK_xkappa_dTK1
@@ -8436,7 +8462,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFy_dPVY4 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dPVY4
     dFy_dPVY1 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dPVY1
     dFy_dPVY2 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dPVY2
-    dFy_dSHK = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dSHK
+    dFy_dSHKY = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dSHKY
     dFy_dWK1 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dWK1
     dFy_dTK1 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dTK1
     dFy_dTREF = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dTREF
@@ -8452,7 +8478,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFy_dPKY2 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dPKY2
     dFy_dPKY5 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dPKY5
     dFy_dNOMPRES = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dNOMPRES
-    dFy_dSHMU = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dSHMU
+    dFy_dSHMUY = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dSHMUY
     dFy_dLLMU = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dLLMU
     dFy_dVMU1 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dVMU1
     dFy_dLONGVL = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dLONGVL
@@ -8694,6 +8720,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dHMU,
         0,
         dFx_dHSLOW,
@@ -8711,8 +8738,11 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU,
-        dFx_dSHK,
+        0,
+        dFx_dSHMUX,
+        0,
+        dFx_dSHKX,
+        0,
         dFx_dVMU1,
         dFx_dTREF,
         dFx_dTMU1,
@@ -8944,6 +8974,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFy_dHMU,
         0,
         dFy_dHSLOW,
@@ -8954,6 +8985,7 @@ def jacobian_parameters_straight(inputs, parameters):
         dFy_dHFPLAY,
         0,
         0,
+        0,
         dFy_dLLMU,
         dFy_dLLK,
         0,
@@ -8961,8 +8993,10 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        dFy_dSHMU,
-        dFy_dSHK,
+        0,
+        dFy_dSHMUY,
+        0,
+        dFy_dSHKY,
         dFy_dVMU1,
         dFy_dTREF,
         dFy_dTMU1,
@@ -9194,6 +9228,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dHMU + dFx_dHMU*dMz_dFx + dFy_dHMU*dMz_dFy,
         0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dHSLOW + dFx_dHSLOW*dMz_dFx + dFy_dHSLOW*dMz_dFy,
@@ -9204,6 +9239,7 @@ def jacobian_parameters_straight(inputs, parameters):
         Mz_by_Mz_part1*inner_play + dFy_dHFPLAY*dMz_dFy,
         Mz_by_HFARM,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dLLMU + dFy_dLLMU*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dLLK + dFy_dLLK*dMz_dFy,
         0,
@@ -9211,8 +9247,10 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHMU + dFx_dSHMU*dMz_dFx + dFy_dSHMU*dMz_dFy,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHK + dFx_dSHK*dMz_dFx + dFy_dSHK*dMz_dFy,
+        dFx_dSHMUX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHMUY + dFy_dSHMUY*dMz_dFy,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHKX + dFx_dSHKX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHKY + dFy_dSHKY*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dVMU1 + dFx_dVMU1*dMz_dFx + dFy_dVMU1*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dTREF + dFx_dTREF*dMz_dFx + dFy_dTREF*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dTMU1 + dFx_dTMU1*dMz_dFx + dFy_dTMU1*dMz_dFy,
@@ -9444,6 +9482,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFy_dHMU*dMx_dFy,
         0,
         dFy_dHSLOW*dMx_dFy,
@@ -9454,6 +9493,7 @@ def jacobian_parameters_straight(inputs, parameters):
         dFy_dHFPLAY*dMx_dFy,
         0,
         0,
+        0,
         dFy_dLLMU*dMx_dFy,
         dFy_dLLK*dMx_dFy,
         0,
@@ -9461,8 +9501,10 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        dFy_dSHMU*dMx_dFy,
-        dFy_dSHK*dMx_dFy,
+        0,
+        dFy_dSHMUY*dMx_dFy,
+        0,
+        dFy_dSHKY*dMx_dFy,
         dFy_dVMU1*dMx_dFy,
         dFy_dTREF*dMx_dFy,
         dFy_dTMU1*dMx_dFy,
@@ -9694,6 +9736,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dHMU*dMy_dFx,
         0,
         dFx_dHSLOW*dMy_dFx,
@@ -9711,8 +9754,11 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU*dMy_dFx,
-        dFx_dSHK*dMy_dFx,
+        0,
+        dFx_dSHMUX*dMy_dFx,
+        0,
+        dFx_dSHKX*dMy_dFx,
+        0,
         dFx_dVMU1*dMy_dFx,
         dFx_dTREF*dMy_dFx,
         dFx_dTMU1*dMy_dFx,

@@ -29,9 +29,10 @@ def jacobian_inputs(inputs, parameters):
         QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2,
         SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1, PDYP2, PDYP3, PDYP4, PHYP1, PHYP2,
         PHYP3, PHYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK, BIMU,
-        BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY,
-        HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF, TMU1,
-        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX, SHMUY, SHKX,
+        SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS,
+        SIGNS
     ) = parameters
 
     # Inputs
@@ -162,7 +163,7 @@ def jacobian_inputs(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = np.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = np.abs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -188,7 +189,7 @@ def jacobian_inputs(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -232,7 +233,7 @@ def jacobian_inputs(inputs, parameters):
     K_yalpha_g0_without_slip_history_part4 = late_load - Fz
     K_yalpha_g0_without_slip_history_part5 = 1 + K_yalpha_g0_without_slip_history_part3*K_yalpha_g0_without_slip_history_part4*LLK
     K_yalpha_g0_without_slip_history = K_yalpha_g0_without_load_lag*K_yalpha_g0_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_g0_part1 = 1 + SHK*slip_growth
+    K_yalpha_g0_part1 = 1 + SHKY*slip_growth
     K_yalpha_g0_part2 = T - TREF
     K_yalpha_g0_part3 = 1 + K_yalpha_g0_part2*TK1
     K_yalpha_g0_part4 = 1 + WK1*distance
@@ -263,7 +264,7 @@ def jacobian_inputs(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -323,7 +324,7 @@ def jacobian_inputs(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = np.abs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -385,7 +386,7 @@ def jacobian_inputs(inputs, parameters):
     mu_y_loaded_g0_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_g0_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_g0_without_slip_history_part3*mu_y_loaded_g0_without_slip_history_part4
     mu_y_loaded_g0_without_slip_history = mu_y_loaded_g0_without_load_lag*mu_y_loaded_g0_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_g0_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_g0_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_g0_part2 = 1/LONGVL
     mu_y_loaded_g0_part3 = np.abs(V)
     mu_y_loaded_g0_part4 = mu_y_loaded_g0_part3 - LONGVL
@@ -1750,7 +1751,7 @@ def jacobian_inputs(inputs, parameters):
     dM_y_full_dp = dM_y_full_dp_in*dp_in_dp
     dM_y_full_dFz = dF_zy_share_dFz*dM_y_full_dF_zy_share
     dMy_dM_y_full = M_y_rolling_part2_by_M_y_full*dMy_dM_y_rolling_part2
-    dmu_x_loaded_dslip_growth = SHMU*mu_x_loaded_by_mu_x_loaded_part1
+    dmu_x_loaded_dslip_growth = SHMUX*mu_x_loaded_by_mu_x_loaded_part1
     dmu_x_loaded_dV = dmu_x_loaded_part5_dV*mu_x_loaded_by_mu_x_loaded_part5
     dmu_x_loaded_dT = dmu_x_loaded_part10_dT*mu_x_loaded_by_mu_x_loaded_part10 + mu_x_loaded_by_mu_x_loaded_part7*mu_x_loaded_part7_by_mu_x_loaded_part6
     dmu_x_loaded_ddistance = mu_x_loaded_by_mu_x_loaded_part8*mu_x_loaded_part8_by_distance
@@ -2032,7 +2033,7 @@ def jacobian_inputs(inputs, parameters):
     dtrail_dalpha_star = E_t_by_alpha_t*dtrail_dE_t + dslip_alpha_teq_part1_dalpha_t*dtrail_dslip_alpha_teq_part1
     dMz_without_hysteresis_force_part1_dalpha_star = B_y_g0*dMz_without_hysteresis_force_part1_dF_y0_g0_u + M_zr_by_D_r*dD_r_dalpha_star + dG_yk_dalpha_star*dMz_without_hysteresis_force_part1_dG_yk + dMz_without_hysteresis_force_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_r - dF_y1_dalpha_star*trail
     dFy_dalpha_star = dD_Vyk_dalpha_star*dFy_dD_Vyk + dF_y0_part2_dalpha_star*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dalpha_star
-    dmu_y_loaded_g0_dslip_growth = SHMU*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
+    dmu_y_loaded_g0_dslip_growth = SHMUY*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
     dmu_y_loaded_g0_dV = dmu_y_loaded_g0_part5_dV*mu_y_loaded_g0_by_mu_y_loaded_g0_part5
     dmu_y_loaded_g0_dT = dmu_y_loaded_g0_part10_dT*mu_y_loaded_g0_by_mu_y_loaded_g0_part10 + mu_y_loaded_g0_by_mu_y_loaded_g0_part7*mu_y_loaded_g0_part7_by_mu_y_loaded_g0_part6
     dmu_y_loaded_g0_ddistance = mu_y_loaded_g0_by_mu_y_loaded_g0_part8*mu_y_loaded_g0_part8_by_distance
@@ -2057,7 +2058,7 @@ def jacobian_inputs(inputs, parameters):
     dtrail_dp = ddpi_dp*dtrail_ddpi
     dtrail_dkappa = dkappa_in_dkappa*dtrail_dkappa_in
     dtrail_dcarcass_deflection_speed = alpha_star_by_carcass_deflection_speed*dtrail_dalpha_star
-    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHK
+    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHKX
     dK_xkappa_dT = K_xkappa_by_K_xkappa_part3*TK1 + K_xkappa_by_K_xkappa_part6*dK_xkappa_part6_dT
     dK_xkappa_ddistance = K_xkappa_by_K_xkappa_part4*WK1
     dK_xkappa_dtread_heat = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dtread_heat
@@ -2108,7 +2109,7 @@ def jacobian_inputs(inputs, parameters):
     dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma
     dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2
     dMz_without_hysteresis_force_part1_dzeta_2 = M_zr_by_D_r*dD_r_dzeta_2 + dB_r_dzeta_2*dMz_without_hysteresis_force_part1_dB_r + dF_y0_g0_part2_dzeta_2*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dF_y0_g0_u_dzeta_2*dMz_without_hysteresis_force_part1_dF_y0_g0_u + dMz_without_hysteresis_force_part1_dS_Vy_part2*dS_Vy_part2_dzeta_2
-    dK_yalpha_g0_dslip_growth = K_yalpha_g0_by_K_yalpha_g0_part1*SHK
+    dK_yalpha_g0_dslip_growth = K_yalpha_g0_by_K_yalpha_g0_part1*SHKY
     dK_yalpha_g0_dT = K_yalpha_g0_by_K_yalpha_g0_part3*TK1 + K_yalpha_g0_by_K_yalpha_g0_part6*dK_yalpha_g0_part6_dT
     dK_yalpha_g0_ddistance = K_yalpha_g0_by_K_yalpha_g0_part4*WK1
     dK_yalpha_g0_dtread_heat = K_yalpha_g0_by_K_yalpha_g0_without_slip_history*dK_yalpha_g0_without_slip_history_dtread_heat
@@ -2145,7 +2146,7 @@ def jacobian_inputs(inputs, parameters):
     dMz_without_hysteresis_force_part1_dcarcass_heat = dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dcarcass_heat
     dMz_without_hysteresis_force_part1_dtread_heat = dK_xkappa_dtread_heat*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_g0_dtread_heat*dMz_without_hysteresis_force_part1_dK_yalpha_g0 + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dtread_heat
     dMz_without_hysteresis_force_part1_dphit = dMz_without_hysteresis_force_part1_dphit_in*phit_in_by_phit
-    dmu_y_loaded_dslip_growth = SHMU*mu_y_loaded_by_mu_y_loaded_part1
+    dmu_y_loaded_dslip_growth = SHMUY*mu_y_loaded_by_mu_y_loaded_part1
     dmu_y_loaded_dV = dmu_y_loaded_dslide*dslide_dV + dmu_y_loaded_part5_dV*mu_y_loaded_by_mu_y_loaded_part5
     dmu_y_loaded_dT = dmu_y_loaded_part10_dT*mu_y_loaded_by_mu_y_loaded_part10 + mu_y_loaded_by_mu_y_loaded_part7*mu_y_loaded_part7_by_mu_y_loaded_part6
     dmu_y_loaded_ddistance = mu_y_loaded_by_mu_y_loaded_part8*mu_y_loaded_part8_by_distance
@@ -2176,7 +2177,7 @@ def jacobian_inputs(inputs, parameters):
     dS_Hy_part4_dphit = dS_Hy_part4_dphit_in*phit_in_by_phit
     dFy_dS_Hy_part4 = dF_y0_part2_dS_Hy_part4*dFy_dF_y0_part2
     dMz_dS_Hy_part4 = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dS_Hy_part4
-    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHK
+    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHKY
     dK_yalpha_dT = K_yalpha_by_K_yalpha_part3*TK1 + K_yalpha_by_K_yalpha_part6*dK_yalpha_part6_dT
     dK_yalpha_ddistance = K_yalpha_by_K_yalpha_part4*WK1
     dK_yalpha_dtread_heat = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dtread_heat
@@ -2375,9 +2376,10 @@ def jacobian_parameters(inputs, parameters):
         QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2,
         SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1, PDYP2, PDYP3, PDYP4, PHYP1, PHYP2,
         PHYP3, PHYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK, BIMU,
-        BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY,
-        HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF, TMU1,
-        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX, SHMUY, SHKX,
+        SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS,
+        SIGNS
     ) = parameters
 
     # Inputs
@@ -2508,7 +2510,7 @@ def jacobian_parameters(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = np.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = np.abs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -2534,7 +2536,7 @@ def jacobian_parameters(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -2578,7 +2580,7 @@ def jacobian_parameters(inputs, parameters):
     K_yalpha_g0_without_slip_history_part4 = late_load - Fz
     K_yalpha_g0_without_slip_history_part5 = 1 + K_yalpha_g0_without_slip_history_part3*K_yalpha_g0_without_slip_history_part4*LLK
     K_yalpha_g0_without_slip_history = K_yalpha_g0_without_load_lag*K_yalpha_g0_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_g0_part1 = 1 + SHK*slip_growth
+    K_yalpha_g0_part1 = 1 + SHKY*slip_growth
     K_yalpha_g0_part2 = T - TREF
     K_yalpha_g0_part3 = 1 + K_yalpha_g0_part2*TK1
     K_yalpha_g0_part4 = 1 + WK1*distance
@@ -2609,7 +2611,7 @@ def jacobian_parameters(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -2669,7 +2671,7 @@ def jacobian_parameters(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = np.abs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -2731,7 +2733,7 @@ def jacobian_parameters(inputs, parameters):
     mu_y_loaded_g0_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_g0_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_g0_without_slip_history_part3*mu_y_loaded_g0_without_slip_history_part4
     mu_y_loaded_g0_without_slip_history = mu_y_loaded_g0_without_load_lag*mu_y_loaded_g0_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_g0_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_g0_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_g0_part2 = 1/LONGVL
     mu_y_loaded_g0_part3 = np.abs(V)
     mu_y_loaded_g0_part4 = mu_y_loaded_g0_part3 - LONGVL
@@ -4712,7 +4714,7 @@ def jacobian_parameters(inputs, parameters):
     dF_x0_v_dPDXP2 = dF_x0_v_dzeta_1*dzeta_1_dPDXP2
     dF_x0_v_dFZMAX = F_z_limited_by_FZMAX*dF_x0_v_dF_z_limited
     dFx_dF_x0_v = dF_x0_part2_dF_x0_v*dFx_dF_x0_part2
-    dmu_y_loaded_g0_dSHMU = mu_y_loaded_g0_by_mu_y_loaded_g0_part1*slip_growth
+    dmu_y_loaded_g0_dSHMUY = mu_y_loaded_g0_by_mu_y_loaded_g0_part1*slip_growth
     dmu_y_loaded_g0_dLLMU = dmu_y_loaded_g0_without_slip_history_dLLMU*mu_y_loaded_g0_by_mu_y_loaded_g0_without_slip_history
     dmu_y_loaded_g0_dVMU1 = mu_y_loaded_g0_by_mu_y_loaded_g0_part5*mu_y_loaded_g0_part5_by_VMU1
     dmu_y_loaded_g0_dLONGVL = dmu_y_loaded_g0_part5_dLONGVL*mu_y_loaded_g0_by_mu_y_loaded_g0_part5
@@ -4760,7 +4762,7 @@ def jacobian_parameters(inputs, parameters):
     dB_Drphi_dM_zphi_inf_signed = dB_Drphi_dD_Drphi*dD_Drphi_dM_zphi_inf_signed
     dM_zr_part1_dM_zphi_inf_signed = dD_rphi_dM_zphi_inf_signed*dM_zr_part1_dD_rphi + dM_zphi90_dM_zphi_inf_signed*dM_zr_part1_dM_zphi90
     dMz_without_hysteresis_force_part1_dM_zphi_inf_signed = dD_rphi_dM_zphi_inf_signed*dMz_without_hysteresis_force_part1_dD_rphi
-    dmu_x_loaded_dSHMU = mu_x_loaded_by_mu_x_loaded_part1*slip_growth
+    dmu_x_loaded_dSHMUX = mu_x_loaded_by_mu_x_loaded_part1*slip_growth
     dmu_x_loaded_dVMU1 = mu_x_loaded_by_mu_x_loaded_part5*mu_x_loaded_part5_by_VMU1
     dmu_x_loaded_dLONGVL = dmu_x_loaded_dslide*slide_by_LONGVL + dmu_x_loaded_part5_dLONGVL*mu_x_loaded_by_mu_x_loaded_part5
     dmu_x_loaded_dWMU1 = distance*mu_x_loaded_by_mu_x_loaded_part8
@@ -4879,7 +4881,7 @@ def jacobian_parameters(inputs, parameters):
     dtrail_ddfz = dB_t_ddfz*dtrail_dB_t + dD_t_ddfz*trail_by_D_t + dE_t_ddfz*dtrail_dE_t + dalpha_t_ddfz*dtrail_dalpha_t
     dFx_ddfz = dF_x0_part2_ddfz*dFx_dF_x0_part2 + dF_x0_v_ddfz*dFx_dF_x0_v + dFx_dG_xa*dG_xa_ddfz + dFx_dmu_x_loaded*dmu_x_loaded_ddfz
     dM_zr_part1_ddfz = dB_Drphi_ddfz*dM_zr_part1_dB_Drphi + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_ddfz
-    dK_yalpha_g0_dSHK = K_yalpha_g0_by_K_yalpha_g0_part1*slip_growth
+    dK_yalpha_g0_dSHKY = K_yalpha_g0_by_K_yalpha_g0_part1*slip_growth
     dK_yalpha_g0_dWK1 = K_yalpha_g0_by_K_yalpha_g0_part4*distance
     dK_yalpha_g0_dTK1 = K_yalpha_g0_by_K_yalpha_g0_part3*K_yalpha_g0_part2
     dK_yalpha_g0_dTREF = TKA*dK_yalpha_g0_dK_yalpha_g0_part5 - K_yalpha_g0_by_K_yalpha_g0_part3*TK1
@@ -4991,7 +4993,7 @@ def jacobian_parameters(inputs, parameters):
     dM_zr_part1_dQDZ11 = dB_Drphi_dQDZ11*dM_zr_part1_dB_Drphi
     dM_zr_part1_dQDZ8 = dB_Drphi_dQDZ8*dM_zr_part1_dB_Drphi
     dM_zr_part1_dQDZ9 = dB_Drphi_dQDZ9*dM_zr_part1_dB_Drphi
-    dK_xkappa_dSHK = K_xkappa_by_K_xkappa_part1*slip_growth
+    dK_xkappa_dSHKX = K_xkappa_by_K_xkappa_part1*slip_growth
     dK_xkappa_dWK1 = K_xkappa_by_K_xkappa_part4*distance
     dK_xkappa_dHK = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dHK
     dK_xkappa_dTK1 = K_xkappa_by_K_xkappa_part3*K_xkappa_part2
@@ -5058,7 +5060,7 @@ def jacobian_parameters(inputs, parameters):
     dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma
     dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dzeta_2
     dMz_without_hysteresis_force_part1_dzeta_2 = D_r_part7_by_zeta_2*dMz_without_hysteresis_force_part1_dD_r_part7 + M_zr_by_M_zr_part1*dM_zr_part1_dzeta_2
-    dmu_y_loaded_dSHMU = mu_y_loaded_by_mu_y_loaded_part1*slip_growth
+    dmu_y_loaded_dSHMUY = mu_y_loaded_by_mu_y_loaded_part1*slip_growth
     dmu_y_loaded_dLLMU = dmu_y_loaded_without_slip_history_dLLMU*mu_y_loaded_by_mu_y_loaded_without_slip_history
     dmu_y_loaded_dVMU1 = mu_y_loaded_by_mu_y_loaded_part5*mu_y_loaded_part5_by_VMU1
     dmu_y_loaded_dLONGVL = dLMUY_star_dLONGVL*dmu_y_loaded_dLMUY_star + dmu_y_loaded_part5_dLONGVL*mu_y_loaded_by_mu_y_loaded_part5
@@ -5107,7 +5109,7 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_g0_part2_dPHY2 = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dPHY2
     dF_y0_g0_part2_dCASIG = alpha_star_by_CASIG*dF_y0_g0_part2_dalpha_star
     dF_y0_g0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_y0_g0_part2_dF_z_limited + dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dFZMAX + dF_y0_g0_part2_dS_Hyphi*dS_Hyphi_dFZMAX + dF_y0_g0_part2_ddfz*ddfz_dFZMAX + dF_y0_g0_part2_dzeta_2*dzeta_2_dFZMAX
-    dF_y0_g0_part2_dSHMU = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dSHMU
+    dF_y0_g0_part2_dSHMUY = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dSHMUY
     dF_y0_g0_part2_dLLMU = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dLLMU
     dF_y0_g0_part2_dVMU1 = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dVMU1
     dF_y0_g0_part2_dLONGVL = dF_y0_g0_part2_dLMUY_star*dLMUY_star_dLONGVL + dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dLONGVL
@@ -5143,7 +5145,7 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_g0_part2_dPRESMIN = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dPRESMIN + dF_y0_g0_part2_ddpi*ddpi_dPRESMIN
     dF_y0_g0_part2_dFNOMIN = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dFNOMIN + dF_y0_g0_part2_ddfz*ddfz_dFNOMIN + dF_y0_g0_part2_dzeta_2*dzeta_2_dFNOMIN
     dF_y0_g0_part2_dLFZO = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dLFZO + dF_y0_g0_part2_ddfz*ddfz_dLFZO + dF_y0_g0_part2_dzeta_2*dzeta_2_dLFZO
-    dF_y0_g0_part2_dSHK = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dSHK
+    dF_y0_g0_part2_dSHKY = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dSHKY
     dF_y0_g0_part2_dWK1 = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dWK1
     dF_y0_g0_part2_dTK1 = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dTK1
     dF_y0_g0_part2_dTKA = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dTKA
@@ -5165,7 +5167,7 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_g0_part2_dPDYP3 = dF_y0_g0_part2_dzeta_2*dzeta_2_dPDYP3
     dF_y0_g0_part2_dPDYP2 = dF_y0_g0_part2_dzeta_2*dzeta_2_dPDYP2
     dMz_without_hysteresis_force_part1_dF_y0_g0_part2 = -dF_y1_dF_y0_g0_part2*trail
-    dK_yalpha_dSHK = K_yalpha_by_K_yalpha_part1*slip_growth
+    dK_yalpha_dSHKY = K_yalpha_by_K_yalpha_part1*slip_growth
     dK_yalpha_dWK1 = K_yalpha_by_K_yalpha_part4*distance
     dK_yalpha_dTK1 = K_yalpha_by_K_yalpha_part3*K_yalpha_part2
     dK_yalpha_dTREF = TKA*dK_yalpha_dK_yalpha_part5 - K_yalpha_by_K_yalpha_part3*TK1
@@ -5242,7 +5244,7 @@ def jacobian_parameters(inputs, parameters):
     dS_Hy_part4_dPRESMIN = dK_yalpha_dPRESMIN*dS_Hy_part4_dK_yalpha + dK_yalpha_g0_dPRESMIN*dS_Hy_part4_dK_yalpha_g0 + dR_0_phi_dPRESMIN*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddpi*ddpi_dPRESMIN
     dS_Hy_part4_dFNOMIN = dK_yalpha_dFNOMIN*dS_Hy_part4_dK_yalpha + dK_yalpha_g0_dFNOMIN*dS_Hy_part4_dK_yalpha_g0 + dR_0_phi_dFNOMIN*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddfz*ddfz_dFNOMIN + dS_Hy_part4_dzeta_2*dzeta_2_dFNOMIN
     dS_Hy_part4_dLFZO = dK_yalpha_dLFZO*dS_Hy_part4_dK_yalpha + dK_yalpha_g0_dLFZO*dS_Hy_part4_dK_yalpha_g0 + dR_0_phi_dLFZO*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddfz*ddfz_dLFZO + dS_Hy_part4_dzeta_2*dzeta_2_dLFZO
-    dS_Hy_part4_dSHK = dK_yalpha_dSHK*dS_Hy_part4_dK_yalpha + dK_yalpha_g0_dSHK*dS_Hy_part4_dK_yalpha_g0
+    dS_Hy_part4_dSHKY = dK_yalpha_dSHKY*dS_Hy_part4_dK_yalpha + dK_yalpha_g0_dSHKY*dS_Hy_part4_dK_yalpha_g0
     dS_Hy_part4_dWK1 = dK_yalpha_dWK1*dS_Hy_part4_dK_yalpha + dK_yalpha_g0_dWK1*dS_Hy_part4_dK_yalpha_g0
     dS_Hy_part4_dTK1 = dK_yalpha_dTK1*dS_Hy_part4_dK_yalpha + dK_yalpha_g0_dTK1*dS_Hy_part4_dK_yalpha_g0
     dS_Hy_part4_dTREF = dK_yalpha_dTREF*dS_Hy_part4_dK_yalpha + dK_yalpha_g0_dTREF*dS_Hy_part4_dK_yalpha_g0
@@ -5359,7 +5361,7 @@ def jacobian_parameters(inputs, parameters):
     dMz_without_hysteresis_force_part1_dLKYC = M_zr_by_M_zr_part1*dM_zr_part1_dLKYC + dF_y0_g0_part2_dLKYC*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dLKYC
     dMz_without_hysteresis_force_part1_dPVY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY3 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPVY3
     dMz_without_hysteresis_force_part1_dPVY4 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY4 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPVY4
-    dMz_without_hysteresis_force_part1_dSHK = dF_y0_g0_part2_dSHK*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dK_xkappa_dSHK*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dSHK*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dSHK
+    dMz_without_hysteresis_force_part1_dSHKX = dK_xkappa_dSHKX*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dWK1 = dF_y0_g0_part2_dWK1*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dK_xkappa_dWK1*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dWK1*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dWK1
     dMz_without_hysteresis_force_part1_dHK = dF_y0_g0_part2_dHK*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dK_xkappa_dHK*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dHK*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dHK
     dMz_without_hysteresis_force_part1_dTK1 = dF_y0_g0_part2_dTK1*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dK_xkappa_dTK1*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dTK1*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dTK1
@@ -5379,7 +5381,7 @@ def jacobian_parameters(inputs, parameters):
     dMz_without_hysteresis_force_part1_dPDYP1 = dF_y0_g0_part2_dPDYP1*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPDYP1 + dMz_without_hysteresis_force_part1_dzeta_2*dzeta_2_dPDYP1
     dMz_without_hysteresis_force_part1_dPDYP3 = dF_y0_g0_part2_dPDYP3*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPDYP3 + dMz_without_hysteresis_force_part1_dzeta_2*dzeta_2_dPDYP3
     dMz_without_hysteresis_force_part1_dPDYP2 = dF_y0_g0_part2_dPDYP2*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPDYP2 + dMz_without_hysteresis_force_part1_dzeta_2*dzeta_2_dPDYP2
-    dMz_without_hysteresis_force_part1_dSHMU = dF_y0_g0_part2_dSHMU*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMU
+    dMz_without_hysteresis_force_part1_dSHMUY = dF_y0_g0_part2_dSHMUY*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMUY
     dMz_without_hysteresis_force_part1_dLLMU = dF_y0_g0_part2_dLLMU*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLLMU
     dMz_without_hysteresis_force_part1_dVMU1 = dF_y0_g0_part2_dVMU1*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dVMU1
     dMz_without_hysteresis_force_part1_dWMU1 = dF_y0_g0_part2_dWMU1*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dWMU1
@@ -5410,6 +5412,7 @@ def jacobian_parameters(inputs, parameters):
     dMz_without_hysteresis_force_part1_dPPY5 = dF_y0_g0_part2_dPPY5*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPPY5
     dMz_without_hysteresis_force_part1_dPKY6 = dF_y0_g0_part2_dPKY6*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPKY6
     dMz_without_hysteresis_force_part1_dPKY7 = dF_y0_g0_part2_dPKY7*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPKY7
+    dMz_without_hysteresis_force_part1_dSHKY = dF_y0_g0_part2_dSHKY*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dK_yalpha_dSHKY*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dSHKY
     dMz_without_hysteresis_force_part1_dLLK = dF_y0_g0_part2_dLLK*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dK_yalpha_dLLK*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dLLK
     dMz_without_hysteresis_force_part1_dPKY1 = dF_y0_g0_part2_dPKY1*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dK_yalpha_dPKY1*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPKY1
     dMz_without_hysteresis_force_part1_dPPY1 = dF_y0_g0_part2_dPPY1*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dK_yalpha_dPPY1*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dS_Hy_part4*dS_Hy_part4_dPPY1
@@ -5458,7 +5461,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dPEX4 = dF_x0_v_dPEX4*dFx_dF_x0_v
     dFx_dKPUMAX = dFx_dkappa_in*kappa_in_by_KPUMAX + dFx_dmu_x_loaded*dmu_x_loaded_dKPUMAX
     dFx_dKPUMIN = dFx_dkappa_in*dkappa_in_dKPUMIN + dFx_dmu_x_loaded*dmu_x_loaded_dKPUMIN
-    dFx_dSHMU = dFx_dmu_x_loaded*dmu_x_loaded_dSHMU
+    dFx_dSHMUX = dFx_dmu_x_loaded*dmu_x_loaded_dSHMUX
     dFx_dVMU1 = dFx_dmu_x_loaded*dmu_x_loaded_dVMU1
     dFx_dWMU1 = dFx_dmu_x_loaded*dmu_x_loaded_dWMU1
     dFx_dWMU2 = dFx_dmu_x_loaded*dmu_x_loaded_dWMU2
@@ -5484,7 +5487,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dPRESMIN = dFx_dK_xkappa*dK_xkappa_dPRESMIN + dFx_dR_0_phi*dR_0_phi_dPRESMIN + dFx_ddpi*ddpi_dPRESMIN
     dFx_dFNOMIN = dFx_dK_xkappa*dK_xkappa_dFNOMIN + dFx_dR_0_phi*dR_0_phi_dFNOMIN + dFx_ddfz*ddfz_dFNOMIN
     dFx_dLFZO = dFx_dK_xkappa*dK_xkappa_dLFZO + dFx_dR_0_phi*dR_0_phi_dLFZO + dFx_ddfz*ddfz_dLFZO
-    dFx_dSHK = dFx_dK_xkappa*dK_xkappa_dSHK
+    dFx_dSHKX = dFx_dK_xkappa*dK_xkappa_dSHKX
     dFx_dWK1 = dFx_dK_xkappa*dK_xkappa_dWK1
     dFx_dHK = dFx_dK_xkappa*dK_xkappa_dHK
     dFx_dTK1 = dFx_dK_xkappa*dK_xkappa_dTK1
@@ -5558,7 +5561,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dPDYP1 = dFy_dS_Hy_part4*dS_Hy_part4_dPDYP1 + dFy_dzeta_2*dzeta_2_dPDYP1
     dFy_dPDYP3 = dFy_dS_Hy_part4*dS_Hy_part4_dPDYP3 + dFy_dzeta_2*dzeta_2_dPDYP3
     dFy_dPDYP2 = dFy_dS_Hy_part4*dS_Hy_part4_dPDYP2 + dFy_dzeta_2*dzeta_2_dPDYP2
-    dFy_dSHMU = dFy_dmu_y_loaded*dmu_y_loaded_dSHMU
+    dFy_dSHMUY = dFy_dmu_y_loaded*dmu_y_loaded_dSHMUY
     dFy_dLLMU = dFy_dmu_y_loaded*dmu_y_loaded_dLLMU
     dFy_dVMU1 = dFy_dmu_y_loaded*dmu_y_loaded_dVMU1
     dFy_dWMU1 = dFy_dmu_y_loaded*dmu_y_loaded_dWMU1
@@ -5579,7 +5582,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dNOMPRES = dFy_dK_yalpha*dK_yalpha_dNOMPRES + dFy_dR_0_phi*dR_0_phi_dNOMPRES + dFy_dS_Hy_part4*dS_Hy_part4_dNOMPRES + dFy_dmu_y_loaded*dmu_y_loaded_dNOMPRES
     dFy_dPRESMAX = dFy_dK_yalpha*dK_yalpha_dPRESMAX + dFy_dR_0_phi*dR_0_phi_dPRESMAX + dFy_dS_Hy_part4*dS_Hy_part4_dPRESMAX + dFy_dmu_y_loaded*dmu_y_loaded_dPRESMAX
     dFy_dPRESMIN = dFy_dK_yalpha*dK_yalpha_dPRESMIN + dFy_dR_0_phi*dR_0_phi_dPRESMIN + dFy_dS_Hy_part4*dS_Hy_part4_dPRESMIN + dFy_dmu_y_loaded*dmu_y_loaded_dPRESMIN
-    dFy_dSHK = dFy_dK_yalpha*dK_yalpha_dSHK + dFy_dS_Hy_part4*dS_Hy_part4_dSHK
+    dFy_dSHKY = dFy_dK_yalpha*dK_yalpha_dSHKY + dFy_dS_Hy_part4*dS_Hy_part4_dSHKY
     dFy_dWK1 = dFy_dK_yalpha*dK_yalpha_dWK1 + dFy_dS_Hy_part4*dS_Hy_part4_dWK1
     dFy_dTK1 = dFy_dK_yalpha*dK_yalpha_dTK1 + dFy_dS_Hy_part4*dS_Hy_part4_dTK1
     dFy_dTKA = dFy_dK_yalpha*dK_yalpha_dTKA + dFy_dS_Hy_part4*dS_Hy_part4_dTKA
@@ -5851,6 +5854,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dHMU,
         0,
         dFx_dHSLOW,
@@ -5868,8 +5872,11 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU,
-        dFx_dSHK,
+        0,
+        dFx_dSHMUX,
+        0,
+        dFx_dSHKX,
+        0,
         dFx_dVMU1,
         dFx_dTREF,
         dFx_dTMU1,
@@ -6114,6 +6121,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFy_dHMU,
         0,
         dFy_dHSLOW,
@@ -6124,6 +6132,7 @@ def jacobian_parameters(inputs, parameters):
         dFy_dHFPLAY,
         0,
         0,
+        0,
         dFy_dLLMU,
         dFy_dLLK,
         0,
@@ -6131,8 +6140,10 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFy_dSHMU,
-        dFy_dSHK,
+        0,
+        dFy_dSHMUY,
+        0,
+        dFy_dSHKY,
         dFy_dVMU1,
         dFy_dTREF,
         dFy_dTMU1,
@@ -6377,6 +6388,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dHMU + dFx_dHMU*dMz_dFx + dFy_dHMU*dMz_dFy,
         0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dHSLOW + dFx_dHSLOW*dMz_dFx + dFy_dHSLOW*dMz_dFy,
@@ -6387,6 +6399,7 @@ def jacobian_parameters(inputs, parameters):
         Mz_by_Mz_part1*inner_play + dFy_dHFPLAY*dMz_dFy,
         Mz_by_HFARM,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dLLMU + dFy_dLLMU*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dLLK + dFy_dLLK*dMz_dFy,
         0,
@@ -6394,8 +6407,10 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHMU + dFx_dSHMU*dMz_dFx + dFy_dSHMU*dMz_dFy,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHK + dFx_dSHK*dMz_dFx + dFy_dSHK*dMz_dFy,
+        dFx_dSHMUX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHMUY + dFy_dSHMUY*dMz_dFy,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHKX + dFx_dSHKX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHKY + dFy_dSHKY*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dVMU1 + dFx_dVMU1*dMz_dFx + dFy_dVMU1*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dTREF + dFx_dTREF*dMz_dFx + dFy_dTREF*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dTMU1 + dFx_dTMU1*dMz_dFx + dFy_dTMU1*dMz_dFy,
@@ -6640,6 +6655,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFy_dHMU*dMx_dFy,
         0,
         dFy_dHSLOW*dMx_dFy,
@@ -6650,6 +6666,7 @@ def jacobian_parameters(inputs, parameters):
         dFy_dHFPLAY*dMx_dFy,
         0,
         0,
+        0,
         dFy_dLLMU*dMx_dFy,
         dFy_dLLK*dMx_dFy,
         0,
@@ -6657,8 +6674,10 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFy_dSHMU*dMx_dFy,
-        dFy_dSHK*dMx_dFy,
+        0,
+        dFy_dSHMUY*dMx_dFy,
+        0,
+        dFy_dSHKY*dMx_dFy,
         dFy_dVMU1*dMx_dFy,
         dFy_dTREF*dMx_dFy,
         dFy_dTMU1*dMx_dFy,
@@ -6903,6 +6922,7 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dHMU*dMy_dFx,
         0,
         dFx_dHSLOW*dMy_dFx,
@@ -6920,8 +6940,11 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU*dMy_dFx,
-        dFx_dSHK*dMy_dFx,
+        0,
+        dFx_dSHMUX*dMy_dFx,
+        0,
+        dFx_dSHKX*dMy_dFx,
+        0,
         dFx_dVMU1*dMy_dFx,
         dFx_dTREF*dMy_dFx,
         dFx_dTMU1*dMy_dFx,
@@ -6959,9 +6982,10 @@ def jacobian_inputs_straight(inputs, parameters):
         QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2,
         SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1, PDYP2, PDYP3, PDYP4, PHYP1, PHYP2,
         PHYP3, PHYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK, BIMU,
-        BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY,
-        HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF, TMU1,
-        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX, SHMUY, SHKX,
+        SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS,
+        SIGNS
     ) = parameters
 
     # Inputs
@@ -7009,7 +7033,7 @@ def jacobian_inputs_straight(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = np.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = np.abs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -7034,7 +7058,7 @@ def jacobian_inputs_straight(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -7078,7 +7102,7 @@ def jacobian_inputs_straight(inputs, parameters):
     K_yalpha_g0_without_slip_history_part4 = late_load - Fz
     K_yalpha_g0_without_slip_history_part5 = 1 + K_yalpha_g0_without_slip_history_part3*K_yalpha_g0_without_slip_history_part4*LLK
     K_yalpha_g0_without_slip_history = K_yalpha_g0_without_load_lag*K_yalpha_g0_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_g0_part1 = 1 + SHK*slip_growth
+    K_yalpha_g0_part1 = 1 + SHKY*slip_growth
     K_yalpha_g0_part2 = T - TREF
     K_yalpha_g0_part3 = 1 + K_yalpha_g0_part2*TK1
     K_yalpha_g0_part4 = 1 + WK1*distance
@@ -7107,7 +7131,7 @@ def jacobian_inputs_straight(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -7146,7 +7170,7 @@ def jacobian_inputs_straight(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = np.abs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -7201,7 +7225,7 @@ def jacobian_inputs_straight(inputs, parameters):
     mu_y_loaded_g0_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_g0_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_g0_without_slip_history_part3*mu_y_loaded_g0_without_slip_history_part4
     mu_y_loaded_g0_without_slip_history = mu_y_loaded_g0_without_load_lag*mu_y_loaded_g0_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_g0_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_g0_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_g0_part2 = 1/LONGVL
     mu_y_loaded_g0_part3 = np.abs(V)
     mu_y_loaded_g0_part4 = mu_y_loaded_g0_part3 - LONGVL
@@ -8002,7 +8026,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dF_x0_part2_dF_x0_u = dF_x0_part2_dF_x0_v*dF_x0_v_dF_x0_u
     dF_x0_part2_dmu_x_loaded = F_x0_part1*dD_x_dmu_x_loaded
     dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2
-    dK_yalpha_g0_dslip_growth = K_yalpha_g0_by_K_yalpha_g0_part1*SHK
+    dK_yalpha_g0_dslip_growth = K_yalpha_g0_by_K_yalpha_g0_part1*SHKY
     dK_yalpha_g0_dT = K_yalpha_g0_by_K_yalpha_g0_part3*TK1 + K_yalpha_g0_by_K_yalpha_g0_part6*dK_yalpha_g0_part6_dT
     dK_yalpha_g0_ddistance = K_yalpha_g0_by_K_yalpha_g0_part4*WK1
     dF_y0_g0_u_dK_yalpha_g0 = B_y_g0_part3*alpha_y_g0
@@ -8036,7 +8060,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dF_x0_u_dF_z = dF_x0_u_dD_x*mu_x
     dF_x0_u_dmu_x_loaded = dD_x_dmu_x_loaded*dF_x0_u_dD_x
     dFx_dF_x0_u = dF_x0_part2_dF_x0_u*dFx_dF_x0_part2
-    dmu_x_loaded_dslip_growth = SHMU*mu_x_loaded_by_mu_x_loaded_part1
+    dmu_x_loaded_dslip_growth = SHMUX*mu_x_loaded_by_mu_x_loaded_part1
     dmu_x_loaded_dV = dmu_x_loaded_part5_dV*mu_x_loaded_by_mu_x_loaded_part5
     dmu_x_loaded_dT = dmu_x_loaded_part10_dT*mu_x_loaded_by_mu_x_loaded_part10 + mu_x_loaded_by_mu_x_loaded_part7*mu_x_loaded_part7_by_mu_x_loaded_part6
     dmu_x_loaded_ddistance = mu_x_loaded_by_mu_x_loaded_part8*mu_x_loaded_part8_by_distance
@@ -8193,7 +8217,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dFx_dalpha_star = dFx_dG_xa*dG_xa_dalpha_star
     dMz_without_hysteresis_force_part1_dalpha_star = B_y_g0*dMz_without_hysteresis_force_part1_dF_y0_g0_u + M_zr_part3*dD_r_dalpha_star + dG_yk_dalpha_star*dMz_without_hysteresis_force_part1_dG_yk + dMz_without_hysteresis_force_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_r - F_y1*dtrail_dalpha_star
     dFy_dalpha_star = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dalpha_star
-    dmu_y_loaded_g0_dslip_growth = SHMU*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
+    dmu_y_loaded_g0_dslip_growth = SHMUY*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
     dmu_y_loaded_g0_dV = dmu_y_loaded_g0_part5_dV*mu_y_loaded_g0_by_mu_y_loaded_g0_part5
     dmu_y_loaded_g0_dT = dmu_y_loaded_g0_part10_dT*mu_y_loaded_g0_by_mu_y_loaded_g0_part10 + mu_y_loaded_g0_by_mu_y_loaded_g0_part7*mu_y_loaded_g0_part7_by_mu_y_loaded_g0_part6
     dmu_y_loaded_g0_ddistance = mu_y_loaded_g0_by_mu_y_loaded_g0_part8*mu_y_loaded_g0_part8_by_distance
@@ -8204,7 +8228,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dmu_y_loaded_g0_dsliding_work = dmu_y_loaded_g0_dmu_y_loaded_g0_without_load_lag*dmu_y_loaded_g0_without_load_lag_dsliding_work
     dmu_y_loaded_g0_dp = dmu_y_loaded_g0_ddpi*dpi_part1
     dMz_without_hysteresis_force_part1_dmu_y_loaded_g0 = dF_y0_g0_part2_dmu_y_loaded_g0*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dF_y0_g0_u_dmu_y_loaded_g0*dMz_without_hysteresis_force_part1_dF_y0_g0_u
-    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHK
+    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHKX
     dK_xkappa_dT = K_xkappa_by_K_xkappa_part3*TK1 + K_xkappa_by_K_xkappa_part6*dK_xkappa_part6_dT
     dK_xkappa_ddistance = K_xkappa_by_K_xkappa_part4*WK1
     dK_xkappa_dtread_heat = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dtread_heat
@@ -8212,7 +8236,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dK_xkappa_dFz = F_z_by_Fz*dK_xkappa_dF_z
     dFx_dK_xkappa = dF_x0_u_dK_xkappa*dFx_dF_x0_u
     dMz_without_hysteresis_force_part1_dK_xkappa = dMz_without_hysteresis_force_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa - F_y1*dtrail_dK_xkappa
-    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHK
+    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHKY
     dK_yalpha_dT = K_yalpha_by_K_yalpha_part3*TK1 + K_yalpha_by_K_yalpha_part6*dK_yalpha_part6_dT
     dK_yalpha_ddistance = K_yalpha_by_K_yalpha_part4*WK1
     dK_yalpha_dtread_heat = K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dtread_heat
@@ -8238,7 +8262,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dMz_without_hysteresis_force_part1_dcarcass_deflection_speed = alpha_star_by_carcass_deflection_speed*dMz_without_hysteresis_force_part1_dalpha_star
     dMz_without_hysteresis_force_part1_dcarcass_heat = dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dcarcass_heat
     dMz_without_hysteresis_force_part1_dsliding_work = dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dsliding_work
-    dmu_y_loaded_dslip_growth = SHMU*mu_y_loaded_by_mu_y_loaded_part1
+    dmu_y_loaded_dslip_growth = SHMUY*mu_y_loaded_by_mu_y_loaded_part1
     dmu_y_loaded_dV = dmu_y_loaded_part5_dV*mu_y_loaded_by_mu_y_loaded_part5
     dmu_y_loaded_dT = dmu_y_loaded_part10_dT*mu_y_loaded_by_mu_y_loaded_part10 + mu_y_loaded_by_mu_y_loaded_part7*mu_y_loaded_part7_by_mu_y_loaded_part6
     dmu_y_loaded_ddistance = mu_y_loaded_by_mu_y_loaded_part8*mu_y_loaded_part8_by_distance
@@ -8427,9 +8451,10 @@ def jacobian_parameters_straight(inputs, parameters):
         QDZ8, QDZ9, QDZ10, QDZ11, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4, PPZ1, PPZ2,
         SSZ1, SSZ2, SSZ3, SSZ4, PDXP1, PDXP2, PDXP3, PKYP1, PDYP1, PDYP2, PDYP3, PDYP4, PHYP1, PHYP2,
         PHYP3, PHYP4, PECP1, PECP2, QDTP1, QCRP1, QCRP2, QBRP1, QDRP1, SIGX, SIGY, SIGC, SIGK, BIMU,
-        BIWORK, CASIG, CAFREQ, CADAMP, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID, HFY,
-        HFPLAY, HFARM, LLEN, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMU, SHK, VMU1, TREF, TMU1,
-        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS, SIGNS
+        BIWORK, CASIG, CAFREQ, CADAMP, CASAT, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, RSIG, RSLIP, RPOW, SHLEN, SHWID, SHMUX, SHMUY, SHKX,
+        SHKY, VMU1, TREF, TMU1, TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1, CONVENTION, SLIP_ANGLE, LIMITS,
+        SIGNS
     ) = parameters
 
     # Inputs
@@ -8477,7 +8502,7 @@ def jacobian_parameters_straight(inputs, parameters):
     mu_x_loaded_without_slip_history_part2 = -HMU*mu_x_loaded_without_slip_history_part1
     mu_x_loaded_without_slip_history_part3 = np.exp(mu_x_loaded_without_slip_history_part2)
     mu_x_loaded_without_slip_history = mu_x_loaded_without_heat_friction*mu_x_loaded_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_loaded_part1 = 1 + SHMU*slip_growth
+    mu_x_loaded_part1 = 1 + SHMUX*slip_growth
     mu_x_loaded_part2 = 1/LONGVL
     mu_x_loaded_part3 = np.abs(V)
     mu_x_loaded_part4 = mu_x_loaded_part3 - LONGVL
@@ -8502,7 +8527,7 @@ def jacobian_parameters_straight(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -8546,7 +8571,7 @@ def jacobian_parameters_straight(inputs, parameters):
     K_yalpha_g0_without_slip_history_part4 = late_load - Fz
     K_yalpha_g0_without_slip_history_part5 = 1 + K_yalpha_g0_without_slip_history_part3*K_yalpha_g0_without_slip_history_part4*LLK
     K_yalpha_g0_without_slip_history = K_yalpha_g0_without_load_lag*K_yalpha_g0_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_g0_part1 = 1 + SHK*slip_growth
+    K_yalpha_g0_part1 = 1 + SHKY*slip_growth
     K_yalpha_g0_part2 = T - TREF
     K_yalpha_g0_part3 = 1 + K_yalpha_g0_part2*TK1
     K_yalpha_g0_part4 = 1 + WK1*distance
@@ -8575,7 +8600,7 @@ def jacobian_parameters_straight(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -8614,7 +8639,7 @@ def jacobian_parameters_straight(inputs, parameters):
     mu_y_loaded_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_without_slip_history_part3*mu_y_loaded_without_slip_history_part4
     mu_y_loaded_without_slip_history = mu_y_loaded_without_load_lag*mu_y_loaded_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_part2 = 1/LONGVL
     mu_y_loaded_part3 = np.abs(V)
     mu_y_loaded_part4 = mu_y_loaded_part3 - LONGVL
@@ -8669,7 +8694,7 @@ def jacobian_parameters_straight(inputs, parameters):
     mu_y_loaded_g0_without_slip_history_part4 = late_load - Fz
     mu_y_loaded_g0_without_slip_history_part5 = 1 + LLMU*mu_y_loaded_g0_without_slip_history_part3*mu_y_loaded_g0_without_slip_history_part4
     mu_y_loaded_g0_without_slip_history = mu_y_loaded_g0_without_load_lag*mu_y_loaded_g0_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_loaded_g0_part1 = 1 + SHMU*slip_growth
+    mu_y_loaded_g0_part1 = 1 + SHMUY*slip_growth
     mu_y_loaded_g0_part2 = 1/LONGVL
     mu_y_loaded_g0_part3 = np.abs(V)
     mu_y_loaded_g0_part4 = mu_y_loaded_g0_part3 - LONGVL
@@ -9611,7 +9636,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dK_xkappa_without_heat_stiffness_dPPX2 = K_xkappa_without_heat_stiffness_by_K_xkappa_without_heat_stiffness_part2*K_xkappa_without_heat_stiffness_part2_by_PPX2
     dK_xkappa_without_heat_stiffness_ddpi = K_xkappa_without_heat_stiffness_by_K_xkappa_without_heat_stiffness_part2*K_xkappa_without_heat_stiffness_part2_by_dpi
     dK_xkappa_dK_xkappa_without_heat_stiffness = K_xkappa_by_K_xkappa_without_slip_history*K_xkappa_without_slip_history_part2
-    dK_yalpha_g0_dSHK = K_yalpha_g0_by_K_yalpha_g0_part1*slip_growth
+    dK_yalpha_g0_dSHKY = K_yalpha_g0_by_K_yalpha_g0_part1*slip_growth
     dK_yalpha_g0_dWK1 = K_yalpha_g0_by_K_yalpha_g0_part4*distance
     dK_yalpha_g0_dTK1 = K_yalpha_g0_by_K_yalpha_g0_part3*K_yalpha_g0_part2
     dK_yalpha_g0_dTREF = TKA*dK_yalpha_g0_dK_yalpha_g0_part5 - K_yalpha_g0_by_K_yalpha_g0_part3*TK1
@@ -9764,7 +9789,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dK_xkappa_ddfz = dK_xkappa_dK_xkappa_without_heat_stiffness*dK_xkappa_without_heat_stiffness_ddfz
     dmu_y_loaded_ddfz = dmu_y_loaded_dmu_y_loaded_without_break_in*dmu_y_loaded_without_break_in_ddfz
     dFx_ddfz = dF_x0_part2_ddfz*dFx_dF_x0_part2 + dF_x0_v_ddfz*dFx_dF_x0_v + dFx_dG_xa*dG_xa_ddfz
-    dmu_x_loaded_dSHMU = mu_x_loaded_by_mu_x_loaded_part1*slip_growth
+    dmu_x_loaded_dSHMUX = mu_x_loaded_by_mu_x_loaded_part1*slip_growth
     dmu_x_loaded_dVMU1 = mu_x_loaded_by_mu_x_loaded_part5*mu_x_loaded_part5_by_VMU1
     dmu_x_loaded_dLONGVL = dmu_x_loaded_part5_dLONGVL*mu_x_loaded_by_mu_x_loaded_part5
     dmu_x_loaded_dWMU1 = distance*mu_x_loaded_by_mu_x_loaded_part8
@@ -9831,7 +9856,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dF_y0_g0_v_dPEY3 = -F_y0_g0_v_part2*dE_y_g0_dPEY3
     dF_y0_g0_v_dPEY1 = -E_y_g0_by_E_y_g0_part3*F_y0_g0_v_part2
     dF_y0_g0_v_dPEY2 = -F_y0_g0_v_part2*dE_y_g0_dPEY2
-    dF_y0_g0_v_dSHK = dF_y0_g0_v_dK_yalpha_g0*dK_yalpha_g0_dSHK
+    dF_y0_g0_v_dSHKY = dF_y0_g0_v_dK_yalpha_g0*dK_yalpha_g0_dSHKY
     dF_y0_g0_v_dWK1 = dF_y0_g0_v_dK_yalpha_g0*dK_yalpha_g0_dWK1
     dF_y0_g0_v_dTK1 = dF_y0_g0_v_dK_yalpha_g0*dK_yalpha_g0_dTK1
     dF_y0_g0_v_dTREF = dF_y0_g0_v_dK_yalpha_g0*dK_yalpha_g0_dTREF
@@ -9848,7 +9873,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dF_y0_g0_v_dLFZO = dF_y0_g0_v_dK_yalpha_g0_without_heat_stiffness*dK_yalpha_g0_without_heat_stiffness_dLFZO + dF_y0_g0_v_ddfz*ddfz_dLFZO
     dF_y0_g0_v_dNOMPRES = dF_y0_g0_v_ddpi*ddpi_dNOMPRES
     dMz_without_hysteresis_force_part1_dF_y0_g0_v = dF_y0_g0_part2_dF_y0_g0_v*dMz_without_hysteresis_force_part1_dF_y0_g0_part2
-    dmu_y_loaded_g0_dSHMU = mu_y_loaded_g0_by_mu_y_loaded_g0_part1*slip_growth
+    dmu_y_loaded_g0_dSHMUY = mu_y_loaded_g0_by_mu_y_loaded_g0_part1*slip_growth
     dmu_y_loaded_g0_dLLMU = dmu_y_loaded_g0_without_slip_history_dLLMU*mu_y_loaded_g0_by_mu_y_loaded_g0_without_slip_history
     dmu_y_loaded_g0_dVMU1 = mu_y_loaded_g0_by_mu_y_loaded_g0_part5*mu_y_loaded_g0_part5_by_VMU1
     dmu_y_loaded_g0_dLONGVL = dmu_y_loaded_g0_part5_dLONGVL*mu_y_loaded_g0_by_mu_y_loaded_g0_part5
@@ -9871,7 +9896,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dmu_y_loaded_g0_dFNOMIN = ddfz_dFNOMIN*dmu_y_loaded_g0_ddfz
     dmu_y_loaded_g0_dLFZO = ddfz_dLFZO*dmu_y_loaded_g0_ddfz
     dMz_without_hysteresis_force_part1_dmu_y_loaded_g0 = dF_y0_g0_part2_dmu_y_loaded_g0*dMz_without_hysteresis_force_part1_dF_y0_g0_part2 + dF_y0_g0_v_dmu_y_loaded_g0*dMz_without_hysteresis_force_part1_dF_y0_g0_v
-    dK_xkappa_dSHK = K_xkappa_by_K_xkappa_part1*slip_growth
+    dK_xkappa_dSHKX = K_xkappa_by_K_xkappa_part1*slip_growth
     dK_xkappa_dWK1 = K_xkappa_by_K_xkappa_part4*distance
     dK_xkappa_dHK = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dHK
     dK_xkappa_dTK1 = K_xkappa_by_K_xkappa_part3*K_xkappa_part2
@@ -9888,7 +9913,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dK_xkappa_dLFZO = dK_xkappa_ddfz*ddfz_dLFZO
     dMz_without_hysteresis_force_part1_dK_xkappa = dMz_without_hysteresis_force_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa + dMz_without_hysteresis_force_part1_dtrail_v*dtrail_v_dK_xkappa
     dFx_dK_xkappa = dF_x0_v_dK_xkappa*dFx_dF_x0_v
-    dK_yalpha_dSHK = K_yalpha_by_K_yalpha_part1*slip_growth
+    dK_yalpha_dSHKY = K_yalpha_by_K_yalpha_part1*slip_growth
     dK_yalpha_dWK1 = K_yalpha_by_K_yalpha_part4*distance
     dK_yalpha_dTK1 = K_yalpha_by_K_yalpha_part3*K_yalpha_part2
     dK_yalpha_dTREF = TKA*dK_yalpha_dK_yalpha_part5 - K_yalpha_by_K_yalpha_part3*TK1
@@ -9908,7 +9933,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dK_yalpha_dNOMPRES = dK_yalpha_dK_yalpha_without_heat_stiffness*dK_yalpha_without_heat_stiffness_dNOMPRES
     dMz_without_hysteresis_force_part1_dK_yalpha = B_y_part3*dMz_without_hysteresis_force_part1_dB_y + dMz_without_hysteresis_force_part1_dalpha_r*dalpha_r_dK_yalpha + dMz_without_hysteresis_force_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dtrail_v*dtrail_v_dK_yalpha
     dFy_without_hysteresis_force_part1_dK_yalpha = B_y_part3*dFy_without_hysteresis_force_part1_dB_y + dFy_without_hysteresis_force_part1_dalpha_y*dalpha_y_dK_yalpha
-    dmu_y_loaded_dSHMU = mu_y_loaded_by_mu_y_loaded_part1*slip_growth
+    dmu_y_loaded_dSHMUY = mu_y_loaded_by_mu_y_loaded_part1*slip_growth
     dmu_y_loaded_dLLMU = dmu_y_loaded_without_slip_history_dLLMU*mu_y_loaded_by_mu_y_loaded_without_slip_history
     dmu_y_loaded_dVMU1 = mu_y_loaded_by_mu_y_loaded_part5*mu_y_loaded_part5_by_VMU1
     dmu_y_loaded_dLONGVL = dmu_y_loaded_part5_dLONGVL*mu_y_loaded_by_mu_y_loaded_part5
@@ -9974,7 +9999,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFy_without_hysteresis_force_part1_dRBY4 = F_y0*dG_yk_dRBY4
     dFy_without_hysteresis_force_part1_dRBY2 = F_y0*dG_yk_dRBY2
     dFy_without_hysteresis_force_part1_dRBY3 = F_y0*dG_yk_dRBY3
-    dFy_without_hysteresis_force_part1_dSHK = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dSHK
+    dFy_without_hysteresis_force_part1_dSHKY = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dSHKY
     dFy_without_hysteresis_force_part1_dWK1 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dWK1
     dFy_without_hysteresis_force_part1_dTK1 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dTK1
     dFy_without_hysteresis_force_part1_dTREF = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dTREF + dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dTREF
@@ -9989,7 +10014,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFy_without_hysteresis_force_part1_dPPY2 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dPPY2
     dFy_without_hysteresis_force_part1_dPKY2 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dPKY2
     dFy_without_hysteresis_force_part1_dPKY5 = dFy_without_hysteresis_force_part1_dK_yalpha*dK_yalpha_dPKY5
-    dFy_without_hysteresis_force_part1_dSHMU = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMU
+    dFy_without_hysteresis_force_part1_dSHMUY = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMUY
     dFy_without_hysteresis_force_part1_dLLMU = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLLMU
     dFy_without_hysteresis_force_part1_dVMU1 = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dVMU1
     dFy_without_hysteresis_force_part1_dLONGVL = dFy_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLONGVL
@@ -10079,7 +10104,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dMz_without_hysteresis_force_part1_dPEY3 = dF_y0_g0_v_dPEY3*dMz_without_hysteresis_force_part1_dF_y0_g0_v
     dMz_without_hysteresis_force_part1_dPEY1 = dF_y0_g0_v_dPEY1*dMz_without_hysteresis_force_part1_dF_y0_g0_v
     dMz_without_hysteresis_force_part1_dPEY2 = dF_y0_g0_v_dPEY2*dMz_without_hysteresis_force_part1_dF_y0_g0_v
-    dMz_without_hysteresis_force_part1_dSHK = dF_y0_g0_v_dSHK*dMz_without_hysteresis_force_part1_dF_y0_g0_v + dK_xkappa_dSHK*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dSHK*dMz_without_hysteresis_force_part1_dK_yalpha
+    dMz_without_hysteresis_force_part1_dSHKY = dF_y0_g0_v_dSHKY*dMz_without_hysteresis_force_part1_dF_y0_g0_v + dK_yalpha_dSHKY*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dWK1 = dF_y0_g0_v_dWK1*dMz_without_hysteresis_force_part1_dF_y0_g0_v + dK_xkappa_dWK1*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dWK1*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dTK1 = dF_y0_g0_v_dTK1*dMz_without_hysteresis_force_part1_dF_y0_g0_v + dK_xkappa_dTK1*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dTK1*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dTREF = dF_y0_g0_v_dTREF*dMz_without_hysteresis_force_part1_dF_y0_g0_v + dK_xkappa_dTREF*dMz_without_hysteresis_force_part1_dK_xkappa + dK_yalpha_dTREF*dMz_without_hysteresis_force_part1_dK_yalpha + dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dTREF + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dTREF
@@ -10091,7 +10116,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dMz_without_hysteresis_force_part1_dPKY4 = dF_y0_g0_v_dPKY4*dMz_without_hysteresis_force_part1_dF_y0_g0_v + dK_yalpha_dPKY4*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dPKY2 = dF_y0_g0_v_dPKY2*dMz_without_hysteresis_force_part1_dF_y0_g0_v + dK_yalpha_dPKY2*dMz_without_hysteresis_force_part1_dK_yalpha
     dMz_without_hysteresis_force_part1_dPPY2 = dF_y0_g0_v_dPPY2*dMz_without_hysteresis_force_part1_dF_y0_g0_v + dK_yalpha_dPPY2*dMz_without_hysteresis_force_part1_dK_yalpha
-    dMz_without_hysteresis_force_part1_dSHMU = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMU + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dSHMU
+    dMz_without_hysteresis_force_part1_dSHMUY = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dSHMUY + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dSHMUY
     dMz_without_hysteresis_force_part1_dLLMU = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLLMU + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dLLMU
     dMz_without_hysteresis_force_part1_dVMU1 = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dVMU1 + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dVMU1
     dMz_without_hysteresis_force_part1_dLONGVL = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dLONGVL + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dLONGVL
@@ -10108,6 +10133,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dMz_without_hysteresis_force_part1_dPDY2 = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dPDY2 + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dPDY2
     dMz_without_hysteresis_force_part1_dPPY3 = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dPPY3 + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dPPY3
     dMz_without_hysteresis_force_part1_dPPY4 = dMz_without_hysteresis_force_part1_dmu_y_loaded*dmu_y_loaded_dPPY4 + dMz_without_hysteresis_force_part1_dmu_y_loaded_g0*dmu_y_loaded_g0_dPPY4
+    dMz_without_hysteresis_force_part1_dSHKX = dK_xkappa_dSHKX*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dLKX = dK_xkappa_dLKX*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dPKX1 = dK_xkappa_dPKX1*dMz_without_hysteresis_force_part1_dK_xkappa
     dMz_without_hysteresis_force_part1_dPKX2 = dK_xkappa_dPKX2*dMz_without_hysteresis_force_part1_dK_xkappa
@@ -10142,7 +10168,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFx_dPEX3 = dF_x0_v_dPEX3*dFx_dF_x0_v
     dFx_dFNOMIN = dFx_dK_xkappa*dK_xkappa_dFNOMIN + dFx_ddfz*ddfz_dFNOMIN + dFx_dmu_x_loaded*dmu_x_loaded_dFNOMIN
     dFx_dLFZO = dFx_dK_xkappa*dK_xkappa_dLFZO + dFx_ddfz*ddfz_dLFZO + dFx_dmu_x_loaded*dmu_x_loaded_dLFZO
-    dFx_dSHMU = dFx_dmu_x_loaded*dmu_x_loaded_dSHMU
+    dFx_dSHMUX = dFx_dmu_x_loaded*dmu_x_loaded_dSHMUX
     dFx_dVMU1 = dFx_dmu_x_loaded*dmu_x_loaded_dVMU1
     dFx_dLONGVL = dFx_dmu_x_loaded*dmu_x_loaded_dLONGVL
     dFx_dWMU1 = dFx_dmu_x_loaded*dmu_x_loaded_dWMU1
@@ -10161,7 +10187,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFx_dPPX3 = dFx_dmu_x_loaded*dmu_x_loaded_dPPX3
     dFx_dPPX4 = dFx_dmu_x_loaded*dmu_x_loaded_dPPX4
     dFx_dNOMPRES = dFx_dK_xkappa*dK_xkappa_dNOMPRES + dFx_dmu_x_loaded*dmu_x_loaded_dNOMPRES
-    dFx_dSHK = dFx_dK_xkappa*dK_xkappa_dSHK
+    dFx_dSHKX = dFx_dK_xkappa*dK_xkappa_dSHKX
     dFx_dWK1 = dFx_dK_xkappa*dK_xkappa_dWK1
     dFx_dHK = dFx_dK_xkappa*dK_xkappa_dHK
     dFx_dTK1 = dFx_dK_xkappa*dK_xkappa_dTK1
@@ -10218,7 +10244,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFy_dRBY4 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dRBY4
     dFy_dRBY2 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dRBY2
     dFy_dRBY3 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dRBY3
-    dFy_dSHK = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dSHK
+    dFy_dSHKY = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dSHKY
     dFy_dWK1 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dWK1
     dFy_dTK1 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dTK1
     dFy_dTREF = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dTREF
@@ -10233,7 +10259,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dFy_dPPY2 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dPPY2
     dFy_dPKY2 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dPKY2
     dFy_dPKY5 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dPKY5
-    dFy_dSHMU = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dSHMU
+    dFy_dSHMUY = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dSHMUY
     dFy_dLLMU = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dLLMU
     dFy_dVMU1 = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dVMU1
     dFy_dLONGVL = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dLONGVL
@@ -10488,6 +10514,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dHMU,
         0,
         dFx_dHSLOW,
@@ -10505,8 +10532,11 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU,
-        dFx_dSHK,
+        0,
+        dFx_dSHMUX,
+        0,
+        dFx_dSHKX,
+        0,
         dFx_dVMU1,
         dFx_dTREF,
         dFx_dTMU1,
@@ -10751,6 +10781,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFy_dHMU,
         0,
         dFy_dHSLOW,
@@ -10761,6 +10792,7 @@ def jacobian_parameters_straight(inputs, parameters):
         dFy_dHFPLAY,
         0,
         0,
+        0,
         dFy_dLLMU,
         dFy_dLLK,
         0,
@@ -10768,8 +10800,10 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        dFy_dSHMU,
-        dFy_dSHK,
+        0,
+        dFy_dSHMUY,
+        0,
+        dFy_dSHKY,
         dFy_dVMU1,
         dFy_dTREF,
         dFy_dTMU1,
@@ -11014,6 +11048,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dHMU + dFx_dHMU*dMz_dFx + dFy_dHMU*dMz_dFy,
         0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dHSLOW + dFx_dHSLOW*dMz_dFx + dFy_dHSLOW*dMz_dFy,
@@ -11024,6 +11059,7 @@ def jacobian_parameters_straight(inputs, parameters):
         Mz_by_Mz_part1*inner_play + dFy_dHFPLAY*dMz_dFy,
         Mz_by_HFARM,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dLLMU + dFy_dLLMU*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dLLK + dFy_dLLK*dMz_dFy,
         0,
@@ -11031,8 +11067,10 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHMU + dFx_dSHMU*dMz_dFx + dFy_dSHMU*dMz_dFy,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHK + dFx_dSHK*dMz_dFx + dFy_dSHK*dMz_dFy,
+        dFx_dSHMUX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHMUY + dFy_dSHMUY*dMz_dFy,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHKX + dFx_dSHKX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dSHKY + dFy_dSHKY*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dVMU1 + dFx_dVMU1*dMz_dFx + dFy_dVMU1*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dTREF + dFx_dTREF*dMz_dFx + dFy_dTREF*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part1*dMz_without_hysteresis_force_part1_dTMU1 + dFx_dTMU1*dMz_dFx + dFy_dTMU1*dMz_dFy,
@@ -11277,6 +11315,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFy_dHMU*dMx_dFy,
         0,
         dFy_dHSLOW*dMx_dFy,
@@ -11287,6 +11326,7 @@ def jacobian_parameters_straight(inputs, parameters):
         dFy_dHFPLAY*dMx_dFy,
         0,
         0,
+        0,
         dFy_dLLMU*dMx_dFy,
         dFy_dLLK*dMx_dFy,
         0,
@@ -11294,8 +11334,10 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        dFy_dSHMU*dMx_dFy,
-        dFy_dSHK*dMx_dFy,
+        0,
+        dFy_dSHMUY*dMx_dFy,
+        0,
+        dFy_dSHKY*dMx_dFy,
         dFy_dVMU1*dMx_dFy,
         dFy_dTREF*dMx_dFy,
         dFy_dTMU1*dMx_dFy,
@@ -11540,6 +11582,7 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
+        0,
         dFx_dHMU*dMy_dFx,
         0,
         dFx_dHSLOW*dMy_dFx,
@@ -11557,8 +11600,11 @@ def jacobian_parameters_straight(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU*dMy_dFx,
-        dFx_dSHK*dMy_dFx,
+        0,
+        dFx_dSHMUX*dMy_dFx,
+        0,
+        dFx_dSHKX*dMy_dFx,
+        0,
         dFx_dVMU1*dMy_dFx,
         dFx_dTREF*dMy_dFx,
         dFx_dTMU1*dMy_dFx,

@@ -20,8 +20,8 @@ def jacobian_inputs(inputs, parameters):
         RHY1, RVY1, RVY2, RVY3, RVY4, RVY5, RVY6, QBZ1, QBZ2, QBZ3, QBZ4, QBZ5, QBZ9, QBZ10, QCZ1, QDZ1,
         QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4,
         SSZ1, SSZ2, SSZ3, SSZ4, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA,
-        WMU1, WMU2, WK1
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1,
+        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1
     ) = parameters
 
     # Normalized inputs
@@ -56,7 +56,7 @@ def jacobian_inputs(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = np.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -74,7 +74,7 @@ def jacobian_inputs(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -125,7 +125,7 @@ def jacobian_inputs(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -154,7 +154,7 @@ def jacobian_inputs(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -620,7 +620,7 @@ def jacobian_inputs(inputs, parameters):
     dtrail_v_dB_t = alpha_teq*dtrail_v_dtrail_u + dE_t_part4_dB_t*dtrail_v_dE_t_part4
     ds_part3_ddfz = SSZ4*gamma_s
     dMz_without_hysteresis_force_part2_ds_part3 = Fx*s_by_s_part3
-    dmu_x_dslip_growth = SHMU*mu_x_by_mu_x_part1
+    dmu_x_dslip_growth = SHMUX*mu_x_by_mu_x_part1
     dmu_x_dT = dmu_x_part6_dT*mu_x_by_mu_x_part6 + mu_x_by_mu_x_part3*mu_x_part3_by_mu_x_part2
     dmu_x_ddistance = mu_x_by_mu_x_part4*mu_x_part4_by_distance
     dF_x0_u_ddfz = B_x*dkappa_x_ddfz
@@ -734,14 +734,14 @@ def jacobian_inputs(inputs, parameters):
     dMz_without_hysteresis_force_part2_dK_yalpha = dM_zr_part1_dK_yalpha*dMz_without_hysteresis_force_part2_dM_zr_part1 + dMz_without_hysteresis_force_part2_dkappa_share*dkappa_share_dK_yalpha
     dMz_without_hysteresis_force_part2_dmu_y = D_Vyk_by_mu_y*dMz_without_hysteresis_force_part2_dD_Vyk + dM_zr_part1_dmu_y*dMz_without_hysteresis_force_part2_dM_zr_part1
     dMz_without_hysteresis_force_part2_dFz = F_z_by_Fz*dMz_without_hysteresis_force_part2_dF_z + dD_Vyk_dFz*dMz_without_hysteresis_force_part2_dD_Vyk
-    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHK
+    dK_xkappa_dslip_growth = K_xkappa_by_K_xkappa_part1*SHKX
     dK_xkappa_dT = K_xkappa_by_K_xkappa_part3*TK1 + K_xkappa_by_K_xkappa_part6*dK_xkappa_part6_dT
     dK_xkappa_ddistance = K_xkappa_by_K_xkappa_part4*WK1
     dK_xkappa_dtread_heat = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dtread_heat
     dK_xkappa_dFz = F_z_by_Fz*dK_xkappa_dF_z
     dFx_dK_xkappa = dF_x0_dK_xkappa*dFx_dF_x0
     dMz_dK_xkappa = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dK_xkappa
-    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHK
+    dK_yalpha_dslip_growth = K_yalpha_by_K_yalpha_part1*SHKY
     dK_yalpha_dT = K_yalpha_by_K_yalpha_part3*TK1 + K_yalpha_by_K_yalpha_part6*dK_yalpha_part6_dT
     dK_yalpha_ddistance = K_yalpha_by_K_yalpha_part4*WK1
     dK_yalpha_dFz = F_z_by_Fz*dK_yalpha_dF_z + K_yalpha_by_K_yalpha_without_slip_history*dK_yalpha_without_slip_history_dFz
@@ -750,7 +750,7 @@ def jacobian_inputs(inputs, parameters):
     dK_yalpha_dgamma = LGAMMAY*dK_yalpha_dgamma_s
     dFy_dK_yalpha = Fy_without_hysteresis_force_by_Fy_without_hysteresis_force_part1*dFy_without_hysteresis_force_part1_dK_yalpha
     dMz_dK_yalpha = Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dK_yalpha
-    dmu_y_dslip_growth = SHMU*mu_y_by_mu_y_part1
+    dmu_y_dslip_growth = SHMUY*mu_y_by_mu_y_part1
     dmu_y_dT = dmu_y_part6_dT*mu_y_by_mu_y_part6 + mu_y_by_mu_y_part3*mu_y_part3_by_mu_y_part2
     dmu_y_ddistance = mu_y_by_mu_y_part4*mu_y_part4_by_distance
     dmu_y_dFz = F_z_by_Fz*dmu_y_dF_z + dmu_y_without_slip_history_dFz*mu_y_by_mu_y_without_slip_history
@@ -859,8 +859,8 @@ def jacobian_parameters(inputs, parameters):
         RHY1, RVY1, RVY2, RVY3, RVY4, RVY5, RVY6, QBZ1, QBZ2, QBZ3, QBZ4, QBZ5, QBZ9, QBZ10, QCZ1, QDZ1,
         QDZ2, QDZ3, QDZ4, QDZ6, QDZ7, QDZ8, QDZ9, QEZ1, QEZ2, QEZ3, QEZ4, QEZ5, QHZ1, QHZ2, QHZ3, QHZ4,
         SSZ1, SSZ2, SSZ3, SSZ4, BIMU, BIWORK, HTAU, HCOOL, HLOAD, HMU, HBODY, HSLOW, HK, HFLEN, HFWID,
-        HFY, HFPLAY, HFARM, LLEN, LLMU, LLK, SHLEN, SHWID, SHMU, SHK, TREF, TMU1, TMUA, TMU2, TK1, TKA,
-        WMU1, WMU2, WK1
+        HFY, HFPLAY, HFARM, LLEN, LLDIR, LLMU, LLK, SHLEN, SHWID, SHMUX, SHMUY, SHKX, SHKY, TREF, TMU1,
+        TMUA, TMU2, TK1, TKA, WMU1, WMU2, WK1
     ) = parameters
 
     # Normalized inputs
@@ -895,7 +895,7 @@ def jacobian_parameters(inputs, parameters):
     mu_x_without_slip_history_part2 = -HMU*mu_x_without_slip_history_part1
     mu_x_without_slip_history_part3 = np.exp(mu_x_without_slip_history_part2)
     mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_part3  # [4.E13] peak friction
-    mu_x_part1 = 1 + SHMU*slip_growth
+    mu_x_part1 = 1 + SHMUX*slip_growth
     mu_x_part2 = T - TREF
     mu_x_part3 = 1 + TMU1*mu_x_part2 + TMU2*mu_x_part2**2
     mu_x_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -913,7 +913,7 @@ def jacobian_parameters(inputs, parameters):
     K_xkappa_without_slip_history_part1 = -HK*tread_heat
     K_xkappa_without_slip_history_part2 = np.exp(K_xkappa_without_slip_history_part1)
     K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_part2  # [4.E15] longitudinal slip stiffness
-    K_xkappa_part1 = 1 + SHK*slip_growth
+    K_xkappa_part1 = 1 + SHKX*slip_growth
     K_xkappa_part2 = T - TREF
     K_xkappa_part3 = 1 + K_xkappa_part2*TK1
     K_xkappa_part4 = 1 + WK1*distance
@@ -964,7 +964,7 @@ def jacobian_parameters(inputs, parameters):
     mu_y_without_slip_history_part4 = late_load - Fz
     mu_y_without_slip_history_part5 = 1 + LLMU*mu_y_without_slip_history_part3*mu_y_without_slip_history_part4
     mu_y_without_slip_history = mu_y_without_load_lag*mu_y_without_slip_history_part5  # [4.E23] peak friction
-    mu_y_part1 = 1 + SHMU*slip_growth
+    mu_y_part1 = 1 + SHMUY*slip_growth
     mu_y_part2 = T - TREF
     mu_y_part3 = 1 + TMU1*mu_y_part2 + TMU2*mu_y_part2**2
     mu_y_part4 = 1 + WMU1*distance + WMU2*distance**2
@@ -993,7 +993,7 @@ def jacobian_parameters(inputs, parameters):
     K_yalpha_without_slip_history_part4 = late_load - Fz
     K_yalpha_without_slip_history_part5 = 1 + K_yalpha_without_slip_history_part3*K_yalpha_without_slip_history_part4*LLK
     K_yalpha_without_slip_history = K_yalpha_without_load_lag*K_yalpha_without_slip_history_part5  # [4.E25] cornering stiffness
-    K_yalpha_part1 = 1 + SHK*slip_growth
+    K_yalpha_part1 = 1 + SHKY*slip_growth
     K_yalpha_part2 = T - TREF
     K_yalpha_part3 = 1 + K_yalpha_part2*TK1
     K_yalpha_part4 = 1 + WK1*distance
@@ -1628,7 +1628,7 @@ def jacobian_parameters(inputs, parameters):
     dmu_y_ddfz = dmu_y_dmu_y_without_break_in*dmu_y_without_break_in_ddfz
     dF_y0_ddfz = PHY2*dF_y0_dS_Hy_part1 + S_Vy_by_S_Vy_part2*dS_Vy_part2_ddfz + dE_y_ddfz*dF_y0_dE_y
     dFy_ddfz = dD_Vyk_ddfz*dFy_dD_Vyk
-    dmu_x_dSHMU = mu_x_by_mu_x_part1*slip_growth
+    dmu_x_dSHMUX = mu_x_by_mu_x_part1*slip_growth
     dmu_x_dWMU1 = distance*mu_x_by_mu_x_part4
     dmu_x_dWMU2 = mu_x_by_mu_x_part4*mu_x_part4_by_WMU2
     dmu_x_dTMUA = -dmu_x_dmu_x_part5*mu_x_part2
@@ -1687,7 +1687,7 @@ def jacobian_parameters(inputs, parameters):
     dtrail_v_dFNOMIN = ddfz_dFNOMIN*dtrail_v_ddfz
     dtrail_v_dLFZ0 = ddfz_dLFZ0*dtrail_v_ddfz
     dMz_without_hysteresis_force_part2_dtrail_v = -Mz_without_hysteresis_force_part1*dtrail_dtrail_v
-    dK_xkappa_dSHK = K_xkappa_by_K_xkappa_part1*slip_growth
+    dK_xkappa_dSHKX = K_xkappa_by_K_xkappa_part1*slip_growth
     dK_xkappa_dWK1 = K_xkappa_by_K_xkappa_part4*distance
     dK_xkappa_dHK = K_xkappa_by_K_xkappa_without_slip_history*dK_xkappa_without_slip_history_dHK
     dK_xkappa_dTK1 = K_xkappa_by_K_xkappa_part3*K_xkappa_part2
@@ -1701,7 +1701,7 @@ def jacobian_parameters(inputs, parameters):
     dK_xkappa_dLFZ0 = dK_xkappa_ddfz*ddfz_dLFZ0
     dMz_without_hysteresis_force_part2_dK_xkappa = dMz_without_hysteresis_force_part2_dkappa_share*kappa_share_by_K_xkappa + dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dK_xkappa
     dF_x0_dK_xkappa = dF_x0_dF_x0_v*dF_x0_v_dK_xkappa
-    dK_yalpha_dSHK = K_yalpha_by_K_yalpha_part1*slip_growth
+    dK_yalpha_dSHKY = K_yalpha_by_K_yalpha_part1*slip_growth
     dK_yalpha_dWK1 = K_yalpha_by_K_yalpha_part4*distance
     dK_yalpha_dTK1 = K_yalpha_by_K_yalpha_part3*K_yalpha_part2
     dK_yalpha_dTREF = TKA*dK_yalpha_dK_yalpha_part5 - K_yalpha_by_K_yalpha_part3*TK1
@@ -1717,7 +1717,7 @@ def jacobian_parameters(inputs, parameters):
     dK_yalpha_dLGAMMAY = dK_yalpha_dgamma_s*gamma
     dMz_without_hysteresis_force_part2_dK_yalpha = B_y_by_K_yalpha*dMz_without_hysteresis_force_part2_dB_y + dMz_without_hysteresis_force_part2_dalpha_r*dalpha_r_dK_yalpha + dMz_without_hysteresis_force_part2_dkappa_share*dkappa_share_dK_yalpha + dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dK_yalpha
     dFy_dK_yalpha = dF_y0_dK_yalpha*dFy_dF_y0
-    dmu_y_dSHMU = mu_y_by_mu_y_part1*slip_growth
+    dmu_y_dSHMUY = mu_y_by_mu_y_part1*slip_growth
     dmu_y_dLLMU = dmu_y_without_slip_history_dLLMU*mu_y_by_mu_y_without_slip_history
     dmu_y_dWMU1 = distance*mu_y_by_mu_y_part4
     dmu_y_dWMU2 = mu_y_by_mu_y_part4*mu_y_part4_by_WMU2
@@ -1752,7 +1752,7 @@ def jacobian_parameters(inputs, parameters):
     dF_x0_dPHX2 = dF_x0_dkappa_x*dkappa_x_dPHX2
     dF_x0_dFNOMIN = dF_x0_dK_xkappa*dK_xkappa_dFNOMIN + dF_x0_ddfz*ddfz_dFNOMIN + dF_x0_dmu_x*dmu_x_dFNOMIN
     dF_x0_dLFZ0 = dF_x0_dK_xkappa*dK_xkappa_dLFZ0 + dF_x0_ddfz*ddfz_dLFZ0 + dF_x0_dmu_x*dmu_x_dLFZ0
-    dF_x0_dSHMU = dF_x0_dmu_x*dmu_x_dSHMU
+    dF_x0_dSHMUX = dF_x0_dmu_x*dmu_x_dSHMUX
     dF_x0_dWMU1 = dF_x0_dmu_x*dmu_x_dWMU1
     dF_x0_dWMU2 = dF_x0_dmu_x*dmu_x_dWMU2
     dF_x0_dTMUA = dF_x0_dmu_x*dmu_x_dTMUA
@@ -1767,7 +1767,7 @@ def jacobian_parameters(inputs, parameters):
     dF_x0_dPDX1 = dF_x0_dmu_x*dmu_x_dPDX1
     dF_x0_dPDX2 = dF_x0_dmu_x*dmu_x_dPDX2
     dF_x0_dLGAMMAY = dF_x0_dmu_x*dmu_x_dLGAMMAY
-    dF_x0_dSHK = dF_x0_dK_xkappa*dK_xkappa_dSHK
+    dF_x0_dSHKX = dF_x0_dK_xkappa*dK_xkappa_dSHKX
     dF_x0_dWK1 = dF_x0_dK_xkappa*dK_xkappa_dWK1
     dF_x0_dHK = dF_x0_dK_xkappa*dK_xkappa_dHK
     dF_x0_dTK1 = dF_x0_dK_xkappa*dK_xkappa_dTK1
@@ -1830,7 +1830,7 @@ def jacobian_parameters(inputs, parameters):
     dMz_without_hysteresis_force_part2_dQBZ1 = dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dQBZ1
     dMz_without_hysteresis_force_part2_dQBZ2 = dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dQBZ2
     dMz_without_hysteresis_force_part2_dQBZ3 = dMz_without_hysteresis_force_part2_dtrail_v*dtrail_v_dQBZ3
-    dMz_without_hysteresis_force_part2_dSHK = dK_xkappa_dSHK*dMz_without_hysteresis_force_part2_dK_xkappa + dK_yalpha_dSHK*dMz_without_hysteresis_force_part2_dK_yalpha
+    dMz_without_hysteresis_force_part2_dSHKX = dK_xkappa_dSHKX*dMz_without_hysteresis_force_part2_dK_xkappa
     dMz_without_hysteresis_force_part2_dWK1 = dK_xkappa_dWK1*dMz_without_hysteresis_force_part2_dK_xkappa + dK_yalpha_dWK1*dMz_without_hysteresis_force_part2_dK_yalpha
     dMz_without_hysteresis_force_part2_dHK = dK_xkappa_dHK*dMz_without_hysteresis_force_part2_dK_xkappa + dK_yalpha_dHK*dMz_without_hysteresis_force_part2_dK_yalpha
     dMz_without_hysteresis_force_part2_dTK1 = dK_xkappa_dTK1*dMz_without_hysteresis_force_part2_dK_xkappa + dK_yalpha_dTK1*dMz_without_hysteresis_force_part2_dK_yalpha
@@ -1840,12 +1840,13 @@ def jacobian_parameters(inputs, parameters):
     dMz_without_hysteresis_force_part2_dPKX1 = dK_xkappa_dPKX1*dMz_without_hysteresis_force_part2_dK_xkappa
     dMz_without_hysteresis_force_part2_dPKX2 = dK_xkappa_dPKX2*dMz_without_hysteresis_force_part2_dK_xkappa
     dMz_without_hysteresis_force_part2_dPKX3 = dK_xkappa_dPKX3*dMz_without_hysteresis_force_part2_dK_xkappa
+    dMz_without_hysteresis_force_part2_dSHKY = dK_yalpha_dSHKY*dMz_without_hysteresis_force_part2_dK_yalpha
     dMz_without_hysteresis_force_part2_dLLK = dK_yalpha_dLLK*dMz_without_hysteresis_force_part2_dK_yalpha
     dMz_without_hysteresis_force_part2_dLKA = dK_yalpha_dLKA*dMz_without_hysteresis_force_part2_dK_yalpha
     dMz_without_hysteresis_force_part2_dPKY1 = dK_yalpha_dPKY1*dMz_without_hysteresis_force_part2_dK_yalpha
     dMz_without_hysteresis_force_part2_dPKY2 = dK_yalpha_dPKY2*dMz_without_hysteresis_force_part2_dK_yalpha
     dMz_without_hysteresis_force_part2_dPKY3 = dK_yalpha_dPKY3*dMz_without_hysteresis_force_part2_dK_yalpha
-    dMz_without_hysteresis_force_part2_dSHMU = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dSHMU
+    dMz_without_hysteresis_force_part2_dSHMUY = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dSHMUY
     dMz_without_hysteresis_force_part2_dLLMU = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dLLMU
     dMz_without_hysteresis_force_part2_dWMU1 = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dWMU1
     dMz_without_hysteresis_force_part2_dWMU2 = dMz_without_hysteresis_force_part2_dmu_y*dmu_y_dWMU2
@@ -1880,7 +1881,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dPHX2 = dF_x0_dPHX2*dFx_dF_x0
     dFx_dFNOMIN = dF_x0_dFNOMIN*dFx_dF_x0
     dFx_dLFZ0 = dF_x0_dLFZ0*dFx_dF_x0
-    dFx_dSHMU = dF_x0_dSHMU*dFx_dF_x0
+    dFx_dSHMUX = dF_x0_dSHMUX*dFx_dF_x0
     dFx_dWMU1 = dF_x0_dWMU1*dFx_dF_x0
     dFx_dWMU2 = dF_x0_dWMU2*dFx_dF_x0
     dFx_dTMUA = dF_x0_dTMUA*dFx_dF_x0
@@ -1895,7 +1896,7 @@ def jacobian_parameters(inputs, parameters):
     dFx_dPDX1 = dF_x0_dPDX1*dFx_dF_x0
     dFx_dPDX2 = dF_x0_dPDX2*dFx_dF_x0
     dFx_dLGAMMAY = dF_x0_dLGAMMAY*dFx_dF_x0
-    dFx_dSHK = dF_x0_dSHK*dFx_dF_x0
+    dFx_dSHKX = dF_x0_dSHKX*dFx_dF_x0
     dFx_dWK1 = dF_x0_dWK1*dFx_dF_x0
     dFx_dHK = dF_x0_dHK*dFx_dF_x0
     dFx_dTK1 = dF_x0_dTK1*dFx_dF_x0
@@ -1940,7 +1941,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dPVY2 = dF_y0_dPVY2*dFy_dF_y0
     dFy_dPVY3 = dF_y0_dPVY3*dFy_dF_y0
     dFy_dPVY4 = dF_y0_dPVY4*dFy_dF_y0
-    dFy_dSHK = dFy_dK_yalpha*dK_yalpha_dSHK
+    dFy_dSHKY = dFy_dK_yalpha*dK_yalpha_dSHKY
     dFy_dWK1 = dFy_dK_yalpha*dK_yalpha_dWK1
     dFy_dTK1 = dFy_dK_yalpha*dK_yalpha_dTK1
     dFy_dTREF = dFy_dK_yalpha*dK_yalpha_dTREF + dFy_dmu_y*dmu_y_dTREF
@@ -1951,7 +1952,7 @@ def jacobian_parameters(inputs, parameters):
     dFy_dPKY1 = dFy_dK_yalpha*dK_yalpha_dPKY1
     dFy_dPKY2 = dFy_dK_yalpha*dK_yalpha_dPKY2
     dFy_dPKY3 = dFy_dK_yalpha*dK_yalpha_dPKY3
-    dFy_dSHMU = dFy_dmu_y*dmu_y_dSHMU
+    dFy_dSHMUY = dFy_dmu_y*dmu_y_dSHMUY
     dFy_dLLMU = dFy_dmu_y*dmu_y_dLLMU
     dFy_dWMU1 = dFy_dmu_y*dmu_y_dWMU1
     dFy_dWMU2 = dFy_dmu_y*dmu_y_dWMU2
@@ -2088,8 +2089,11 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        dFx_dSHMU,
-        dFx_dSHK,
+        0,
+        dFx_dSHMUX,
+        0,
+        dFx_dSHKX,
+        0,
         dFx_dTREF,
         dFx_dTMU1,
         dFx_dTMUA,
@@ -2216,12 +2220,15 @@ def jacobian_parameters(inputs, parameters):
         dFy_dHFPLAY,
         0,
         0,
+        0,
         dFy_dLLMU,
         dFy_dLLK,
         0,
         0,
-        dFy_dSHMU,
-        dFy_dSHK,
+        0,
+        dFy_dSHMUY,
+        0,
+        dFy_dSHKY,
         dFy_dTREF,
         dFy_dTMU1,
         dFy_dTMUA,
@@ -2348,12 +2355,15 @@ def jacobian_parameters(inputs, parameters):
         Mz_by_Mz_part1*inner_play + dFy_dHFPLAY*dMz_dFy,
         Mz_by_HFARM,
         0,
+        0,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dLLMU + dFy_dLLMU*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dLLK + dFy_dLLK*dMz_dFy,
         0,
         0,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHMU + dFx_dSHMU*dMz_dFx + dFy_dSHMU*dMz_dFy,
-        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHK + dFx_dSHK*dMz_dFx + dFy_dSHK*dMz_dFy,
+        dFx_dSHMUX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHMUY + dFy_dSHMUY*dMz_dFy,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHKX + dFx_dSHKX*dMz_dFx,
+        Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dSHKY + dFy_dSHKY*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTREF + dFx_dTREF*dMz_dFx + dFy_dTREF*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTMU1 + dFx_dTMU1*dMz_dFx + dFy_dTMU1*dMz_dFy,
         Mz_without_hysteresis_force_by_Mz_without_hysteresis_force_part2*dMz_without_hysteresis_force_part2_dTMUA + dFx_dTMUA*dMz_dFx + dFy_dTMUA*dMz_dFy,

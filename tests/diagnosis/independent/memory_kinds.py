@@ -5,13 +5,15 @@ The odd numbers of each kind are the confirmation half: nobody looks at them to 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 
 from ..case import Case
 from .formulas import Effect, FloatArray, forces
 from .kinds import REVERSED, library_tire
-from .memory_laws import ACTING, FAST_LAWS, LAWS, follow
+from .memory_laws import ACTING, FAST_LAWS, LAWS, VARIANTS, Law, follow
 from .memory_programs import memory_program
 from .programs import Program
 from .recording_errors import recorded
@@ -31,7 +33,10 @@ CONFOUNDED = (
 )
 #: Effects that require a fast recording or a slow wheel, with their program; each third recording has no effect.
 FAST = (("carcass_2nd_order", "fast"), ("turn_slip", "turning"), ("", "fast"))
-NUMBER_OF_CASES = {"single": REPEATED * len(SINGLES), "confounded": len(CONFOUNDED), "null": 12, "fast": 3 * len(FAST)}
+NUMBER_OF_CASES = {
+    "single": REPEATED * len(SINGLES), "confounded": len(CONFOUNDED), "null": 12, "fast": 3 * len(FAST),
+    "variant": REPEATED * len(VARIANTS),
+}  # fmt: skip
 #: Errors of the recording that have to be recognized, by number of a null modulo their number.
 NUISANCES = ("skew", "creep", "load_error", "meaningless_T")
 #: Other errors of a recording, each present in a third of the recordings.
@@ -59,6 +64,8 @@ def case_of(kind: str, number: int) -> Case:
         layout, hidden, *_ = CONFOUNDED[number % len(CONFOUNDED)]
     elif kind == "fast":
         hidden, layout = FAST[number % len(FAST)]
+    elif kind == "variant":
+        hidden = list(VARIANTS)[number // 2 % len(VARIANTS)]  # both are in each half
     elif number % 3 == 2:
         layout = "one_rate"
     errors = [name for name in OTHERS if rng.uniform() < 0.33]
@@ -68,7 +75,8 @@ def case_of(kind: str, number: int) -> Case:
     size = float(rng.choice([0.8, 1.0, 1.4]))
     bench = memory_program(rng, tire, layout)
     trial = memory_program(rng, tire, layout if kind == "fast" else "varied", test=True)
-    internal, test = (pd.concat([one.inputs, _answer(tire, hidden, size, one)], axis=1) for one in (bench, trial))
+    laws = LAWS | FAST_LAWS | (VARIANTS if kind == "variant" else {})
+    internal, test = (pd.concat([one.inputs, _answer(tire, hidden, size, one, laws)], axis=1) for one in (bench, trial))
     internal = _with_temperature(rng, internal, tire, meaningless="meaningless_T" in nuisances)
     errors += ["skew"] * ("skew" in nuisances)
     table = recorded(rng, internal, bench.every, tire, noise, errors)
@@ -83,8 +91,9 @@ def case_of(kind: str, number: int) -> Case:
         test["phit"] = -np.gradient(test["alpha"], test["t"]) / test["V"]
     if layout != "varied":
         test = test.drop(columns="Fx").assign(kappa=0.0)
-        test["Fy"] = _without_braking(tire, hidden, size, trial)["Fy"].to_numpy()[:: bench.every]
-        test["Mz"] = _without_braking(tire, hidden, size, trial)["Mz"].to_numpy()[:: bench.every]
+        straight = _answer(tire, hidden, size, Program(trial.inputs.assign(kappa=0.0), trial.every), laws)
+        for name in ("Fy", "Mz"):
+            test[name] = straight[name].to_numpy()[:: bench.every]
     name = f"{hidden or 'nothing'} {layout} {signs} noise {noise:g} x{size:g} {' '.join(sorted({*errors, *nuisances}))}"
     return Case(
         name, (hidden,) if hidden else (), EFFECTS, tire.nominal,
@@ -93,16 +102,11 @@ def case_of(kind: str, number: int) -> Case:
     )  # fmt: skip
 
 
-def _without_braking(tire: Specimen, hidden: str, size: float, trial: Program) -> pd.DataFrame:
-    return _answer(tire, hidden, size, Program(trial.inputs.assign(kappa=0.0), trial.every))
-
-
-def _answer(tire: Specimen, hidden: str, size: float, bench: Program) -> pd.DataFrame:
+def _answer(tire: Specimen, hidden: str, size: float, bench: Program, laws: Mapping[str, Law]) -> pd.DataFrame:
     """Return the true forces of a program."""
     x: dict[str, FloatArray] = {name: bench.inputs[name].to_numpy() for name in bench.inputs}
     if hidden in ACTING:
         return pd.DataFrame(forces(tire, {**x, "alpha": ACTING[hidden](size, tire, x)}))
-    laws = {**LAWS, **FAST_LAWS}
     force = forces(tire, x)
     for _ in range(REPETITIONS if hidden else 0):
         changes = laws[hidden](size, tire, x, force)

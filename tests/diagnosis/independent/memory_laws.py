@@ -15,6 +15,7 @@ from .tires import Specimen
 
 Forces = Mapping[str, FloatArray]
 Changes = Mapping[str, FloatArray | float]
+Law = Callable[[float, Specimen, Inputs, Forces], Changes]
 
 
 def follow(t: FloatArray, target: FloatArray, rate: FloatArray) -> FloatArray:
@@ -106,8 +107,25 @@ def turn_slip(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
     return {"friction_y": 1.0 / (1.0 + 0.35 * size * spin), "stiffness_y": stiffness, "trail": trail}
 
 
+def load_lag_falling(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """The contact grows with the load at once, and leaves it late: three times the distance while the load falls."""
+    late, values = float(x["Fz"][0]), [float(x["Fz"][0])]
+    for way, load in zip((np.diff(x["t"]) * np.abs(x["V"][1:])).tolist(), x["Fz"][1:].tolist(), strict=True):
+        length = tire.radius * size * (1.0 if load > late else 3.0)
+        late = load + (late - load) * float(np.exp(-way / length))
+        values.append(late)
+    ratio = np.clip(np.asarray(values) / np.maximum(x["Fz"], 1.0), 0.2, 3.0)
+    return {"friction_y": ratio**0.9, "stiffness_y": ratio**0.8}
+
+
+def slip_history_lateral(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """Friction hysteresis of the lateral axis alone."""
+    both = slip_history(size, tire, x, force)
+    return {name: both[name] for name in ("friction_y", "stiffness_y")}
+
+
 #: Laws by the name of the effect in the library.
-LAWS: Mapping[str, Callable[[float, Specimen, Inputs, Forces], Changes]] = {
+LAWS: Mapping[str, Law] = {
     "heat_friction": heat_friction, "heat_stiffness": heat_stiffness, "slip_history": slip_history,
     "hysteresis_force": hysteresis_force, "break_in": break_in, "load_lag": load_lag,
 }  # fmt: skip
@@ -147,7 +165,9 @@ def carcass_slip(size: float, tire: Specimen, x: Inputs) -> FloatArray:
     return np.arctan(np.asarray(slips))
 
 
+#: Laws by the name of the effect of which they are another kind: in one direction, or of one axis.
+VARIANTS: Mapping[str, Law] = {"load_lag": load_lag_falling, "slip_history": slip_history_lateral}
 #: Laws of the slip angle that acts, by the name of the effect in the library.
 ACTING = {"relax_slip": relaxed_slip, "carcass_2nd_order": carcass_slip}
 #: Laws that need a fast bench or a slow wheel.
-FAST_LAWS = {"turn_slip": turn_slip}
+FAST_LAWS: Mapping[str, Law] = {"turn_slip": turn_slip}
