@@ -10,12 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import Tire
+from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
 from tirefmu.tires.drawing.style import (
     LETTER,
     TITLE_SIZE,
@@ -83,6 +82,7 @@ def _evaluated(tire: Tire, held: dict[str, float], name: str, values: FloatArray
     return tire.evaluate(pd.DataFrame({**held, name: values}), signs=signs, steady=True)
 
 
+@own_settings()
 def _family(comparison: Comparison, found: Sequence[Sweep], channel: str, signs: str, *, slope: bool) -> Figure:
     """Return a panel for each tire with a curve for each load; both have the same axes."""
     slip = found[0].slip
@@ -113,6 +113,7 @@ def _family(comparison: Comparison, found: Sequence[Sweep], channel: str, signs:
     return figure
 
 
+@own_settings()
 def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Figure:
     """Return the magnitude of a quantity of both tires over load, in one panel."""
     figure = Figure(figsize=(7.5, 5.0), layout="constrained")

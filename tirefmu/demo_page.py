@@ -8,9 +8,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.tires.drawing.own_matplotlib import Figure, own_settings
 from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.drawing.shown_figure import shown_image
 from tirefmu.tires.drawing.style import LETTER, drawn_unit, png, write_whole
@@ -73,6 +73,7 @@ def write_demo_page(chapters: Sequence[Chapter], folder: Path, ok: bool, seconds
     return path
 
 
+@own_settings()
 def draw_gap(gap: Mapping[str, Mapping[str, float]], path: Path) -> Path:
     """Draw the error of each channel on the hold-out set before and after the diagnosis, with the noise floor.
 

@@ -17,7 +17,8 @@ from .table_argument import table_from
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from .drawing.own_matplotlib import Figure
 
 
 class Tire(TireDefinition):

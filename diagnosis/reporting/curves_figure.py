@@ -7,11 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from tirefmu.measurements import level_tolerance
 from tirefmu.measurements.operating_conditions.held_levels import held_levels
+from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
 from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
@@ -28,6 +27,7 @@ POINTS = 400
 CONDITIONS = {"Fz": 0, "gamma": 1, "p": 1, "V": 1, "T": 0}
 
 
+@own_settings()
 def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     """Draw measured and computed forces over the slip that varies most, for the blocks that the effects improve most.
 

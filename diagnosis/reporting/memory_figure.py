@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from tirefmu.symbolic.quantities import ALPHA, KAPPA
+from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
 from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si
 from tirefmu.tires.tire import Tire
 
@@ -26,6 +25,7 @@ DIRECTIONS = (("size of slip grows", 1.0, "C3", "o-"), ("falls", -1.0, "C0", "s-
 SMOOTHED = 0.1
 
 
+@own_settings()
 def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     """Draw force and mean residual over the slip that varies most, by its direction, and states of the improved tire.
 

@@ -7,12 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 
+from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, Normalize, ScalarMappable, colormaps, own_settings
 from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, TITLE_SIZE, drawn_unit, per_si, png, write_whole
 
 from ..thresholds import MIN_ROWS_OF_CELL
@@ -21,6 +17,7 @@ from ..thresholds import MIN_ROWS_OF_CELL
 FULL = 3.0
 
 
+@own_settings()
 def draw_residual_location(
     before: Sequence[Mapping[str, Any]], after: Sequence[Mapping[str, Any]], course: Mapping[str, Any], path: str | Path
 ) -> Path:

@@ -9,16 +9,19 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 from tirefmu.measurements import Recording, TableLike, levels, recording_from
 from tirefmu.symbolic.errors import DataError, nearest
 from tirefmu.tires import TireLike, tire_from
+from tirefmu.tires.drawing.own_matplotlib import (
+    Axes,
+    Figure,
+    Normalize,
+    Rectangle,
+    ScalarMappable,
+    colormaps,
+    own_settings,
+)
 from tirefmu.tires.drawing.style import LETTER, TITLE_SIZE, drawn_unit, per_si, png, write_footnote, write_whole
 from tirefmu.tires.tire import Tire
 
@@ -212,6 +215,7 @@ def _edges(values: pd.Series, name: str, bins: int | Mapping[str, npt.ArrayLike]
     return np.linspace(low, high, number + 1), none
 
 
+@own_settings()
 def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path) -> Path:
     """Draw maps side by side on one color scale, with the number of rows in each bin.
 

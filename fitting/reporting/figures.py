@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from tirefmu.measurements import TableLike
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import TireLike
+from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
 from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
 from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
 from tirefmu.tires.drawing.style import (
@@ -141,6 +140,7 @@ def figures_of(
     return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
+@own_settings()
 def _families(
     comparison: Comparison, families: Sequence[Family], title: str, fitted: FitResult | None
 ) -> Figure | None:
@@ -177,6 +177,7 @@ def _draw_family(ax: Axes, comparison: Comparison, family: Family, fitted: FitRe
     place_legend(ax, f"{LEVEL[family.by]} {letter(signs, family.by)}")
 
 
+@own_settings()
 def _weighting(comparison: Comparison) -> Figure | None:
     """Weighting functions of combined slip over each slip, for levels of the other: figures 13 and 15 of the report."""
     book = comparison.tire.book
@@ -219,6 +220,7 @@ def _draw_weighting(ax: Axes, slip: str, by: str, curves: Sequence[tuple[float, 
     place_legend(ax, f"{LEVEL[by]} {LETTER[by]}")
 
 
+@own_settings()
 def _residuals(comparison: Comparison) -> Figure:
     """Residuals over time and their histogram, for each recording and measured channel."""
     table = comparison.table

@@ -8,9 +8,8 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
 from tirefmu.tires.drawing.style import (
     LETTER,
     TITLE_SIZE,
@@ -44,6 +43,7 @@ BEYOND = 1.25
 FloatArray = npt.NDArray[np.float64]
 
 
+@own_settings()
 def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
     """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
     book = comparison.tire.book
@@ -152,6 +152,7 @@ def _draw_over_load(ax: Axes, loads: FloatArray, values: FloatArray, measured: S
     ax.plot(loads, np.where(strictly, np.nan, values), color="C0", lw=1.2, ls=":", label="beyond the\nmeasured loads")
 
 
+@own_settings()
 def friction_over_load(comparison: Comparison, fitted: FitResult | None) -> Figure | None:
     """Largest force over load within the measured slip range, of the data and of the tire."""
     families = [comparison.pure(channel, slip)[:1] for channel, slip in (("Fx", "kappa"), ("Fy", "alpha"))]

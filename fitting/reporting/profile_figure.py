@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 
+from tirefmu.tires.drawing.own_matplotlib import Figure, own_settings
 from tirefmu.tires.drawing.style import panels, write_footnote
 
 from ..evidence.uncertainty import QUANTILE
 from ..results.fit_result import FitResult
 
 
+@own_settings()
 def profile_curves(result: FitResult) -> Figure:
     """Return a figure with a panel for each profile of a fit.
 

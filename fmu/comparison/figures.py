@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import figure_text
+from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
 from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
 from tirefmu.tires.drawing.style import LEGEND_SIZE, TITLE_SIZE
 
@@ -78,6 +77,7 @@ def check_figures(result: CheckResult) -> dict[str, Figure]:
     return {channel.name: _figure(result, channel) for channel in result.channels}
 
 
+@own_settings()
 def _figure(result: CheckResult, channel: Channel) -> Figure:
     figure = Figure(figsize=(11.0, 6.0), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))

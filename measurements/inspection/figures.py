@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from tirefmu.tires.drawing.own_matplotlib import Figure, own_settings
 from tirefmu.tires.drawing.style import (
     LETTER,
     NOTE_SIZE,
@@ -54,6 +54,7 @@ def inspection_figures(inspection: Inspection) -> dict[str, Figure]:
     return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
+@own_settings()
 def _over_time(inspection: Inspection) -> Figure:
     """Draw every channel over time, or over the sample without a clock; excluded rows are marked."""
     table = inspection.recording.table
@@ -96,6 +97,7 @@ def _envelope(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[n
     return x[rows], y[rows]
 
 
+@own_settings()
 def _over_slip(inspection: Inspection) -> Figure | None:
     """Draw each output over its slip, by load at one level of the other inputs; rows at other levels are gray."""
     signs, table = inspection.recording.signs, inspection.recording.table
@@ -147,6 +149,7 @@ def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], NDArray[np.b
     return held, at_levels
 
 
+@own_settings()
 def _coverage(inspection: Inspection) -> Figure | None:
     """Draw the visited combinations of inputs."""
     table = inspection.recording.table

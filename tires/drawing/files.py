@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
-from matplotlib import rc_context
-from matplotlib.figure import Figure
 
 from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
 
 from ..tire_argument import TireLike, tire_from
+from .own_matplotlib import Figure
 from .style import DPI, rendered, write_whole
 from .tire_figures import combined, pure, sketched, surfaces
 
@@ -86,5 +85,4 @@ def draw(
 
 def _rendered(figure: Figure, suffix: str) -> bytes:
     """Return the figure as a file's bytes, the same each time."""
-    with rc_context({"svg.hashsalt": "tirefmu"}):
-        return rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])
+    return rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])

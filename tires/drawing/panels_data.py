@@ -15,11 +15,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
-from matplotlib.colors import to_hex, to_rgba_array
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+
+from .own_matplotlib import Axes, Figure, Line2D, PolyCollection, to_hex, to_rgba_array
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from .own_matplotlib import Axes, Figure, own_settings
 from .style import LETTER, drawn_unit, letter, per_si, some_of, write_footnote
 
 FloatArray = npt.NDArray[np.float64]
@@ -22,6 +21,7 @@ LEAST_RANGE = 0.02
 BINS, LEAST_ROWS = 16, 5
 
 
+@own_settings()
 def residuals_over_inputs(
     table: pd.DataFrame, residuals: Mapping[str, FloatArray], signs: str, *notes: str
 ) -> Figure | None:

@@ -8,10 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
 from tirefmu.symbolic.escaping import script_json
 
+from .own_matplotlib import Figure
 from .panels_data import panels_of
 from .style import DPI, png, write_whole
 

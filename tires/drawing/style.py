@@ -12,15 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import ArrayLike
 
 from .drawn_units import drawn_unit as drawn_unit
 from .drawn_units import per_si as per_si
+from .own_matplotlib import Axes, Figure, FigureCanvasAgg, Normal, Stroke, colormaps, own_settings
 
 RGB = tuple[float, float, float]
 
@@ -76,6 +72,7 @@ def held_text(signs: str, held: Mapping[str, float]) -> str:
     return ", ".join(f"{letter(signs, name)} = {level_text(name, level)}" for name, level in held.items())
 
 
+@own_settings()
 def panels(count: int, title: str) -> tuple[Figure, list[Axes]]:
     """Return a titled figure with so many axes, two in a row."""
     columns, rows = min(count, 2), ceil(count / 2)
@@ -183,6 +180,7 @@ def png(figure: Figure) -> bytes:
     return rendered(figure, "png", DPI)
 
 
+@own_settings()
 def rendered(figure: Figure, suffix: str, dpi: float, **options: Any) -> bytes:
     """Return the figure as a file's bytes; a letter that the font lacks is drawn as a box, without a warning."""
     buffer = BytesIO()

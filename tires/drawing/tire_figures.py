@@ -12,12 +12,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LinearSegmentedColormap, Normalize
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import figure_text
@@ -25,6 +19,16 @@ from tirefmu.symbolic.escaping import figure_text
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
 from ..signs import REVERSED, SIGNS, convert_signs
+from .own_matplotlib import (
+    Axes,
+    Figure,
+    LinearSegmentedColormap,
+    MaxNLocator,
+    Normalize,
+    ScalarMappable,
+    colormaps,
+    own_settings,
+)
 from .style import (
     HANDLE,
     LETTER,
@@ -252,6 +256,7 @@ def _checked_range(kappa: Sequence[float]) -> tuple[float, float]:
     return float(kappa[0]), float(kappa[1])
 
 
+@own_settings()
 def pure(sketch: Sketch) -> Figure:
     """Fx over kappa, Fy and Mz over alpha, one curve for each load."""
     shown = [(channel, slip) for channel, slip in PURE if channel in sketch.channels]
@@ -285,6 +290,7 @@ def _shared_legend(figure: Figure, ax: Axes, title: str) -> None:
     figure.legend(handles, labels, title=title, fontsize=9, handlelength=HANDLE, **where)
 
 
+@own_settings()
 def surfaces(sketch: Sketch, load: float) -> Figure:
     """Fx and Fy over both slips at one load: as surfaces, and below as maps to read values from."""
     shown = [name for name in ("Fx", "Fy") if name in sketch.channels] or sketch.channels
@@ -337,6 +343,7 @@ def _draw_map(ax: Axes, kappa: FloatArray, alpha: FloatArray, force: FloatArray,
     ax.set(xlabel=f"{LETTER['kappa']} ({drawn_unit('kappa')})", ylabel=f"{LETTER['alpha']} ({drawn_unit('alpha')})")
 
 
+@own_settings()
 def combined(sketch: Sketch) -> Figure:
     """Fy against Fx at constant slip angle, kappa running: one panel for each load."""
     columns = 2 if len(sketch.loads) == 4 else min(len(sketch.loads), 3)
