@@ -12,6 +12,7 @@ import click
 
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.symbolic.escaping import command_text
 
 from ..arguments import FILE, MODEL, SIGNS, Pairs, check_output_paths, common, names, write_json
 
@@ -64,7 +65,7 @@ def init(
     paths = [_relative(table, output.parent) for table in tables]
     output.write_text(project_text(paths, chosen, nominal or {}, effects, signs), encoding="utf-8")
     write_json(json_file, {"ok": True, "project": str(output), "tables": paths, "model": chosen})
-    Terminal(quiet).print(f"project: {output}; edit it and run: tirefmu run {output}")
+    Terminal(quiet).print(f"project: {output}; edit it and run: {command_text('run', output)}")
     return 0
 
 
