@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import html
 import re
+import shlex
 import unicodedata
 
 #: What XML 1.0 cannot contain, not even escaped (Extensible Markup Language 1.0, section 2.2).
@@ -231,6 +232,27 @@ def html_text(text: str) -> str:
     '&lt;b&gt;&amp;\\x00'
     """
     return html.escape(visible(text))
+
+
+def command_text(command: str, *arguments: object) -> str:
+    """Return a command line of tirefmu as a shell takes it.
+
+    Parameters
+    ----------
+    command : str
+    *arguments : object
+        Operands, options and their values. None is omitted.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> command_text("run", "my tires/tirefmu.toml")
+    "tirefmu run 'my tires/tirefmu.toml'"
+    """
+    return shlex.join(["tirefmu", command, *(str(each) for each in arguments if each is not None)])
 
 
 def script_text(code: str) -> str:

@@ -60,6 +60,10 @@ class Terminal:
         """Show the current activity until it ends."""
         return progress.showing(self._status, what)
 
+    def begin(self, line: str) -> None:
+        """Print a line of progress."""
+        self._status.print(visible(line))
+
     def counting(
         self, what: str, *, singly: bool = False, expected: tuple[int, float] | None = None
     ) -> AbstractContextManager[Callable[[int, int], None]]:

@@ -20,6 +20,8 @@ class Finding:
         Whether a result of these data is misleading if nothing is done about it.
     command : str
         The command or option that investigates or corrects it; empty if there is none.
+    effects : tuple of str
+        Effects that a diagnosis can test as its cause.
 
     Examples
     --------
@@ -31,6 +33,7 @@ class Finding:
     text: str
     serious: bool = False
     command: str = ""
+    effects: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """Return text and command in one line."""

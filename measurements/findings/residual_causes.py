@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from shlex import quote
 
 import numpy as np
 import pandas as pd
@@ -42,7 +41,7 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     >>> force = pd.DataFrame({"Fy": -9e3 * alpha})
     >>> late = pd.DataFrame({"t": clock, "alpha": alpha, "Fy": np.interp(clock - 0.05, clock, force["Fy"])})
     >>> print(*residual_findings([Recording(late, "iso", "a.csv")], [force]))  # doctest: +ELLIPSIS
-    a.csv: the residual of Fy is like a lag of 50 ms (... % of its mean square) (tirefmu diagnose ...)
+    a.csv: the residual of Fy is like a lag of 50 ms (... % of its mean square)
     """
     found: list[Finding] = []
     for recording, forces in zip(recordings, predicted, strict=True):
@@ -69,13 +68,13 @@ def _causes(recording: Recording, name: str, force: NDArray[np.float64]) -> Iter
                 kind,
                 f"{recording.source}: the residual of {name} follows the tread temperature, or an input that changes "
                 f"with it, like {100.0 * coefficient:+.2f} % of {name} per K ({percent})",
-                command=f"tirefmu diagnose {quote(recording.source)} --candidates temp_friction,temp_stiffness",
+                effects=("temp_friction", "temp_stiffness"),
             )
         if share > LEAST_EXPLAINED and kind == "lag" and coefficient > 0.0:
             yield Finding(
                 kind,
                 f"{recording.source}: the residual of {name} is like a lag of {1e3 * coefficient:.0f} ms ({percent})",
-                command=f"tirefmu diagnose {quote(recording.source)} --candidates {_LAG_EFFECT[name]}",
+                effects=(_LAG_EFFECT[name],),
             )
 
 

@@ -57,7 +57,7 @@ def warm_up(recording: Recording, *, alone: bool = True) -> Iterator[Finding]:
         "warm-up",
         f"{recording.source}: warm-up: the tread is at {smooth[0]:.0f} deg C at the start, within {COOL_TREAD:g} K of "
         f"the later {later:.0f} deg C only after {end} of {len(recording)} rows",
-        command=f'--where "{crop}"' if alone else f"--where {quote(text)}",
+        command=f"--where {quote(crop if alone else text)}",
     )
 
 

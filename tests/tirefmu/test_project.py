@@ -11,6 +11,7 @@ import pytest
 
 from tests.hostile import HOSTILE, Skeleton
 from tirefmu.cli import cli
+from tirefmu.project.limited import TimeLimitReached, run_limited
 from tirefmu.project.project_file import SECTIONS, project_text, read_project
 from tirefmu.project.records import Records
 from tirefmu.project.run import run_project
@@ -53,8 +54,8 @@ class Commands:
         self.steps = {(step.command, *step.arguments): step for step in steps_of(project)}
         self.status, self.ran, self.text = status or {}, [], "output"
 
-    def __call__(self, command, arguments):
-        step = self.steps[(command, *arguments[1:])]
+    def __call__(self, step):
+        assert step == self.steps[(step.command, *step.arguments)]
         self.ran.append(step.name)
         for output in step.outputs:
             if output.suffix:
@@ -62,7 +63,7 @@ class Commands:
             else:
                 output.mkdir(exist_ok=True)
                 (output / "report.html").write_text(step.name)
-        step.result.write_text(json.dumps(RESULTS[command]))
+        step.result.write_text(json.dumps(RESULTS[step.command]))
         return self.status.get(step.name, 0)
 
 
@@ -110,7 +111,7 @@ def test_a_failed_check_is_remembered_and_invalid_input_stops_the_run(project, m
         outcomes = run_project(project, commands, Terminal(quiet=True))
         assert [each.step.name for each in outcomes if each.status] == ["fit"]
 
-    def refuse(command, arguments):
+    def refuse(step):
         raise TirefmuError("no rows")
 
     with pytest.raises(TirefmuError, match="step inspect: no rows"):
@@ -123,6 +124,53 @@ def test_a_failed_check_is_remembered_and_invalid_input_stops_the_run(project, m
     assert Records.of(project.folder).status(steps_of(project)[1]) is None
     (project.folder / "run.json").write_text("[damaged")
     assert repeated(project, commands) == ALL
+
+
+def test_the_page_has_what_was_run_before_an_interruption(project):
+    commands = Commands(project)
+
+    def interrupted(step):
+        if step.name == "export":
+            raise KeyboardInterrupt
+        return commands(step)
+
+    with pytest.raises(KeyboardInterrupt):
+        run_project(project, interrupted, Terminal(quiet=True))
+    page = (project.folder / "index.html").read_text(encoding="utf-8")
+    assert 'href="./tire.tir"' in page
+    assert "Not run: export, check a, check b, diagnose a, diagnose b." in page
+    assert repeated(project, commands) == ALL[3:]
+    assert "Not run" not in (project.folder / "index.html").read_text(encoding="utf-8")
+
+
+def test_a_diagnosis_beyond_its_time_limit_is_stated_and_repeated(project):
+    commands = Commands(project)
+
+    def slow(step):
+        if step.name == "diagnose a":
+            raise TimeLimitReached("searching for missing effects: <i>")
+        return commands(step)
+
+    outcomes = run_project(project, slow, Terminal(quiet=True))
+    assert [each.step.name for each in outcomes if each.status] == ["diagnose a"]
+    page = (project.folder / "index.html").read_text(encoding="utf-8")
+    assert "no answer within the time limit of 900 s" in page
+    assert "last progress: searching for missing effects: &lt;i&gt;" in page
+    assert "diagnosis_a/" not in page
+    assert "diagnosis_b/report.html" in page
+    assert repeated(project, commands) == ["diagnose a"]
+
+
+def test_a_command_is_ended_at_its_time_limit(project, tmp_path):
+    """Whatever it computes; its progress is reported line by line, and its error is that of the step."""
+    lines = []
+    with pytest.raises(TimeLimitReached):
+        run_limited("example", ["-o", str(tmp_path / "x.csv")], 0.01, lines.append)
+    assert not (tmp_path / "x.csv").exists()
+    assert run_limited("example", ["-o", str(tmp_path / "x.csv"), "--sample-rate", "1"], 600.0, lines.append) == 0
+    assert any(line.startswith("running the virtual bench") for line in lines)
+    with pytest.raises(TirefmuError, match=r"^missing\.tir: no such file$"):
+        run_limited("info", ["missing.tir"], 600.0, lines.append)
 
 
 def test_the_page_links_to_every_result(project):
@@ -163,6 +211,7 @@ def test_texts_of_results_do_not_change_the_page(project, monkeypatch, text):
         ('[data]\ntables = ["a.csv"]\n[fit]\ncross_validate = 1', "step fit: Invalid value for '--cross-validate': 1"),
         ('[data]\ntables = ["a.csv"]\n[export]\nfmi = "9"', "PATH: step export: Invalid value for '--fmi'"),
         ('[data]\ntables = ["tirefmu.toml"]\n[output]\nfolder = "x\\u0000"', "expected the path of a file"),
+        ('[data]\ntables = ["a.csv"]\n[diagnose]\ntime_limit = 0', "[diagnose] time_limit is not positive"),
         ("[data\n", "is not TOML"),
         ("\udcff", "not a text file"),
     ],
@@ -214,8 +263,10 @@ def test_init_and_run(command, bench_csv, tmp_path):
     assert command(*arguments).err.count("exists already") == 1
     path.write_text(path.read_text().replace("run = true", "run = false"))
     first = command("run", path)
-    finished = [line.split(": ")[0] for line in first.err.splitlines()]
-    assert finished == ["inspect", "fit", "explore", "export", "check bench"]
+    begun = [line.split(maxsplit=1)[1] for line in first.err.splitlines() if re.match(r"\d/5 ", line)]
+    assert begun == ["inspect", "fit", "explore", "export", "check bench"]
+    assert "; stage 2 of " in first.err  # what a fit reports
+    assert command("run", path, "--quiet", "--force").err == ""
     assert first.status in (0, 1)
     second = command("run", path, "--json", tmp_path / "run.json")
     assert second.status == first.status

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from tirefmu.symbolic.escaping import command_text
+
 from ..arguments import FILE, check_output_paths, common, write_json
 
 #: The published tire of each program.
@@ -50,6 +52,7 @@ def example(
     summary = {"rows": len(table), "channels": list(table.columns), "model": tested.model, "nominal": nominal}
     write_json(json_file, {"ok": True, **summary})
     values = ",".join(f"{name}={value:g}" for name, value in nominal.items())
+    fitted = ("--model", tested.model, "--nominal", values, "-o", "my.tir", "--report", "fit.html")
     terminal.print(f"recording: {output} ({len(table)} rows, virtual)")
-    terminal.print(f"next: tirefmu fit {output} --model {tested.model} --nominal {values} -o my.tir --report fit.html")
+    terminal.print(f"next: {command_text('fit', output, *fitted)}")
     return 0

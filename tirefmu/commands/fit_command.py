@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.escaping import command_text, file_name
 
 from ..arguments import (
     FILE,
@@ -157,14 +158,16 @@ def fit(
     if profiled and not result.interrupted:
         with terminal.counting("profile likelihood") as counted:
             result = profile(result, profiled, progress=counted, **spread)
-    findings = _findings(result.tire, recordings)
+    chosen = [part for pair in (("--signs", signs), ("--where", where)) if pair[1] for part in pair]
+    findings = _findings(result.tire, output, tables, recordings, chosen)
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     warned = {finding.text for finding in findings if finding.serious}
     notes = tuple(note for note in result.notes if note not in warned)
     terminal.fit_result(result.with_notes(notes), findings, every)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
-        terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
+        resuming = "" if resume else " --resume"
+        terminal.print(f"completed stages: {finished_stages}; to continue: {command_line()}{resuming}")
     drawn = None
     if figures:
         from tirefmu.fitting.reporting.figures import figures_of
@@ -197,11 +200,32 @@ def _one_by_one(
         counted(number, len(tasks))
 
 
-def _findings(tire: Tire, recordings: Sequence[Recording]) -> list[Finding]:
-    """Return findings about the data, and about what the tire leaves in the residual."""
+def _findings(
+    tire: Tire, path: Path, tables: Sequence[Path], recordings: Sequence[Recording], chosen: Sequence[str]
+) -> list[Finding]:
+    """Return findings about the data, and about what the tire leaves in the residual, with the command to diagnose it.
+
+    The options `chosen` select and interpret the rows.
+    """
     from tirefmu.measurements import data_findings, residual_findings
 
     from ..evaluation import predicted_outputs
 
-    predicted = [predicted_outputs(tire, each) for each in recordings]
-    return [*data_findings(recordings), *residual_findings(recordings, predicted)]
+    findings = data_findings(recordings)
+    for table, recording in zip(tables, recordings, strict=True):
+        for finding in residual_findings([recording], [predicted_outputs(tire, recording)]):
+            testable = _testable(finding.effects, tire, recording)
+            folder = path.with_name(f"{file_name(table.stem)}_diagnosis")
+            options = ("--tire", path, *chosen, "--candidates", ",".join(testable), "-o", folder)
+            command = command_text("diagnose", table, *options) if testable else ""
+            findings.append(replace(finding, command=command))
+    return findings
+
+
+def _testable(effects: Sequence[str], tire: Tire, recording: Recording) -> list[str]:
+    """Return the effects that a diagnosis of a recording can test for a tire."""
+    from tirefmu.diagnosis.diagnose import with_library
+    from tirefmu.diagnosis.probing.candidates import candidates_for
+
+    known = candidates_for(with_library(tire)) if "Fz" in recording.table else {}
+    return [name for name in effects if name in known and {*known[name].requires} <= {*recording.table}]

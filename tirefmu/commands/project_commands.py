@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import click
 
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.symbolic.escaping import command_text
 
 from ..arguments import FILE, MODEL, SIGNS, Pairs, check_output_paths, common, names, write_json
 
@@ -64,7 +66,7 @@ def init(
     paths = [_relative(table, output.parent) for table in tables]
     output.write_text(project_text(paths, chosen, nominal or {}, effects, signs), encoding="utf-8")
     write_json(json_file, {"ok": True, "project": str(output), "tables": paths, "model": chosen})
-    Terminal(quiet).print(f"project: {output}; edit it and run: tirefmu run {output}")
+    Terminal(quiet).print(f"project: {output}; edit it and run: {command_text('run', output)}")
     return 0
 
 
@@ -101,19 +103,26 @@ def run(context: click.Context, project: Path, force: bool, outside: bool, quiet
     whose command, input files or results have changed are repeated. Exit code 1 if a check of a step failed.
     """
     check_output_paths(json_file)
+    from ..project.limited import run_limited
     from ..project.project_file import read_project
     from ..project.run import run_project
-    from ..project.steps import steps_of
+    from ..project.steps import Step, steps_of
     from ..terminal import Terminal
 
     group = context.find_root().command
     assert isinstance(group, click.Group)
 
-    def command(name: str, arguments: Sequence[str]) -> int:
-        status: Any = group.main(args=[name, *arguments], prog_name="tirefmu", standalone_mode=False)
+    terminal = Terminal(quiet)
+
+    def command(step: Step) -> int:
+        """Run a step: its progress is shown, its result is in its file."""
+        arguments = ["--quiet", *step.arguments] if quiet else [*step.arguments]
+        if step.time_limit is not None:
+            return run_limited(step.command, arguments, step.time_limit, terminal.begin)
+        with redirect_stdout(StringIO()):
+            status: Any = group.main(args=[step.command, *arguments], prog_name="tirefmu", standalone_mode=False)
         return int(status or 0)
 
-    terminal = Terminal(quiet)
     read = read_project(project)
     for step in steps_of(read):  # a wrong option of a late step is found before the first one
         try:

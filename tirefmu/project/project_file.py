@@ -12,6 +12,8 @@ from tirefmu.symbolic.bounded_file import toml_file
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import quoted, toml_string
 
+#: Default time limit of a diagnosis, seconds. Judgement: longer than all other steps of a measured recording together.
+TIME_LIMIT = 900.0
 #: Kinds of values, as a message names them.
 KINDS = {
     "text": "a text",
@@ -59,7 +61,12 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "kind": Key("text", "--kind"),
     },
     "check": {"tolerance": Key("number", "--tolerance")},
-    "diagnose": {"run": Key("flag"), "tables": Key("files"), "candidates": Key("names", "--candidates")},
+    "diagnose": {
+        "run": Key("flag"),
+        "tables": Key("files"),
+        "candidates": Key("names", "--candidates"),
+        "time_limit": Key("number"),
+    },
     "output": {"folder": Key("file")},
 }
 
@@ -99,6 +106,11 @@ class Project:
             return ()
         own = self.get("diagnose", "tables")
         return self.tables if own is None else tuple(map(self.located, own))
+
+    @property
+    def time_limit(self) -> float:
+        """The time limit of each diagnosis, seconds."""
+        return float(self.get("diagnose", "time_limit", TIME_LIMIT))
 
     @property
     def folder(self) -> Path:
@@ -165,6 +177,8 @@ def read_project(path: Path) -> Project:
             if not _is(SECTIONS[section][name].kind, value):
                 kind = KINDS[SECTIONS[section][name].kind]
                 raise TirefmuError(f"{path}: [{section}] {name} is {quoted(value)}: expected {kind}")
+    if not content.get("diagnose", {}).get("time_limit", TIME_LIMIT) > 0:
+        raise TirefmuError(f"{path}: [diagnose] time_limit is not positive: a number of seconds is expected")
     if not content.get("data", {}).get("tables"):
         raise TirefmuError(f"{path}: [data] tables is missing: the list of bench files")
     return Project(path, content)
@@ -229,6 +243,7 @@ def project_text(
         "",
         "[diagnose]",
         "run = true",
+        f"# time_limit = {TIME_LIMIT:g}  # s, of each recording",
         "",
         "[output]",
         'folder = "results"',

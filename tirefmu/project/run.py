@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -14,6 +14,7 @@ from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires.drawing.page import page_text, write_page
 
 from ..terminal import Terminal
+from .limited import TimeLimitReached
 from .project_file import Project
 from .records import NAME, Records, files_of
 from .steps import Step, steps_of
@@ -21,8 +22,8 @@ from .summaries import Headline, headline_of, summary_of
 
 #: Name of the page over all results, in their folder.
 INDEX = "index.html"
-#: Runs a command with arguments and returns its exit code.
-Command = Callable[[str, Sequence[str]], int]
+#: Runs a step and returns its exit code.
+Command = Callable[[Step], int]
 
 
 @dataclass(frozen=True)
@@ -52,13 +53,13 @@ class Outcome:
 def run_project(
     project: Project, command: Command, terminal: Terminal, *, force: bool = False, outside: bool = False
 ) -> list[Outcome]:
-    """Run the steps of a project and write the page ``index.html``.
+    """Run the steps of a project and write the page ``index.html`` after each.
 
     Parameters
     ----------
     project : Project
     command : callable
-        Runs a command with arguments and returns its exit code.
+        Runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
     terminal : Terminal
         Shows the outcome of each step, a line or a few.
     force : bool
@@ -89,14 +90,15 @@ def run_project(
     except OSError as error:
         raise TirefmuError(f"{project.folder}: cannot be created ({error.strerror or error})") from error
     records = Records.of(project.folder)
-    outcomes = []
+    outcomes: list[Outcome] = []
     for number, step in enumerate(steps, 1):
+        terminal.begin(f"{number}/{len(steps)} {step.name}")
         outcome = _run(step, records, command, terminal, force)
         outcomes.append(outcome)
         state = outcome.headline.text + ("" if outcome.repeated else " (up to date)")
         terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
         terminal.print(*(f"  {line}" for line in outcome.summary))
-    _write_index(project, outcomes)
+        _write_index(project, outcomes, [each.name for each in steps[number:]])
     return outcomes
 
 
@@ -115,8 +117,9 @@ def _run(step: Step, records: Records, command: Command, terminal: Terminal, for
     if status is None:
         records.forget(step)
         try:
-            with terminal.working(step.name):
-                status = command(step.command, ["--quiet", *step.arguments])
+            status = command(step)
+        except TimeLimitReached as reached:
+            return _unfinished(step, str(reached))
         except TirefmuError as error:
             raise TirefmuError(f"step {step.name}: {error}") from error
         if _result(step).get("interrupted"):
@@ -127,6 +130,13 @@ def _run(step: Step, records: Records, command: Command, terminal: Terminal, for
     return Outcome(step, status, repeated, headline, tuple(summary_of(step.command, result)))
 
 
+def _unfinished(step: Step, last: str) -> Outcome:
+    """Return the outcome of a step that was ended; it is not recorded, and the next run repeats it."""
+    headline = Headline(f"no answer within the time limit of {step.time_limit:g} s", "limited")
+    summary = (f"last progress: {last or 'none'}", f"longer: time_limit in [{step.command}] of the project file")
+    return Outcome(replace(step, outputs=(), page=None), 1, True, headline, summary)
+
+
 def _result(step: Step) -> dict[str, Any]:
     try:
         content = json.loads(step.result.read_text(encoding="utf-8"))
@@ -135,7 +145,7 @@ def _result(step: Step) -> dict[str, Any]:
     return content if isinstance(content, dict) else {}
 
 
-def _write_index(project: Project, outcomes: Sequence[Outcome]) -> None:
+def _write_index(project: Project, outcomes: Sequence[Outcome], missing: Sequence[str]) -> None:
     path = project.folder / INDEX
     folder = project.folder
 
@@ -145,7 +155,8 @@ def _write_index(project: Project, outcomes: Sequence[Outcome]) -> None:
         files = [each.relative_to(folder).as_posix() for each in dict.fromkeys([*first, *written])]
         return [("open the page" if i < len(first) else file, "./" + quote(file)) for i, file in enumerate(files)]
 
-    text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes)
+    text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes,
+                     missing=missing)  # fmt: skip
     try:
         write_page(text, path)
     except OSError as error:

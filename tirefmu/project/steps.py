@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tirefmu.symbolic.escaping import file_name
@@ -29,6 +29,8 @@ class Step:
         Its JSON result, one of the outputs.
     page : Path or None
         What a reader opens first, one of the outputs or in one of them.
+    time_limit : float, optional
+        Seconds after which the command is ended.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Step:
     outputs: tuple[Path, ...]
     result: Path
     page: Path | None = None
+    time_limit: float | None = None
 
 
 def steps_of(project: Project) -> list[Step]:
@@ -71,7 +74,8 @@ def steps_of(project: Project) -> list[Step]:
         answer = folder / f"diagnosis_{label}"
         options = [*data, *project.options("diagnose"), "--tire", str(tire), "-o", str(answer)]
         inputs = (tire, table, *project.files_of("data"))
-        steps.append(_step(folder, "diagnose", options, (table,), inputs, answer / "report.html", answer, label=label))
+        step = _step(folder, "diagnose", options, (table,), inputs, answer / "report.html", answer, label=label)
+        steps.append(replace(step, time_limit=project.time_limit))
     return steps
 
 

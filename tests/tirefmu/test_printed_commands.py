@@ -1,0 +1,129 @@
+"""Every command that a command prints is accepted as printed; those that end quickly are run."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import tirefmu
+from tirefmu.cli import cli
+from tirefmu.commands.command_help import EXAMPLES
+from tirefmu.progress import FitProgress
+from tirefmu.symbolic.errors import LISTED_BY
+
+#: A name that a shell would not leave alone.
+HOSTILE = "run ;'$(b) 1.csv"
+PACKAGES = ("batch", "comparison", "diagnosis", "estimation", "explorer", "fitting", "fmu", "hosts", "measurements",
+            "symbolic", "tirefmu", "tires")  # fmt: skip
+#: Sentences about a command.
+SENTENCES = (
+    "tirefmu effects NAME describes one",
+    "tirefmu info NAME shows source, ranges and coefficients",
+    "tirefmu effects lists them",
+    "tirefmu init in a terminal",
+    "tirefmu run: inspects the data, fits, exports, checks, diagnoses; redoes what has changed.",
+)
+
+
+def accepted(line):
+    """Return the command and its parsed options; raise if the command does not accept the line."""
+    program, name, *arguments = shlex.split(line)
+    assert program == "tirefmu"
+    return name, cli.commands[name].make_context(name, arguments).params
+
+
+def texts_of(path):
+    """Yield the strings of a module that are no docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    statements = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in statements:
+            yield node.value
+
+
+def test_no_command_line_is_put_together_without_quotes():
+    """`command_text` makes those with names and values; a constant one is parsed here."""
+    root = Path(tirefmu.__file__).parents[1]
+    begun = re.compile(rf"\btirefmu ({'|'.join(cli.commands)})\b.*")
+    paths = [path for package in PACKAGES for path in (root / package).rglob("*.py")]
+    found = {match[0].strip('"') for path in paths for text in texts_of(path) for match in begun.finditer(text)}
+    assert {*SENTENCES, *(text for text in LISTED_BY.values() if begun.match(text))} <= found
+    for line in found.difference(SENTENCES):
+        accepted(line)
+
+
+@pytest.mark.parametrize("line", [line for lines in EXAMPLES.values() for line in lines])
+def test_the_examples_of_the_help(line):
+    accepted(f"tirefmu {line}")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_example_prints_the_fit_of_its_recording(folder, command):
+    printed = command("example", "-o", HOSTILE, "--sample-rate", "2").out
+    (line,) = re.findall("next: (.*)", printed)
+    name, options = accepted(line)
+    assert (name, options["tables"]) == ("fit", (Path(HOSTILE),))
+    assert command(*shlex.split(line)[1:-2]).status in (0, 1)  # without the report, which takes longer than the fit
+
+
+def test_init_prints_the_run_of_its_project(folder, command):
+    (folder / HOSTILE).write_text("alpha,Fz,Fy\n0,900,0\n", encoding="utf-8")
+    (line,) = re.findall("run: (.*)", command("init", HOSTILE, "-o", "my project.toml").out)
+    assert accepted(line)[1]["project"] == Path("my project.toml")
+
+
+def test_an_interrupted_fit_prints_the_command_that_continues_it(folder, command, bench_csv, monkeypatch):
+    def stopped(progress, stage, iteration, cost):
+        if stage.startswith("Fy"):
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as changed:
+        changed.setattr(FitProgress, "__call__", stopped)
+        interrupted = command("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", "my tire.tir")
+    (again,) = re.findall("to continue: (.*)", interrupted.out)
+    assert accepted(again)[1]["resume"]
+    resumed = command(*shlex.split(again)[1:])
+    assert resumed.status in (0, 1), resumed.err
+    assert "--resume" not in resumed.out
+
+
+def late(lag):
+    """Return a recording of a side force that lags by seconds."""
+    clock = np.arange(3000) / 50.0
+    alpha = 0.15 * np.sin(2.0 * np.pi * clock / 9.0)
+    load = 800.0 + 300.0 * np.sin(2.0 * np.pi * clock / 31.0)
+    force = -1.5 * load * np.tanh(12.0 * alpha)
+    noise = np.random.default_rng(0).normal(0.0, 4.0, len(clock))
+    return pd.DataFrame(
+        {"t": clock, "alpha": alpha, "Fz": load, "V": 10.0, "Fy": np.interp(clock - lag, clock, force) + noise}
+    )
+
+
+def test_a_fit_prints_the_diagnosis_of_its_residual(folder, command):
+    data = folder / "bench data"
+    data.mkdir()
+    late(0.15).to_csv(data / HOSTILE, index=False)
+    fit = ["fit", data / HOSTILE, "--nominal", "Fz0=800,R0=0.25", "--where", "t > 1", "--all-rows"]
+    printed = command(*fit, "--model", "mf61", "-o", "my tire.tir", "--json", "fit.json")
+    (finding,) = [each for each in json.loads(Path("fit.json").read_text())["data_findings"] if each["effects"]]
+    assert finding["command"] in printed.out
+    name, options = accepted(finding["command"])
+    assert (name, options["where"], options["candidates"]) == ("diagnose", "t > 1", ("relax_lat",))
+    done = command(*shlex.split(finding["command"])[1:], "--no-fmu")
+    assert done.status == 0, done.err
+    assert (options["output"] / "diagnosis.json").exists()
+    command(*fit, "--model", "mf96", "-o", "other.tir", "--json", "fit.json")  # which has no relaxation
+    (finding,) = [each for each in json.loads(Path("fit.json").read_text())["data_findings"] if each["effects"]]
+    assert finding["command"] == ""
