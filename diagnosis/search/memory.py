@@ -30,7 +30,7 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Names of the disturbances; iterations of a fit with another skew, and number of such fits.
 SKEW, LOAD_ERRORS = "skew", tuple(f"load_error_{i}" for i in range(len(LAGS)))
-ITERATIONS, ALIGNMENTS = 4, 2
+ITERATIONS, ALIGNMENTS = 4, 3
 #: Variables of structure that depends on the past.
 PAST_ONLY = frozenset({"memory", "dalpha/dt", "dkappa/dt", "dFz/dt"})
 
@@ -173,17 +173,20 @@ def _aligned(recorded: LeastSquares, before: Screen, search: Search) -> tuple[Sc
     search : Search
         Completed, with the disturbances.
     """
-    signals, problem, solution = recorded.simulator.signals, search.problem, search.solution
+    signals, solution = recorded.simulator.signals, search.solution
+    skew = search.problem.simulator.signals.skew
+    bare = replace(search.problem, disturbances=search.problem.disturbances.of_recording())  # a form can imitate a skew
     for _ in range(ALIGNMENTS):
-        estimate = float(solution.disturbance[problem.disturbances.names.index(SKEW)])
-        skew = float(np.clip(problem.simulator.signals.skew + estimate, -MAX_SKEW, MAX_SKEW))
-        late = replace(problem, simulator=problem.simulator.with_signals(signals.delayed(skew)))
-        problem, solution = _disturbed(late, late.solve(solution.parameters, solution.free, iterations=ITERATIONS))
-    problem = replace(problem, disturbances=problem.disturbances.without((SKEW, *LOAD_ERRORS)))
-    at_once = replace(problem, simulator=problem.simulator.with_signals(signals))
+        late = replace(bare, simulator=bare.simulator.with_signals(signals.delayed(skew)))
+        disturbed, _ = _disturbed(late, late.at(solution.parameters, solution.free))
+        solution = disturbed.solve(solution.parameters, solution.free, iterations=ITERATIONS)
+        estimate = float(solution.disturbance[disturbed.disturbances.names.index(SKEW)])
+        skew = float(np.clip(skew + estimate, -MAX_SKEW, MAX_SKEW))
+    problem, at_once = (
+        replace(bare, simulator=bare.simulator.with_signals(one)) for one in (signals.delayed(skew), signals)
+    )
     fits = [one.solve(solution.parameters, solution.free, iterations=ITERATIONS) for one in (problem, at_once)]
     losses = [Screen(one, fit).baseline.loss for one, fit in zip((problem, at_once), fits, strict=True)]
-    skew = problem.simulator.signals.skew
     if not (MIN_SKEW < abs(skew) < MAX_SKEW and alignment.significant(losses[1] - losses[0], losses[1])):
         problem, fits, skew = at_once, fits[1:], 0.0
     search.progress(f"the forces are recorded {1000.0 * skew:.1f} ms after the inputs" + " (corrected)" * bool(skew))
