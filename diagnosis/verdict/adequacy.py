@@ -47,12 +47,12 @@ class Adequacy:
     @property
     def adequate(self) -> bool | None:
         """Whether the residual is near the noise floor; None if the floor is not known."""
-        return self.ratio <= INADEQUATE if isfinite(self.ratio) else None
+        return bool(self.ratio <= INADEQUATE) if isfinite(self.ratio) else None
 
     @property
     def rating(self) -> str:
         """Rating by color: "green" near the floor, "amber" above or if not known, "red" if something is missing."""
-        if self.adequate is False:
+        if self.ratio > INADEQUATE:
             return "red"
         return "green" if self.ratio <= 0.5 * (1.0 + INADEQUATE) else "amber"
 

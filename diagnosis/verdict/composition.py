@@ -120,7 +120,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         unknown = tuple(
             replace(one, added=False, not_added_because=NOT_DELIVERED) if one.added else one for one in unknown
         )
-    findings = _in_order(outcome, unknown, settled.whitened.standard_errors())
+    findings = _in_order(outcome, unknown, adequacy, settled.whitened.standard_errors())
     confounded = confounded_with(outcome)
     next_measurement = tuple(
         dict.fromkeys(
@@ -190,10 +190,9 @@ def _recording_errors(outcome: SearchOutcome, final: Screen) -> dict[str, Any]:
 
 def _unidentified(adequacy: tuple[Adequacy, ...], search: Search) -> tuple[Unknown, ...]:
     """Return the structure in channels far above their noise floor, if no effect was identified."""
-    red = [one for one in adequacy if one.adequate is False]
-    if not red or search.found:
+    worst = max(adequacy, key=lambda one: one.ratio if one.rating == "red" else 0.0)
+    if worst.rating != "red" or search.found:
         return ()
-    worst = max(red, key=lambda one: one.ratio)
     depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
     reason = "no effect and no formula explains it"
     return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
@@ -207,7 +206,9 @@ def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
     return tuple(name for name in outcome.signals.names if name in read or name in known)
 
 
-def _in_order(outcome: SearchOutcome, unknown: tuple[Unknown, ...], errors: FloatArray) -> tuple[Finding, ...]:
+def _in_order(
+    outcome: SearchOutcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...], errors: FloatArray
+) -> tuple[Finding, ...]:
     """Return identified effects and unexplained structure in order of evidence."""
     identified = [_finding(outcome, refit, errors) for refit in outcome.search.found]
     structures = [
@@ -215,7 +216,8 @@ def _in_order(outcome: SearchOutcome, unknown: tuple[Unknown, ...], errors: Floa
         for one in outcome.search.structures
     ]
     if unknown and not structures:  # nothing but a residual far above the noise floor
-        structures = [Finding("UNKNOWN", outcome.signals.channels, {}, float("nan"), 0.0, float("nan"))]
+        channels = tuple(one.channel for one in adequacy if one.rating == "red")
+        structures = [Finding("UNKNOWN", channels, {}, float("nan"), 0.0, float("nan"))]
     return tuple(sorted([*identified, *structures], key=lambda finding: -finding.cv_gain))
 
 

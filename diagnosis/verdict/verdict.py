@@ -37,9 +37,10 @@ def verdict_text(
     parts = [_missing(findings, unknown, confounded)]
     if refined:
         parts.append(f"finer form needed of {'; '.join(refined)}")
-    red = [str(one) for one in adequacy if one.adequate is False]
+    red = [str(one) for one in adequacy if one.rating == "red"]
     if red:
-        parts.append(f"something is missing and was not identified in {', '.join(red)}")
+        what = "is missing in the delivered tire" if against else "is missing and was not identified"
+        parts.append(f"something {what} in {', '.join(red)}")
     parts = [part for part in parts if part] or [_nothing(adequacy, detectable)]
     if against:
         parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")

@@ -127,6 +127,9 @@ def test_a_residual_far_above_the_floor_is_inadequate():
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
+    numbers = NoiseFloor(np.float64(19.0), np.float64(10.0))  # of NumPy, as computations return them
+    (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [])
+    assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
 
 
 # ------------------------------------------------------------------ confirmation
