@@ -162,7 +162,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         time_course=time_course(before, after),
         recording=recording,
         extrapolation=extrapolations(
-            search.problem, search.solution, {name: _inputs_of(outcome, name) for name in added}
+            search.problem, search.solution, added, {name: _inputs_of(outcome, name) for name in added}
         ),
         holdout_rows=tuple(
             (int(outcome.signals.table_rows[first]), int(outcome.signals.table_rows[last]))

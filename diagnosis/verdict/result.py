@@ -27,7 +27,7 @@ from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "2.3"
+VERSION = "3.0"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,7 +74,7 @@ class Diagnosis:
         smoothing windows, excluded channels with the reason, ignored columns; ``removed``: what is subtracted from the
         residuals, by channel.
     extrapolation : tuple of Extrapolation
-        Measured ranges of the inputs of identified effects, and the change of the improved model outside them.
+        Measured ranges of the inputs of identified effects, and the change of the effects outside them.
     holdout_rows : tuple of (int, int)
         First and last row, counted from 0, of each stretch of the hold-out set, which no fit uses.
     base_tire, tire : Tire
