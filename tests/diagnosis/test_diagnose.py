@@ -1,4 +1,5 @@
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from tirefmu.diagnosis.verdict.adequacy import Adequacy
 from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
 from tirefmu.diagnosis.verdict.findings import Finding, Interval
 from tirefmu.diagnosis.verdict.result import Diagnosis
+from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
@@ -220,6 +222,36 @@ def test_what_nothing_explains_is_in_the_verdict():
     assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
     assert set(diagnosis.found[0].channels) == {one.channel for one in red}
     assert not any(one.formula for one in diagnosis.unknown)
+
+
+def test_a_periodic_disturbance_is_in_the_verdict():
+    """Of Fy, several times the noise floor, with the wheel; and of Mz, with the time."""
+    case = make_case(1)
+    t, distance = case.table["t"], np.cumsum(case.table["V"]) * case.table["t"].diff().median()
+    size = {"Fy": 150.0, "Mz": 4.0}
+    table = case.table.assign(
+        Fy=case.table["Fy"] + size["Fy"] * np.sin(2.0 * np.pi * distance / 1.85),
+        Mz=case.table["Mz"] + size["Mz"] * np.sin(2.0 * np.pi * t / 0.23),
+    )
+    diagnosis = diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal, candidates=["plysteer"])
+    (sentence,) = (one for one in diagnosis.verdict.split(". ") if one.startswith("Removed as a periodic disturbance"))
+    found = re.findall(r"(\S+) N( m)? in (\w+) every (\S+) (\S+).*?, (\S+) times the noise floor", sentence)
+    assert {(channel, unit) for _, _, channel, _, unit, _ in found} == {("Fy", "m"), ("Mz", "s")}
+    assert len(found) == 2
+    floors = {one.channel: one.floor for one in diagnosis.adequacy}
+    for amplitude, _, channel, period, unit, ratio in found:
+        assert float(period) == pytest.approx({"m": 1.85, "s": 0.23}[unit], rel=0.01)
+        assert float(amplitude) == pytest.approx(size[channel], rel=0.1)
+        assert float(ratio) == pytest.approx(float(amplitude) / floors[channel], rel=0.05)
+    assert all(one.rating == "green" for one in diagnosis.adequacy)
+
+
+def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
+    finding = Finding("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01)
+    confounded = {"relax_lat": {"relax_load": 0.71, "relax_slip": 0.95}}
+    recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
+    text = verdict_text((finding,), (), confounded, (), (), {}, (), recording)
+    assert text == "Missing: relax_lat (confounded with relax_slip, relax_load)"
 
 
 def test_no_effect_is_identified_without_a_missing_effect():
