@@ -17,7 +17,7 @@ from tirefmu.tires.tire import Tire
 from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Response, Screen
-from ..recording.disturbances import removed_from
+from ..recording.disturbances import reported_disturbances
 from ..recording.measurement_artefacts import recording_errors
 from ..recording.signals import FORMULA_SIGNS, Signals
 from ..search.effect_search import Search
@@ -31,7 +31,7 @@ from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
 from .findings import Finding, Interval
-from .fit_error import delivered_residuals, fit_errors, floors_of, preprocessed, residual_sizes
+from .fit_error import delivered_residuals, fit_errors, floors_of, preprocessed, without_skew
 from .improved_tire import tire_of
 from .operating_range import undetermined_change
 from .residual_location import residual_maps, time_course
@@ -99,13 +99,14 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     tire = tire_of(outcome.start, search.problem, search.solution, added)
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(one, added=outcome.start.added) for one in (base_tire, tire))
-    screens, loaded = (before, after), outcome.signals.loaded
-    residuals = delivered_residuals(complete, outcome.recording, screens, loaded)
-    floors = floors_of(outcome.recording, after)
+    screens, rows = (before, after), outcome.signals.table_rows
+    recording = without_skew(outcome.recording, outcome.signals)
+    residuals = delivered_residuals(complete, recording, screens, rows)
+    floors = floors_of(recording, residuals, outcome.signals.channels)
     errors = compared = fit_errors(before, after, residuals, floors)
     if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
         without_noise = preprocessed(outcome.recording, outcome.signals)
-        compared = fit_errors(*screens, delivered_residuals(complete, without_noise, screens, loaded), floors)
+        compared = fit_errors(*screens, delivered_residuals(complete, without_noise, screens, rows), floors)
     against = (
         reasons_against(compared, undetermined_change(settled.whitened, added)) if added or search.refinements else ()
     )
@@ -114,7 +115,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)
     final = before if against else after
     where_after = residual_maps(final)
-    adequacy = adequacies(residual_sizes(final), floors, where_after)
+    adequacy = adequacies({name: one["after"] for name, one in errors["train"].items()}, floors, where_after)
     unknown = outcome.unknown or _unidentified(adequacy, search)
     if against:
         unknown = tuple(
@@ -138,11 +139,11 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     tested = {name: one for name, one in outcome.tried.items() if name in search.candidates}
     detectable, not_identifiable = detectable_sizes(search, tested, outcome.start)
     outliers = residuals.outlier_rows(outcome.signals.channels)
-    recording = _recording_errors(outcome, final) | {
+    found_errors = _recording_errors(outcome, final) | {
         "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
     }  # fmt: skip
     return Diagnosis(
-        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, recording),
+        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, found_errors),
         found=findings,
         confounded_with=confounded,
         next_measurement=next_measurement,
@@ -160,7 +161,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         where=residual_maps(before),
         where_after=where_after,
         time_course=time_course(before, after),
-        recording=recording,
+        recording=found_errors,
         extrapolation=extrapolations(
             search.problem, search.solution, added, {name: _inputs_of(outcome, name) for name in added}
         ),
@@ -184,8 +185,8 @@ def _recording_errors(outcome: SearchOutcome, final: Screen) -> dict[str, Any]:
     errors = recording_errors(
         outcome.recording, final.signals, problem.disturbances, solution.disturbance, solution.residual, outcome.start
     )
-    removed = removed_from(before.problem.disturbances, before.solution.disturbance, before.signals)
-    return errors | {"removed_base": removed}
+    base = reported_disturbances(before.problem.disturbances, before.solution.disturbance, before.signals)
+    return errors | {f"{key}_base": base[key] for key in ("removed", "cross_talk", "periodic")}
 
 
 def _unidentified(adequacy: tuple[Adequacy, ...], search: Search) -> tuple[Unknown, ...]:

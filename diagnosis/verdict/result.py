@@ -53,7 +53,7 @@ class Diagnosis:
         The effect with these formulas, which `tire` has.
     gap : mapping
         train, cv, holdout -> channel -> before, after, floor, floor_with_history: root mean square residuals of the
-        fitted tires over the recording, N and N m, with its offsets and drift removed (``recording``, ``removed``), and
+        fitted tires over the compared rows, N and N m, with all errors of the recording removed (``recording``), and
         noise floors (`tirefmu.estimation.noise_floor`). ``after`` is the residual of the delivered tire.
     adequacy : tuple of Adequacy
         By channel: residual over noise floor, and where the residual is largest.
@@ -138,41 +138,34 @@ class Diagnosis:
         if not reversed_names:
             return self
         offset = {name: turned_sign(value, name in reversed_names) for name, value in self.recording["offset"].items()}
-        removed = {
-            key: {
+        turned: dict[str, Any] = {}
+        for end in ("", "_base"):
+            turned[f"removed{end}"] = {
                 name: {
                     "offset": turned_sign(one["offset"], name in reversed_names),
                     "drift": [turned_sign(value, name in reversed_names) for value in one["drift"]],
                 }
-                for name, one in self.recording[key].items()
+                for name, one in self.recording[f"removed{end}"].items()
             }
-            for key in ("removed", "removed_base")
-        }
-        periodic = [
-            wave
-            | {
-                part: {name: turned_sign(value, name in reversed_names) for name, value in wave[part].items()}
-                for part in ("cosine", "sine")
+            turned[f"periodic{end}"] = [
+                wave
+                | {
+                    part: {name: turned_sign(value, name in reversed_names) for name, value in wave[part].items()}
+                    for part in ("cosine", "sine")
+                }
+                for wave in self.recording[f"periodic{end}"]
+            ]
+            turned[f"cross_talk{end}"] = {  # the share of one force in another: Fx_in_Fy
+                name: turned_sign(value, len(reversed_names & set(name.split("_in_"))) == 1)
+                for name, value in self.recording[f"cross_talk{end}"].items()
             }
-            for wave in self.recording["periodic"]
-        ]
-        cross_talk = {  # the share of one force in another: Fx_in_Fy
-            name: turned_sign(value, len(reversed_names & set(name.split("_in_"))) == 1)
-            for name, value in self.recording["cross_talk"].items()
-        }
         return replace(
             self,
             signs=signs,
             found=tuple(one.mirrored() for one in self.found),
             where=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where],
             where_after=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where_after],
-            recording={
-                **self.recording,
-                "offset": offset,
-                "cross_talk": cross_talk,
-                "periodic": periodic,
-                **removed,
-            },
+            recording={**self.recording, "offset": offset, **turned},
         )
 
     @property

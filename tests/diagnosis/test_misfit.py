@@ -10,7 +10,7 @@ from tirefmu.diagnosis.probing.baseline_fit import reweighted
 from tirefmu.diagnosis.recording.measurement_artefacts import quantisation, ripple
 from tirefmu.diagnosis.thresholds import MAX_CHANGE, OUTLIER
 from tirefmu.diagnosis.verdict.extrapolation import extrapolations, outside
-from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, fit_errors, floors_of, residual_sizes
+from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, fit_errors, floors_of
 from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.models import MODELS
@@ -19,19 +19,20 @@ from tirefmu.tires import Tire
 NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 
 
-def test_the_noise_floor_equals_the_noise(at_true_values, table):
+def test_the_noise_floor_equals_the_noise(at_true_values, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
-    floors = floors_of(recording, at_true_values)
+    screens, signals = (at_true_values, at_true_values), at_true_values.signals
+    residuals = delivered_residuals((tire, tire), recording, screens, signals.table_rows)
+    floors = floors_of(recording, residuals, signals.channels)
     assert {name: one.floor for name, one in floors.items()} == pytest.approx(NOISE, rel=0.1)
 
 
 def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
-    screens, floors = (without_camber, at_true_values), floors_of(recording, at_true_values)
+    screens, signals = (without_camber, at_true_values), at_true_values.signals
     without = replace(tire, values={**tire.values, "PVY3": -0.3})  # as wrong as the tire of the other recording
-    residuals = delivered_residuals((without, tire), recording, screens, at_true_values.signals.loaded)
-    reported = fit_errors(*screens, residuals, floors)
-    assert residual_sizes(at_true_values) == pytest.approx(NOISE, rel=0.1)
+    residuals = delivered_residuals((without, tire), recording, screens, signals.table_rows)
+    reported = fit_errors(*screens, residuals, floors_of(recording, residuals, signals.channels))
     for part in ("train", "cv", "holdout"):
         for channel, noise in NOISE.items():
             assert reported[part][channel]["after"] == pytest.approx(noise, rel=0.15)
