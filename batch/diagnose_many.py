@@ -197,7 +197,7 @@ def run(task: Task) -> Outcome[DiagnosisResult]:
             simulated = export_and_simulate(result, recording, folder) if job.fmus else {}
             written |= {"fmu": "improved.fmu", "base_fmu": "base.fmu"} if job.fmus else {}
             content = {**result.to_json(**written), "simulated": simulated}
-            path.write_text(json.dumps(content, indent=2, allow_nan=False, default=str) + "\n", encoding="utf-8")
+            path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
             write_report(result, recording, folder / "report.html", simulated)
         except TirefmuError as error:
             return Outcome(DiagnosisResult(job.name, FAILED, (str(error),)))

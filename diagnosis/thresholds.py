@@ -197,8 +197,9 @@ INADEQUATE = 1.5
 CHANNEL_SHARE = 0.02
 #: Share of the evidence in the reported stretches of time. Convention.
 REPORTED_EVIDENCE = 0.67
-#: Distance outside an input's range, as a share of the range, at which the improved tire is evaluated, and the relative
-#: change of a force that is reported as doubtful. Convention.
+#: Distance outside an input's range at which an effect is evaluated, as a share of the range and of the distance to the
+#: limit of the physical range, and the change of its part of a force, relative to the force, that is reported as
+#: doubtful. Convention.
 EXTRAPOLATED_SHARE, MAX_CHANGE = 0.5, 0.15
 #: Minimum number of rows of a cell whose mean is shown in a residual map. Derived: its standard error is then a third
 #: of the noise.

@@ -106,10 +106,10 @@ def noise_floor(
     for i, (name, residual) in enumerate(residuals.items()):
         known = residual[np.isfinite(residual)]
         own = float(np.sqrt(np.mean(known**2))) if known.size else float("nan")
-        floor = min(own, errors[0][i]) if np.isfinite(errors[0][i]) else float("nan")
+        floor = min(own, float(errors[0][i])) if np.isfinite(errors[0][i]) else float("nan")
         second = float("nan")
         if with_history:
-            second = min(floor, errors[1][i]) if np.isfinite(errors[1][i]) else floor
+            second = min(floor, float(errors[1][i])) if np.isfinite(errors[1][i]) else floor
         floors[name] = NoiseFloor(floor, second)
     return floors
 

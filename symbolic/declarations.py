@@ -123,6 +123,8 @@ class Quantity:
         The value of an absent input: a number, or the coefficient that holds it.
     typical : float
         A typical value, for scaling.
+    lower : float
+        Limit of the physical range: at and below it a tire is lifted, flat or at rest, or rolls in reverse.
     """
 
     name: str
@@ -130,6 +132,7 @@ class Quantity:
     description: str
     nominal: str | float = 0.0
     typical: float = 1.0
+    lower: float = -inf
 
     @property
     def symbol(self) -> sp.Symbol:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .declarations import Quantity
 
 KAPPA = Quantity("kappa", "1", "longitudinal slip (omega R_e - V_x)/|V_x|; positive drives", typical=0.1)
 ALPHA = Quantity("alpha", "rad", "side slip angle", typical=0.1)
 GAMMA = Quantity("gamma", "rad", "inclination (camber) angle", typical=0.05)
-FZ = Quantity("Fz", "N", "vertical load; positive presses the tire to the ground", "FNOMIN", 1000.0)
-P = Quantity("p", "Pa", "inflation pressure", "INFLPRES", 2e5)
-V = Quantity("V", "m/s", "forward speed V_x of the contact point", "LONGVL", 15.0)
+FZ = Quantity("Fz", "N", "vertical load; positive presses the tire to the ground", "FNOMIN", 1000.0, lower=0.0)
+P = Quantity("p", "Pa", "inflation pressure", "INFLPRES", 2e5, lower=0.0)
+V = Quantity("V", "m/s", "forward speed V_x of the contact point", "LONGVL", 15.0, lower=0.0)
 PHIT = Quantity("phit", "1/m", "turn slip: curvature of the path that the contact point turns along", typical=0.1)
 #: States of a tire with relaxation.
 KAPPA_LAGGED = Quantity("kappa_lagged", "1", "lagged longitudinal slip", typical=0.1)
@@ -20,9 +22,9 @@ TAN_ALPHA_LAGGED = Quantity(
 AT_ONCE = 1e-6
 #: Inputs that only added effects read.
 TEMPERATURE = Quantity("T", "degC", "temperature of the tread", "TREF", 50.0)
-DISTANCE = Quantity("distance", "m", "distance rolled since the recording began", 0.0, 1000.0)
+DISTANCE = Quantity("distance", "m", "distance rolled since the recording began", 0.0, 1000.0, lower=0.0)
 #: The speed, for effects with states in a model that does not read it.
-OWN_SPEED = Quantity("V", "m/s", V.description, 15.0, 15.0)
+OWN_SPEED = replace(V, nominal=V.typical)
 BEYOND = {quantity.name: quantity for quantity in (TEMPERATURE, DISTANCE)}
 
 FX = Quantity("Fx", "N", "longitudinal force", typical=1000.0)

@@ -135,7 +135,8 @@ def write_json(path: Path | None, content: dict[str, Any]) -> None:
     """Write a result as JSON to a file, or to standard output for "-"; nothing if `path` is None."""
     if path is None:
         return
-    text = json.dumps(content, indent=2, allow_nan=False, default=str)
+    # A bool of NumPy is no bool for json; as a text it would be true whatever its value. All else is a path.
+    text = json.dumps(content, indent=2, allow_nan=False, default=lambda value: getattr(value, "item", value.__str__)())
     if str(path) == "-":
         print(text)
         return

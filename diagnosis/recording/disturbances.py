@@ -68,24 +68,6 @@ class Disturbances:
             self.added.difference(names), self.lines,
         )  # fmt: skip
 
-    def slow(self, signals: Signals, values: FloatArray, t: FloatArray) -> FloatArray:
-        """Return offset and drift of each channel at any times, shape (n_channels, len(t)).
-
-        Parameters
-        ----------
-        signals : Signals
-        values : ndarray, shape (n_disturbances,)
-        t : ndarray, s
-        """
-        named = dict(zip(self.names, values, strict=True))
-        waves = _slow_waves(signals, t)
-        return np.stack(
-            [
-                sum((named[f"{_slow_name(k)}_{channel}"] * wave for k, wave in enumerate(waves)), np.zeros(len(t)))
-                for channel in signals.channels
-            ]
-        )
-
     def with_waves(self, line: Line, at: FloatArray, noise: FloatArray, channels: Sequence[str]) -> Disturbances:
         """Return the disturbances with a periodic disturbance of all channels.
 

@@ -54,8 +54,6 @@ class Signals:
         Rows of `t` and `inputs` at which forces are compared.
     table_rows : ndarray of int, shape (n,)
         The same rows, counted in the recording.
-    loaded : ndarray of int
-        All rows of the recording under load.
     channels : tuple of str
         Measured outputs.
     output_index : ndarray of int, shape (n_channels,)
@@ -86,7 +84,6 @@ class Signals:
     inputs: FloatArray
     rows: IntArray
     table_rows: IntArray
-    loaded: IntArray
     channels: tuple[str, ...]
     output_index: IntArray
     measured: FloatArray
@@ -206,7 +203,7 @@ def signals_of(
     thin = np.arange(0, len(t), max(1, len(t) // (2 * MAX_ROWS)))
     simulated = np.union1d(thin, rows)
     return Signals(
-        names, t[simulated], inputs[:, simulated], np.searchsorted(simulated, rows), rows, loaded, channels,
+        names, t[simulated], inputs[:, simulated], np.searchsorted(simulated, rows), rows, channels,
         output_index, measured, present, block, holdout, recorded, noise, timed, excluded, 0.0, frozenset(derived),
     )  # fmt: skip
 

@@ -21,8 +21,7 @@ class Adequacy:
     ----------
     channel : str
     residual, floor : float
-        Root mean square, N or N m, with all errors of the recording removed. The floor is that of functions of the
-        inputs and their history.
+        Root mean square on the fitted rows, N or N m (`Diagnosis.gap`: train, after and floor_with_history).
     location : str
         Where the mean residual is largest.
     over : tuple of str
@@ -47,12 +46,12 @@ class Adequacy:
     @property
     def adequate(self) -> bool | None:
         """Whether the residual is near the noise floor; None if the floor is not known."""
-        return self.ratio <= INADEQUATE if isfinite(self.ratio) else None
+        return bool(self.ratio <= INADEQUATE) if isfinite(self.ratio) else None
 
     @property
     def rating(self) -> str:
         """Rating by color: "green" near the floor, "amber" above or if not known, "red" if something is missing."""
-        if self.adequate is False:
+        if self.ratio > INADEQUATE:
             return "red"
         return "green" if self.ratio <= 0.5 * (1.0 + INADEQUATE) else "amber"
 
@@ -73,7 +72,7 @@ def adequacies(
     Parameters
     ----------
     residuals : mapping of str to float
-        Root mean square residual of the delivered tire by channel, with all errors of the recording removed.
+        Root mean square residual of the delivered tire by channel, on the fitted rows.
     floors : mapping of str to NoiseFloor
     maps : sequence of mapping
         Residual maps of the improved model (`residual_location.residual_maps`).

@@ -17,7 +17,7 @@ from tirefmu.tires.tire import Tire
 from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Response, Screen
-from ..recording.disturbances import removed_from
+from ..recording.disturbances import reported_disturbances
 from ..recording.measurement_artefacts import recording_errors
 from ..recording.signals import FORMULA_SIGNS, Signals
 from ..search.effect_search import Search
@@ -31,7 +31,7 @@ from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
 from .findings import Finding, Interval
-from .fit_error import delivered_residuals, fit_errors, floors_of, preprocessed, residual_sizes
+from .fit_error import delivered_residuals, fit_errors, floors_of, preprocessed, without_skew
 from .improved_tire import tire_of
 from .operating_range import undetermined_change
 from .residual_location import residual_maps, time_course
@@ -99,13 +99,14 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     tire = tire_of(outcome.start, search.problem, search.solution, added)
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
     complete = tuple(replace(one, added=outcome.start.added) for one in (base_tire, tire))
-    screens, loaded = (before, after), outcome.signals.loaded
-    residuals = judged = delivered_residuals(complete, outcome.recording, screens, loaded)
-    floors = floors_of(outcome.recording, after)
+    screens, rows = (before, after), outcome.signals.table_rows
+    recording = without_skew(outcome.recording, outcome.signals)
+    residuals = judged = delivered_residuals(complete, recording, screens, rows)
+    floors = floors_of(recording, residuals, outcome.signals.channels)
     errors = compared = fit_errors(before, after, residuals, floors)
     if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
         without_noise = preprocessed(outcome.recording, outcome.signals)
-        judged = delivered_residuals(complete, without_noise, screens, loaded)
+        judged = delivered_residuals(complete, without_noise, screens, rows)
         compared = fit_errors(*screens, judged, floors)
     against = (
         reasons_against(compared, judged, undetermined_change(settled.whitened, added))
@@ -117,13 +118,13 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)
     final = before if against else after
     where_after = residual_maps(final)
-    adequacy = adequacies(residual_sizes(final), floors, where_after)
+    adequacy = adequacies({name: one["after"] for name, one in errors["train"].items()}, floors, where_after)
     unknown = outcome.unknown or _unidentified(adequacy, search)
     if against:
         unknown = tuple(
             replace(one, added=False, not_added_because=NOT_DELIVERED) if one.added else one for one in unknown
         )
-    findings = _in_order(outcome, unknown, settled.whitened.standard_errors())
+    findings = _in_order(outcome, unknown, adequacy, settled.whitened.standard_errors())
     confounded = confounded_with(outcome)
     next_measurement = tuple(
         dict.fromkeys(
@@ -141,11 +142,11 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     tested = {name: one for name, one in outcome.tried.items() if name in search.candidates}
     detectable, not_identifiable = detectable_sizes(search, tested, outcome.start)
     outliers = residuals.outlier_rows(outcome.signals.channels)
-    recording = _recording_errors(outcome, final) | {
+    found_errors = _recording_errors(outcome, final) | {
         "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
     }  # fmt: skip
     return Diagnosis(
-        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, recording),
+        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, found_errors),
         found=findings,
         confounded_with=confounded,
         next_measurement=next_measurement,
@@ -163,9 +164,9 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         where=residual_maps(before),
         where_after=where_after,
         time_course=time_course(before, after),
-        recording=recording,
+        recording=found_errors,
         extrapolation=extrapolations(
-            search.problem, search.solution, {name: _inputs_of(outcome, name) for name in added}
+            search.problem, search.solution, added, {name: _inputs_of(outcome, name) for name in added}
         ),
         holdout_rows=tuple(
             (int(outcome.signals.table_rows[first]), int(outcome.signals.table_rows[last]))
@@ -187,16 +188,15 @@ def _recording_errors(outcome: SearchOutcome, final: Screen) -> dict[str, Any]:
     errors = recording_errors(
         outcome.recording, final.signals, problem.disturbances, solution.disturbance, solution.residual, outcome.start
     )
-    removed = removed_from(before.problem.disturbances, before.solution.disturbance, before.signals)
-    return errors | {"removed_base": removed}
+    base = reported_disturbances(before.problem.disturbances, before.solution.disturbance, before.signals)
+    return errors | {f"{key}_base": base[key] for key in ("removed", "cross_talk", "periodic")}
 
 
 def _unidentified(adequacy: tuple[Adequacy, ...], search: Search) -> tuple[Unknown, ...]:
     """Return the structure in channels far above their noise floor, if no effect was identified."""
-    red = [one for one in adequacy if one.adequate is False]
-    if not red or search.found:
+    worst = max(adequacy, key=lambda one: one.ratio if one.rating == "red" else 0.0)
+    if worst.rating != "red" or search.found:
         return ()
-    worst = max(red, key=lambda one: one.ratio)
     depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
     reason = "no effect and no formula explains it"
     return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
@@ -210,7 +210,9 @@ def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
     return tuple(name for name in outcome.signals.names if name in read or name in known)
 
 
-def _in_order(outcome: SearchOutcome, unknown: tuple[Unknown, ...], errors: FloatArray) -> tuple[Finding, ...]:
+def _in_order(
+    outcome: SearchOutcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...], errors: FloatArray
+) -> tuple[Finding, ...]:
     """Return identified effects and unexplained structure in order of evidence."""
     identified = [_finding(outcome, refit, errors) for refit in outcome.search.found]
     structures = [
@@ -218,7 +220,8 @@ def _in_order(outcome: SearchOutcome, unknown: tuple[Unknown, ...], errors: Floa
         for one in outcome.search.structures
     ]
     if unknown and not structures:  # nothing but a residual far above the noise floor
-        structures = [Finding("UNKNOWN", outcome.signals.channels, {}, float("nan"), 0.0, float("nan"))]
+        channels = tuple(one.channel for one in adequacy if one.rating == "red")
+        structures = [Finding("UNKNOWN", channels, {}, float("nan"), 0.0, float("nan"))]
     return tuple(sorted([*identified, *structures], key=lambda finding: -finding.cv_gain))
 
 

@@ -1,12 +1,14 @@
-"""Extrapolation of the improved model: the measured range of an effect's inputs, and the change outside it."""
+"""Extrapolation of the improved model: the measured range of an effect's inputs, and its change outside it."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+
+from tirefmu.symbolic.declarations import Quantity
 
 from ..least_squares import LeastSquares, Solution
 from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE
@@ -20,7 +22,7 @@ ROWS = 300
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """The measured range of an input of an identified effect, and the change of the forces outside it.
+    """The measured range of an input of an identified effect, and the change of the effect outside it.
 
     Attributes
     ----------
@@ -28,8 +30,9 @@ class Extrapolation:
     lower, upper : float
         Limits of the range, SI units, without the outermost 0.5 % of the rows on each side.
     change : float
-        Largest change of a measured channel, as a share of its root mean square, if the input exceeds the range by half
-        of its width on either side and all other inputs are unchanged.
+        Largest change of the effect's part of a measured channel, as a share of the channel's root mean square, if the
+        input is outside the range by half of its width, on either side, and all other inputs are unchanged. Below the
+        range, at most half of the distance to the limit of the physical range (`Quantity.lower`).
     channel : str
         The channel with this change.
     """
@@ -50,61 +53,80 @@ class Extrapolation:
         advice = "; do not use the model there without measurements" if self.doubtful else ""
         return (
             f"{self.effect} was measured for {range_text(self.input, self.lower, self.upper)}; up to half of "
-            f"that range outside, {self.channel} changes by up to {100.0 * self.change:.0f} %{advice}"
+            f"that range outside, its part of {self.channel} changes by up to {100.0 * self.change:.0f} % of "
+            f"{self.channel}{advice}"
         )
 
 
 def extrapolations(
-    problem: LeastSquares, solution: Solution, effects: dict[str, Collection[str]]
-) -> tuple[Extrapolation, ...]:
-    """Return the measured ranges of the inputs of identified effects, and the change of the forces outside them.
+    problem: LeastSquares, solution: Solution, effects: Mapping[str, Collection[str]],
+    inputs: Mapping[str, Collection[str]],
+) -> tuple[Extrapolation, ...]:  # fmt: skip
+    """Return the measured ranges of the inputs of identified effects, and the change of the effects outside them.
 
     Parameters
     ----------
     problem : LeastSquares
     solution : Solution
         Of the improved model.
-    effects : dict of str to collection of str
-        By identified effect: the inputs that it depends on.
+    effects, inputs : mapping of str to collection of str
+        By identified effect: its free coefficients, and the inputs that it depends on.
 
     Returns
     -------
     tuple of Extrapolation
         In the order of the effects; without slips and time, whose range depends on the test program.
     """
-    signals = problem.simulator.signals
+    signals, absent = problem.simulator.signals, problem.simulator.tire.parameters()
     named = signals.named()
     extrapolated = []
-    for effect, inputs in effects.items():
-        for name in inputs:
+    for effect, coefficients in effects.items():
+        without = solution.parameters.copy()
+        indices = [problem.simulator.index[name] for name in coefficients]
+        without[indices] = absent[indices]
+        for name in inputs[effect]:
             if name not in named or name not in signals.recorded or name in ("t", "alpha", "kappa"):
                 continue
             lower, upper = (float(edge) for edge in np.quantile(named[name], [0.005, 0.995]))
-            change, channel = _change(problem, solution, name, lower, upper)
+            change, channel = _change(problem, (solution.parameters, without), name, lower, upper)
             extrapolated.append(Extrapolation(effect, name, lower, upper, change, channel))
     return tuple(extrapolated)
 
 
-def _change(problem: LeastSquares, solution: Solution, name: str, lower: float, upper: float) -> tuple[float, str]:
+def _change(
+    problem: LeastSquares, tires: tuple[FloatArray, FloatArray], name: str, lower: float, upper: float
+) -> tuple[float, str]:
+    """Return the largest change of an effect's part of a channel, and the channel; the tires have it and lack it."""
     signals = problem.simulator.signals
     rows = signals.rows[:: max(1, len(signals.rows) // ROWS)]
     index = signals.names.index(name)
 
-    def forces(value: float) -> FloatArray:
+    def forces(value: float) -> tuple[FloatArray, FloatArray]:
         inputs = signals.inputs[:, rows].copy()
         inputs[index] = value
         still = replace(signals, inputs=inputs, rows=np.arange(len(rows)), timed=False)
-        return problem.simulator.with_signals(still).forces(solution.parameters)
+        simulator = problem.simulator.with_signals(still)
+        complete = simulator.forces(tires[0])
+        return complete, complete - simulator.forces(tires[1])
 
-    margin = EXTRAPOLATED_SHARE * (upper - lower)
-    least = 0.0 if name in ("Fz", "p") else -np.inf
     worst = np.zeros(len(signals.channels))
-    for edge, value in ((lower, max(lower - margin, least)), (upper, upper + margin)):
-        inside, beyond = forces(edge), forces(value)
-        if name == "Fz":  # forces grow with load: compare force per load
-            inside, beyond = inside / max(edge, 1.0), beyond / max(value, 1.0)
-        size = np.sqrt(np.mean(inside**2, axis=1))
-        moved = np.sqrt(np.mean((beyond - inside) ** 2, axis=1))
+    for edge, value in zip((lower, upper), outside(problem.simulator.book.inputs, name, lower, upper), strict=True):
+        (complete, part), (_, beyond) = forces(edge), forces(value)
+        size, moved = (np.sqrt(np.mean(values**2, axis=1)) for values in (complete, beyond - part))
         worst = np.maximum(worst, np.nan_to_num(moved / np.maximum(size, 1e-12)))
     i = int(np.argmax(worst))
     return float(worst[i]), signals.channels[i]
+
+
+def outside(quantities: Iterable[Quantity], name: str, lower: float, upper: float) -> tuple[float, float]:
+    """Return the values outside a range of an input at which a model is evaluated, within the physical range.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic.quantities import GAMMA, V
+    >>> outside([GAMMA, V], "gamma", -2.0, 2.0), outside([GAMMA, V], "V", 9.0, 27.0)
+    ((-4.0, 4.0), (4.5, 36.0))
+    """
+    (limit,) = (quantity.lower for quantity in quantities if quantity.name == name)
+    margin = EXTRAPOLATED_SHARE * (upper - lower)
+    return lower - min(margin, EXTRAPOLATED_SHARE * max(lower - limit, 0.0)), upper + margin

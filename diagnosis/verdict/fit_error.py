@@ -31,7 +31,7 @@ FitErrors = dict[str, dict[str, dict[str, float]]]
 
 @dataclass(frozen=True, eq=False)
 class Residuals:
-    """Residuals of the delivered tires over all rows under load of a recording, N and N m.
+    """Residuals of the delivered tires over the compared rows of a recording, N and N m.
 
     Attributes
     ----------
@@ -75,11 +75,11 @@ def delivered_residuals(
     tires : iterable of Tire
         Baseline tire and improved tire.
     recording : Recording
+        Without skew (`without_skew`).
     screens : tuple of Screen
-        Of their solutions. Offsets and drift of the recording are subtracted. All other errors of the recording
-        (cross-talk, waves, skew) are part of the residuals, as a tire that is used does not correct them.
+        Of their solutions. Offsets, drift, cross-talk and waves of the recording are subtracted.
     rows : ndarray of int, shape (m,)
-        Rows under load.
+        The compared rows.
 
     Returns
     -------
@@ -121,45 +121,50 @@ def preprocessed(recording: Recording, signals: Signals) -> Recording:
     return replace(recording, table=table.assign(**convert_signs(pd.DataFrame(inputs), FORMULA_SIGNS, recording.signs)))
 
 
+def without_skew(recording: Recording, signals: Signals) -> Recording:
+    """Return a recording with inputs that are delayed by the skew, as the forces are.
+
+    Parameters
+    ----------
+    recording : Recording
+    signals : Signals
+        Of this recording.
+    """
+    if not signals.skew:
+        return recording
+    table, names = recording.table, [name for name in signals.names if name in recording.table]
+    t, inputs = table["t"].to_numpy(dtype=np.float64), table[names].to_numpy(dtype=np.float64).T
+    late = replace(signals, t=t, inputs=inputs).delayed(signals.skew).inputs
+    return replace(recording, table=table.assign(**dict(zip(names, late, strict=True))))
+
+
 def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) -> FloatArray:
-    signals, disturbances = screen.signals, screen.problem.disturbances
+    signals, removed = screen.signals, screen.problem.disturbances.columns @ screen.solution.disturbance
     recording = with_fitted_starts(tire, recording)
     inputs = [name for name in recording.table if name == "t" or name in tire.inputs]
     computed = tire.evaluate(recording.table[inputs], signs=recording.signs)
     channels = list(signals.channels)
     both = (convert_signs(table[channels], recording.signs, FORMULA_SIGNS) for table in (recording.table, computed))
     measured, simulated = (table.to_numpy(dtype=np.float64)[rows].T for table in both)
-    t = (
-        recording.table["t"].to_numpy(dtype=np.float64)
-        if signals.timed
-        else np.arange(len(recording.table), dtype=np.float64)
-    )
-    slow = disturbances.slow(signals, screen.solution.disturbance, t[rows])
-    return np.asarray(measured - simulated - slow)
+    return np.asarray(measured - simulated - removed)
 
 
-def floors_of(recording: Recording, screen: Screen) -> dict[str, NoiseFloor]:
-    """Return the noise floor of each channel (`tirefmu.estimation.noise_floor`).
+def floors_of(recording: Recording, residuals: Residuals, channels: Sequence[str]) -> dict[str, NoiseFloor]:
+    """Return the noise floor of each channel on the fitted rows (`tirefmu.estimation.noise_floor`).
 
     Parameters
     ----------
     recording : Recording
-    screen : Screen
-        Of the model whose residual has the smooth function added.
+    residuals : Residuals
+        Of this recording; a smooth function is added to the improved tire.
+    channels : sequence of str
     """
-    signals = screen.signals
-    residuals = np.where(signals.present, screen.solution.residual, np.nan)
-    return noise_floor(recording.table.iloc[signals.table_rows], dict(zip(signals.channels, residuals, strict=True)))
-
-
-def residual_sizes(screen: Screen) -> dict[str, float]:
-    """Return the root mean square residual of each channel with all errors of the recording removed, training rows."""
-    used = screen.problem.inverse_noise > 0.0
-    return {name: _rms(screen.solution.residual[i], used[i]) for i, name in enumerate(screen.signals.channels)}
+    rest = np.where(residuals.used & ~residuals.holdout, residuals.after, np.nan)
+    return noise_floor(recording.table.iloc[residuals.rows], dict(zip(channels, rest, strict=True)))
 
 
 def fit_errors(before: Screen, after: Screen, residuals: Residuals, floors: dict[str, NoiseFloor]) -> FitErrors:
-    """Return root mean square residuals of the delivered tires, with offsets and drift of the recording removed.
+    """Return root mean square residuals of the delivered tires, with all errors of the recording removed.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "2.3"
+VERSION = "3.0"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,7 +53,7 @@ class Diagnosis:
         The effect with these formulas, which `tire` has.
     gap : mapping
         train, cv, holdout -> channel -> before, after, floor, floor_with_history: root mean square residuals of the
-        fitted tires over the recording, N and N m, with its offsets and drift removed (``recording``, ``removed``), and
+        fitted tires over the compared rows, N and N m, with all errors of the recording removed (``recording``), and
         noise floors (`tirefmu.estimation.noise_floor`). ``after`` is the residual of the delivered tire.
     adequacy : tuple of Adequacy
         By channel: residual over noise floor, and where the residual is largest.
@@ -74,7 +74,7 @@ class Diagnosis:
         smoothing windows, excluded channels with the reason, ignored columns; ``removed``: what is subtracted from the
         residuals, by channel.
     extrapolation : tuple of Extrapolation
-        Measured ranges of the inputs of identified effects, and the change of the improved model outside them.
+        Measured ranges of the inputs of identified effects, and the change of the effects outside them.
     holdout_rows : tuple of (int, int)
         First and last row, counted from 0, of each stretch of the hold-out set, which no fit uses.
     base_tire, tire : Tire
@@ -138,41 +138,34 @@ class Diagnosis:
         if not reversed_names:
             return self
         offset = {name: turned_sign(value, name in reversed_names) for name, value in self.recording["offset"].items()}
-        removed = {
-            key: {
+        turned: dict[str, Any] = {}
+        for end in ("", "_base"):
+            turned[f"removed{end}"] = {
                 name: {
                     "offset": turned_sign(one["offset"], name in reversed_names),
                     "drift": [turned_sign(value, name in reversed_names) for value in one["drift"]],
                 }
-                for name, one in self.recording[key].items()
+                for name, one in self.recording[f"removed{end}"].items()
             }
-            for key in ("removed", "removed_base")
-        }
-        periodic = [
-            wave
-            | {
-                part: {name: turned_sign(value, name in reversed_names) for name, value in wave[part].items()}
-                for part in ("cosine", "sine")
+            turned[f"periodic{end}"] = [
+                wave
+                | {
+                    part: {name: turned_sign(value, name in reversed_names) for name, value in wave[part].items()}
+                    for part in ("cosine", "sine")
+                }
+                for wave in self.recording[f"periodic{end}"]
+            ]
+            turned[f"cross_talk{end}"] = {  # the share of one force in another: Fx_in_Fy
+                name: turned_sign(value, len(reversed_names & set(name.split("_in_"))) == 1)
+                for name, value in self.recording[f"cross_talk{end}"].items()
             }
-            for wave in self.recording["periodic"]
-        ]
-        cross_talk = {  # the share of one force in another: Fx_in_Fy
-            name: turned_sign(value, len(reversed_names & set(name.split("_in_"))) == 1)
-            for name, value in self.recording["cross_talk"].items()
-        }
         return replace(
             self,
             signs=signs,
             found=tuple(one.mirrored() for one in self.found),
             where=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where],
             where_after=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where_after],
-            recording={
-                **self.recording,
-                "offset": offset,
-                "cross_talk": cross_talk,
-                "periodic": periodic,
-                **removed,
-            },
+            recording={**self.recording, "offset": offset, **turned},
         )
 
     @property
@@ -335,6 +328,6 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]
-    if isinstance(value, (bool, int, str)) or value is None:
-        return value
-    return float(value) if math.isfinite(float(value)) else None
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    return None if isinstance(value, float) and not math.isfinite(value) else value

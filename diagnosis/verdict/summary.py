@@ -28,7 +28,8 @@ def diagnosis_text(
     lines = [f"Diagnosis: {verdict}"]
     for one in found:
         values = ", ".join(f"{name} {interval.value:.4g}" for name, interval in one.coefficients.items())
-        lines.append(f"  {one.effect} in {', '.join(one.channels)}: p {one.p:.2g}{'; ' * bool(values)}{values}")
+        evidence = f": p {one.p:.2g}" if one.p == one.p else ""  # without a test, a residual far above the noise floor
+        lines.append(f"  {one.effect} in {', '.join(one.channels)}{evidence}{'; ' * bool(values)}{values}")
     for channel, error in holdout.items():
         lines.append(f"  {channel} on the hold-out set: RMSE {error['before']:.4g} before, {error['after']:.4g} after")
     lines.append(f"  {n_rows} rows; coefficients in {signs} signs")

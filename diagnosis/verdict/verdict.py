@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import hypot
 from typing import Any
 
-from ..thresholds import CONFOUNDED
+from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .findings import Finding
@@ -16,7 +17,7 @@ def verdict_text(
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
     against: Sequence[str], recording: Mapping[str, Any],
 ) -> str:  # fmt: skip
-    """Return the verdict: missing effects, finer forms, what is missing and was not identified, and reservations.
+    """Return the verdict: missing effects, finer forms, what was not identified, what was removed, and reservations.
 
     Parameters
     ----------
@@ -37,12 +38,15 @@ def verdict_text(
     parts = [_missing(findings, unknown, confounded)]
     if refined:
         parts.append(f"finer form needed of {'; '.join(refined)}")
-    red = [str(one) for one in adequacy if one.adequate is False]
+    red = [str(one) for one in adequacy if one.rating == "red"]
     if red:
-        parts.append(f"something is missing and was not identified in {', '.join(red)}")
+        what = "is missing in the delivered tire" if against else "is missing and was not identified"
+        parts.append(f"something {what} in {', '.join(red)}")
     parts = [part for part in parts if part] or [_nothing(adequacy, detectable)]
     if against:
         parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")
+    if removed := _removed(recording["periodic"], adequacy):
+        parts.append(removed)
     if recording["derived_columns"]:
         parts.append(f"not recorded, but computed from other columns: {', '.join(recording['derived_columns'])}")
     if recording["ignored_columns"]:
@@ -60,18 +64,35 @@ def _missing(
                 missing.append(f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)}")
             continue
         size = confounded.get(one.effect, {})
-        others = ", ".join(sorted((name for name in size if size[name] > CONFOUNDED), key=lambda x: -size[x]))
+        others = ", ".join(sorted(size, key=lambda name: -size[name]))
         bounds = f" (at its bound: {', '.join(one.at_bounds)})" if one.at_bounds else ""
         missing.append(one.effect + bounds + (f" (confounded with {others})" if others else ""))
     return f"Missing: {'; '.join(missing)}" if missing else ""
+
+
+def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -> str:
+    """Return the sentence on periodic disturbances: amplitudes by period, in channels with a considerable share."""
+    floors, sizes = {one.channel: max(one.floor, 1e-12) for one in adequacy}, dict[str, dict[str, float]]()
+    for wave in waves:  # one whose amplitude or period changes slowly is several waves of nearly the same period
+        own = sizes.setdefault(f"{1.0 / wave['frequency']:.3g} {'s' if wave['over'] == 't' else 'm of distance'}", {})
+        own |= {name: hypot(own.get(name, 0.0), wave["amplitude"][name]) for name in floors}
+    texts = [
+        f"{size:.3g} {_unit(name)} in {name} every {every} (amplitude, {size / floors[name]:.1f} times the noise floor)"
+        for every, own in sizes.items()
+        for name, size in own.items()
+        if (size / floors[name]) ** 2 > CHANNEL_SHARE * max((own[other] / floors[other]) ** 2 for other in own)
+    ]
+    return f"removed as a periodic disturbance of the recording: {'; '.join(texts)}" if texts else ""
+
+
+def _unit(channel: str) -> str:
+    return "N" if channel.startswith("F") else "N m"
 
 
 def _nothing(adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]]) -> str:
     channels = [one.channel for one in adequacy]
     sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in channels}
     text = ", ".join(
-        f"{size[len(size) // 2]:.2g} {'N' if channel.startswith('F') else 'N m'} in {channel}"
-        for channel, size in sizes.items()
-        if size
+        f"{size[len(size) // 2]:.2g} {_unit(channel)} in {channel}" for channel, size in sizes.items() if size
     )
     return f"Nothing material is missing (smallest detectable effect, median: {text})"

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
 
 import tirefmu
@@ -24,6 +25,8 @@ from tirefmu.diagnosis.verdict.fit_error import Residuals
 from tirefmu.diagnosis.verdict.operating_range import operating_points, undetermined_change
 from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.estimation.noise_floor import NoiseFloor
+from tirefmu.estimation.smoothing import smoothed
+from tirefmu.tires.transient import rolled_distance
 
 from .independent import kinds as independent
 from .suite import make_case
@@ -37,20 +40,34 @@ def worn():
     return case, diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal)
 
 
-def recomputed(diagnosis, tire, signs, removed="removed"):
-    """Return the root mean square residual by channel, with the offsets and drift that the JSON lists removed."""
-    table = diagnosis.rows
-    computed = tirefmu.evaluate(tire, table[[name for name in table if name not in ("Fx", "Fy", "Mz")]], signs=signs)
+def recomputed(diagnosis, tire, signs, end=""):
+    """Return the root mean square residual by channel, without the errors of the recording that the JSON lists."""
+    listed, table = diagnosis.in_signs(signs).recording, diagnosis.rows
     t = table["t"].to_numpy()
-    first, last = diagnosis.recording["removed_over"]
-    training = ~diagnosis.holdout_mask(len(table))
+    late = np.clip(t - listed["skew"], t[0], t[-1])
+    inputs = {
+        name: PchipInterpolator(t, table[name])(late) if listed["skew"] else table[name]
+        for name in table if name not in ("t", "Fx", "Fy", "Mz")
+    }  # fmt: skip
+    computed = tirefmu.evaluate(tire, table[["t"]].assign(**inputs), signs=signs)
+    first, last = listed["removed_over"]
+    axes = {"t": t, "distance": rolled_distance(t, smoothed(table["V"].to_numpy())[0])}
+    used_rows = ~diagnosis.holdout_mask(len(table))
     found = {}
-    for channel, listed in diagnosis.in_signs(signs).recording[removed].items():
-        rest = (table[channel] - computed[channel]).to_numpy() - listed["offset"]
-        for k, size in enumerate(listed["drift"], start=1):
+    for channel, one in listed[f"removed{end}"].items():
+        rest = (table[channel] - computed[channel]).to_numpy() - one["offset"]
+        for k, size in enumerate(one["drift"], start=1):
             rest = rest - size * np.cos(k * np.pi * (t - first) / (last - first))
-        used = training.copy()
-        used[diagnosis.recording["outlier_rows"][channel]] = False
+        for name, share in listed[f"cross_talk{end}"].items():
+            source, target = name.split("_in_")
+            if target == channel:
+                length = diagnosis.tire.values["UNLOADED_RADIUS"] if target == "Mz" else 1.0
+                rest = rest - length * share * table[source].to_numpy()
+        for wave in listed[f"periodic{end}"]:
+            phase = 2.0 * np.pi * wave["frequency"] * axes[wave["over"]]
+            rest = rest - wave["cosine"][channel] * np.cos(phase) - wave["sine"][channel] * np.sin(phase)
+        used = used_rows.copy()
+        used[listed["outlier_rows"][channel]] = False
         found[channel] = float(np.sqrt(np.mean(rest[used] ** 2)))
     return found
 
@@ -58,9 +75,19 @@ def recomputed(diagnosis, tire, signs, removed="removed"):
 def test_the_reported_error_is_that_of_the_saved_tires(worn, tmp_path):
     case, diagnosis = worn
     diagnosis.save(tmp_path)
-    for name, when, removed in (("base.tir", "before", "removed_base"), ("improved.tir", "after", "removed")):
-        errors = recomputed(diagnosis, tmp_path / name, case.signs, removed)
+    for name, when, end in (("base.tir", "before", "_base"), ("improved.tir", "after", "")):
+        errors = recomputed(diagnosis, tmp_path / name, case.signs, end)
         assert errors == pytest.approx({c: one[when] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
+
+
+def test_a_channel_has_one_residual(worn):
+    """The number of the adequacy is that of the fit error, in the JSON and on the page."""
+    _, diagnosis = worn
+    reported = diagnosis.to_json()
+    for channel, one in reported["adequacy"].items():
+        gap = reported["gap"]["train"][channel]
+        assert (one["residual"], one["floor"]) == (gap["after"], gap["floor_with_history"])
+        assert gap["floor_with_history"] <= gap["floor"] <= gap["after"]
 
 
 def test_the_reported_error_of_a_tire_that_is_not_delivered_is_that_of_the_baseline_tire(worn, monkeypatch):
@@ -165,6 +192,9 @@ def test_a_residual_far_above_the_floor_is_inadequate():
     unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
     assert (unknown.adequate, unknown.rating) == (None, "amber")
     assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
+    numbers = NoiseFloor(np.float64(19.0), np.float64(10.0))  # of NumPy, as computations return them
+    (fy,) = adequacies({"Fy": np.float64(20.0)}, {"Fy": numbers}, [])
+    assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
 
 
 def test_a_coefficient_at_its_bound_is_in_the_verdict():

@@ -1,4 +1,5 @@
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,14 +10,20 @@ import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.reporting import curves_figure, report
 from tirefmu.diagnosis.reporting.report import report_page
+from tirefmu.diagnosis.search.confirmation import Confirmation
 from tirefmu.diagnosis.search.proposals import FormCorrection
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
-from tirefmu.diagnosis.verdict.findings import Interval
+from tirefmu.diagnosis.verdict.adequacy import Adequacy
+from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
+from tirefmu.diagnosis.verdict.findings import Finding, Interval
+from tirefmu.diagnosis.verdict.result import Diagnosis
+from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import visible
 
+from ..declared_flags import declared_flags, flags
 from ..hostile import HOSTILE, Skeleton, is_plain
 from .suite import make_case
 
@@ -187,6 +194,64 @@ def test_the_json_is_valid_for_any_text(thrust, text, tmp_path):
 
     reported = with_text(thrust[1], text)[0].save(tmp_path).read_text(encoding="utf-8")
     assert json.loads(reported, parse_constant=refuse)["verdict"] == text
+
+
+def test_every_yes_or_no_of_the_json_is_true_or_false(thrust):
+    names = declared_flags(Diagnosis, Finding, Adequacy, Confirmation, Unknown, Extrapolation)
+    numbers = Adequacy("Fy", np.float64(20.0), np.float64(10.0), "", (), np.bool_(True))  # of NumPy, as computed
+    unknown = Unknown(("T",), "", False)
+    reported = replace(thrust[1], unknown=(unknown,), adequacy=(*thrust[1].adequacy, numbers)).to_json()
+    found = dict(flags(json.loads(json.dumps(reported)), names))
+    assert [path for path, right in found.items() if not right] == []
+    assert {path.rpartition("/")[2] for path in found} == {
+        "added", "adequate", "memory", "delivered", "compensated", "within_noise", "doubtful",
+    }  # fmt: skip
+
+
+def test_what_nothing_explains_is_in_the_verdict():
+    """Friction changes slowly with time: the bench cleaned its belt twice, and recorded nothing of it."""
+    case = make_case(1)
+    slow = 1.0 + 0.12 * np.sin(3.0 * np.pi * case.table["t"] / case.table["t"].max())
+    table = case.table.assign(Fx=slow * case.table["Fx"], Fy=slow * case.table["Fy"])
+    diagnosis = diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal, candidates=["plysteer"])
+    red = [one for one in diagnosis.adequacy if one.rating == "red"]
+    assert "Fx" in {one.channel for one in red}
+    assert diagnosis.rating == "red"
+    assert diagnosis.verdict.startswith("Something is missing and was not identified in ")
+    assert all(f"{one.channel} (residual {one.ratio:.1f} times the noise floor" in diagnosis.verdict for one in red)
+    assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
+    assert set(diagnosis.found[0].channels) == {one.channel for one in red}
+    assert not any(one.formula for one in diagnosis.unknown)
+
+
+def test_a_periodic_disturbance_is_in_the_verdict():
+    """Of Fy, several times the noise floor, with the wheel; and of Mz, with the time."""
+    case = make_case(1)
+    t, distance = case.table["t"], np.cumsum(case.table["V"]) * case.table["t"].diff().median()
+    size = {"Fy": 150.0, "Mz": 4.0}
+    table = case.table.assign(
+        Fy=case.table["Fy"] + size["Fy"] * np.sin(2.0 * np.pi * distance / 1.85),
+        Mz=case.table["Mz"] + size["Mz"] * np.sin(2.0 * np.pi * t / 0.23),
+    )
+    diagnosis = diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal, candidates=["plysteer"])
+    (sentence,) = (one for one in diagnosis.verdict.split(". ") if one.startswith("Removed as a periodic disturbance"))
+    found = re.findall(r"(\S+) N( m)? in (\w+) every (\S+) (\S+).*?, (\S+) times the noise floor", sentence)
+    assert {(channel, unit) for _, _, channel, _, unit, _ in found} == {("Fy", "m"), ("Mz", "s")}
+    assert len(found) == 2
+    floors = {one.channel: one.floor for one in diagnosis.adequacy}
+    for amplitude, _, channel, period, unit, ratio in found:
+        assert float(period) == pytest.approx({"m": 1.85, "s": 0.23}[unit], rel=0.01)
+        assert float(amplitude) == pytest.approx(size[channel], rel=0.1)
+        assert float(ratio) == pytest.approx(float(amplitude) / floors[channel], rel=0.05)
+    assert all(one.rating == "green" for one in diagnosis.adequacy)
+
+
+def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
+    finding = Finding("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01)
+    confounded = {"relax_lat": {"relax_load": 0.71, "relax_slip": 0.95}}
+    recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
+    text = verdict_text((finding,), (), confounded, (), (), {}, (), recording)
+    assert text == "Missing: relax_lat (confounded with relax_slip, relax_load)"
 
 
 def test_no_effect_is_identified_without_a_missing_effect():

@@ -5,30 +5,34 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing.baseline_fit import reweighted
 from tirefmu.diagnosis.recording.measurement_artefacts import quantisation, ripple
 from tirefmu.diagnosis.thresholds import MAX_CHANGE, OUTLIER
-from tirefmu.diagnosis.verdict.extrapolation import extrapolations
-from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, fit_errors, floors_of, residual_sizes
+from tirefmu.diagnosis.verdict.extrapolation import extrapolations, outside
+from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, fit_errors, floors_of
 from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
 from tirefmu.measurements import Recording
+from tirefmu.symbolic.models import MODELS
+from tirefmu.tires import Tire
 
 NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 
 
-def test_the_noise_floor_equals_the_noise(at_true_values, table):
+def test_the_noise_floor_equals_the_noise(at_true_values, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
-    floors = floors_of(recording, at_true_values)
+    screens, signals = (at_true_values, at_true_values), at_true_values.signals
+    residuals = delivered_residuals((tire, tire), recording, screens, signals.table_rows)
+    floors = floors_of(recording, residuals, signals.channels)
     assert {name: one.floor for name, one in floors.items()} == pytest.approx(NOISE, rel=0.1)
 
 
 def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber, tire, table):
     recording = Recording(table, "adapted-sae", "bench")
-    screens, floors = (without_camber, at_true_values), floors_of(recording, at_true_values)
+    screens, signals = (without_camber, at_true_values), at_true_values.signals
     without = replace(tire, values={**tire.values, "PVY3": -0.3})  # as wrong as the tire of the other recording
-    residuals = delivered_residuals((without, tire), recording, screens, at_true_values.signals.loaded)
-    reported = fit_errors(*screens, residuals, floors)
-    assert residual_sizes(at_true_values) == pytest.approx(NOISE, rel=0.1)
+    residuals = delivered_residuals((without, tire), recording, screens, signals.table_rows)
+    reported = fit_errors(*screens, residuals, floors_of(recording, residuals, signals.channels))
     for part in ("train", "cv", "holdout"):
         for channel, noise in NOISE.items():
             assert reported[part][channel]["after"] == pytest.approx(noise, rel=0.15)
@@ -79,27 +83,48 @@ def test_weights_are_the_reciprocal_noise_and_outliers_are_excluded(problem, tir
 # ------------------------------------------------------------------ extrapolation
 
 
-def test_the_measured_range_of_an_effect_is_that_of_its_input(at_true_values):
-    reported = extrapolations(at_true_values.problem, at_true_values.solution, {"load_friction": ("Fz", "alpha", "T")})
-    (reach,) = reported  # no slips, and T was not recorded
-    assert (reach.effect, reach.input) == ("load_friction", "Fz")
-    assert reach.lower == pytest.approx(600.0, rel=0.02)
-    assert reach.upper == pytest.approx(1400.0, rel=0.02)
-    assert reach.doubtful == (reach.change > MAX_CHANGE)
+def extrapolated(screen, parameters, effects, inputs):
+    return extrapolations(screen.problem, screen.problem.at(parameters, screen.solution.free), effects, inputs)
 
 
-def test_extrapolation_in_load_compares_force_per_load(problem, tire):
-    """A tire of constant friction: Fx and Fy over Fz stay; Mz over Fz is in proportion to load, as the trail is."""
-    simulator, parameters = problem.simulator, tire.parameters()
-    for name in simulator.book.owned("load_friction") | {"PHY2", "QDZ2", "QBZ2"}:
-        if name in simulator.index:
-            parameters[simulator.index[name]] = 0.0
-    parameters[simulator.index["PKY2"]] = 1e6  # stiffness in proportion to load
-    parameters[simulator.index["PKY1"]] = 2e7
-    (reach,) = extrapolations(problem, problem.at(parameters, ("PDY1",)), {"load_friction": ("Fz",)})
-    assert reach.channel == "Mz"
-    further = 0.5 * (reach.upper - reach.lower)
-    assert reach.change == pytest.approx(further / reach.lower, rel=0.01)
+def test_the_measured_range_of_an_effect_is_that_of_its_input(at_true_values, tire):
+    inputs = {"load_friction": ("Fz", "alpha", "T")}
+    (reported,) = extrapolated(at_true_values, tire.parameters(), {"load_friction": ("PDY2",)}, inputs)
+    assert (reported.effect, reported.input) == ("load_friction", "Fz")  # no slips, and T was not recorded
+    assert reported.lower == pytest.approx(600.0, rel=0.02)
+    assert reported.upper == pytest.approx(1400.0, rel=0.02)
+    assert reported.doubtful == (reported.change > MAX_CHANGE)
+
+
+def test_only_the_effect_is_extrapolated(at_true_values, tire):
+    """Forces grow with load whatever effect a tire has; a small effect changes them little outside the range."""
+    parameters, index = tire.parameters(), at_true_values.problem.simulator.index["PDY2"]
+    changes = []
+    absent = parameters[index]
+    for value in (0.0, -0.02, -0.4):
+        parameters[index] = absent + value
+        (reported,) = extrapolated(at_true_values, parameters, {"load_friction": ("PDY2",)}, {"load_friction": ("Fz",)})
+        changes.append((reported.change, reported.doubtful))
+    assert changes[0] == (0.0, False)  # the effect is switched off
+    assert 0.0 < changes[1][0] < 0.1 * changes[2][0]
+    assert [doubtful for _, doubtful in changes] == [False, False, True]
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_no_extrapolation_leaves_the_physical_range(name):
+    """A speed of 9 to 27.5 m/s is not extrapolated to rolling in reverse, nor a load to a lifted tire."""
+    quantities = with_library(Tire(name, {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3})).book.inputs
+    positive = {each.name for each in quantities if each.lower == 0.0}
+    assert positive == {"Fz", "p", "V", "distance"} & {each.name for each in quantities}
+    for each in quantities:
+        for lower, upper in ((0.0, 5.0), (1.0, 1.5), (9.0, 27.5), (1.0, 1e6)):
+            below, above = outside(quantities, each.name, lower, upper)
+            assert above - upper == 0.5 * (upper - lower)
+            assert upper < above
+            if each.name in positive:
+                assert min(lower, 0.5 * lower) <= below <= lower
+            else:
+                assert lower - below == 0.5 * (upper - lower)
 
 
 # ------------------------------------------------------------------ measurement artefacts

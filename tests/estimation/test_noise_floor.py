@@ -36,6 +36,11 @@ def test_it_is_the_noise_whatever_smooth_function_of_the_inputs_a_model_lacks(se
         assert floor_of(table, residual).floor == pytest.approx(size, rel=0.1)
 
 
+def test_the_floors_are_plain_numbers():
+    floors = floor_of(sweeps(), missing(sweeps()))
+    assert {type(floors.floor), type(floors.with_history)} == {float}
+
+
 def test_without_noise_little_of_a_smooth_function_remains():
     table = sweeps()
     assert floor_of(table, missing(table)).floor < 0.02 * missing(table).std()

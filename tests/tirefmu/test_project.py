@@ -29,7 +29,7 @@ RESULTS = {
     "explore": {"bytes": 10},
     "export": {"fmi": 3, "inputs": "slip", "bytes": 2048},
     "check": {"ok": True, "channels": {"Fy": {"rmse": 1.0, "unit": "N", "r2": 0.5}}},
-    "diagnose": {"verdict": "nothing is missing", "found": [], "adequacy": {"Fy": {"adequate": 1.0}},
+    "diagnose": {"verdict": "nothing is missing", "found": [], "adequacy": {"Fy": {"adequate": True}},
                  "gap": {"holdout": {"Fy": {"before": 2.0, "after": 1.0, "floor": None}}}},
 }  # fmt: skip
 
