@@ -69,7 +69,7 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
 def _chosen(model: str, name: str, found: dict[str, str]) -> list[str]:
     """Return a routine and the variants that it calls; empty for a routine that the model lacks.
 
-    The code is a third smaller if calls of elementary functions are not expanded. Groups of such calls are.
+    The code is a third smaller if calls of elementary functions are not expanded. Pairs of such calls are.
     """
     parts = ["is_straight"] if name == FAST[0] else []
     parts += [f"{name}_general", f"{model}_{name}_straight", f"{model}_{name}"]

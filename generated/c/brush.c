@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with two calls. */
+/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
 #ifdef __GNUC__
 #define EXPANDED inline __attribute__((always_inline))
 #define CALLED __attribute__((noinline))
@@ -17,72 +17,43 @@
 #define CALLED
 #endif
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with four calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
-
-/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
-   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
-   the compiler is allowed to fuse multiplications. */
+/* Two numbers: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
+   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
+   compiler is allowed to fuse multiplications. */
 #if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
 #define VECTORS 1
-typedef double two __attribute__((vector_size(16)));
-typedef uint64_t two_bits __attribute__((vector_size(16)));
-#define TWO(a, b) ((two){a, b})
-#define TWO_AT(x, i) ((x)[i])
-#ifdef __AVX__
-typedef double four __attribute__((vector_size(32)));
-typedef uint64_t four_bits __attribute__((vector_size(32)));
-#define FOUR(a, b, c, d) ((four){a, b, c, d})
-#define FOUR_AT(x, i) ((x)[i])
-#else
-typedef struct { two half[2]; } four;
-#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
-#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
-#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
-#define FOUR_BY_PAIRS(function_of_two, x, y) \
-    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
-#endif
+typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t pair_bits __attribute__((vector_size(16)));
+#define PAIR(a, b) ((pair){a, b})
+#define PAIR_AT(x, i) ((x)[i])
 #else
 #define VECTORS 0
-typedef double one;
-typedef uint64_t one_bits;
-typedef struct { double at[2]; } two;
-typedef struct { double at[4]; } four;
-#define TWO(a, b) ((two){{a, b}})
-#define TWO_AT(x, i) ((x).at[i])
-#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
-#define FOUR_AT(x, i) ((x).at[i])
+typedef struct { double at[2]; } pair;
+#define PAIR(a, b) ((pair){{a, b}})
+#define PAIR_AT(x, i) ((x).at[i])
 #endif
-#define TWO_COUNT 2
-#define FOUR_COUNT 4
-#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
-#define FOUR_ALL(x, condition) \
-    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
-/* No less than the size of any of the numbers, or NaN. */
-#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
-#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
 
-/* What computes: vectors, in which all bits are set where a comparison holds and none elsewhere, or a number. */
+/* No less than the size of both numbers, or NaN. */
+#define PAIR_SIZE(x) (fabs(PAIR_AT(x, 0)) + fabs(PAIR_AT(x, 1)))
+
+/* What computes: a pair, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
+   of one number takes the first one of a pair. */
 #if VECTORS
-#define HAS_ONE 0
-#define HAS_TWO 1
-#define TWO_EACH(x) ((x) - (two){0.0})
-#define TWO_BITS(x) ((two_bits)(x))
-#define TWO_VALUE(bits) ((two)(bits))
-#define TWO_WHERE(condition) ((two_bits)(condition))
+typedef pair number;
+typedef pair_bits number_bits;
+#define NUMBER_EACH(x) ((x) - (number){0.0})
+#define NUMBER_BITS(x) ((number_bits)(x))
+#define NUMBER_VALUE(bits) ((number)(bits))
+#define NUMBER_WHERE(condition) ((number_bits)(condition))
+#define NUMBER_ALONE(function, x) (function((number){x})[0])
 #else
-#define HAS_ONE 1
-#define HAS_TWO 0
-#define ONE_EACH(x) (x)
-#define ONE_BITS(x) bits_of(x)
-#define ONE_VALUE(bits) double_of(bits)
-#define ONE_WHERE(condition) (0 - (uint64_t)(condition))
+typedef double number;
+typedef uint64_t number_bits;
+#define NUMBER_EACH(x) (x)
+#define NUMBER_BITS(x) bits_of(x)
+#define NUMBER_VALUE(bits) double_of(bits)
+#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
+#define NUMBER_ALONE(function, x) (function(x))
 static inline uint64_t bits_of(double x)
 {
     uint64_t bits;
@@ -96,43 +67,17 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 #endif
-#if VECTORS && defined(__AVX__)
-#define HAS_FOUR 1
-#define FOUR_EACH(x) ((x) - (four){0.0})
-#define FOUR_BITS(x) ((four_bits)(x))
-#define FOUR_VALUE(bits) ((four)(bits))
-#define FOUR_WHERE(condition) ((four_bits)(condition))
-#else
-#define HAS_FOUR 0
-#endif
 
 static inline double square(double x) { return x*x; }
 
-#if HAS_ONE
-static EXPANDED one one_sgn(one x)
+static EXPANDED number number_sgn(number x)
 {
-    return ONE_VALUE((ONE_BITS(ONE_EACH(1.0)) & ONE_WHERE(x != 0.0)) | (ONE_BITS(x) & ONE_BITS(ONE_EACH(-0.0)))
-        | ONE_WHERE(x != x));
+    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
+        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sgn(two x)
-{
-    return TWO_VALUE((TWO_BITS(TWO_EACH(1.0)) & TWO_WHERE(x != 0.0)) | (TWO_BITS(x) & TWO_BITS(TWO_EACH(-0.0)))
-        | TWO_WHERE(x != x));
-}
-#endif
-
-/* A function of one number: with vectors, the first one of two. */
-#if VECTORS
-#define ALONE(function_of_one, function_of_two, x) (function_of_two((two){x})[0])
-#else
-#define ALONE(function_of_one, function_of_two, x) (function_of_one(x))
-#endif
 
 /* No branches, which are unpredictable here and which compilers make of comparisons; NaN stays NaN. */
-static inline double sgn(double x) { return ALONE(one_sgn, two_sgn, x); }
+static inline double sgn(double x) { return NUMBER_ALONE(number_sgn, x); }
 
 /* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
    all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
@@ -159,213 +104,85 @@ static inline double sgn(double x) { return ALONE(one_sgn, two_sgn, x); }
 /* Up to here exp is neither 0 nor infinite nor subnormal. */
 #define LARGEST_EXPONENT 700.0
 
-#if HAS_ONE
-static EXPANDED one one_choose(one_bits where, one then, one otherwise)
+static EXPANDED number number_choose(number_bits where, number then, number otherwise)
 {
-    return ONE_VALUE((ONE_BITS(then) & where) | (ONE_BITS(otherwise) & ~where));
+    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_choose(two_bits where, two then, two otherwise)
-{
-    return TWO_VALUE((TWO_BITS(then) & where) | (TWO_BITS(otherwise) & ~where));
-}
-#endif
-
-#if HAS_FOUR
-static EXPANDED four four_choose(four_bits where, four then, four otherwise)
-{
-    return FOUR_VALUE((FOUR_BITS(then) & where) | (FOUR_BITS(otherwise) & ~where));
-}
-#endif
 
 /* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_ONE
-static EXPANDED one one_tan(one x)
+static EXPANDED number number_tan(number x)
 {
-    const one rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const one r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r;
-    const one sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
+    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r;
+    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
         + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const one cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
         + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const one_bits odd = 0 - (ONE_BITS(rounded) & 1);
-    return one_choose(odd, -cosine, sine)/one_choose(odd, sine, cosine);
+    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
+    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
 }
-#endif
 
-/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_TWO
-static EXPANDED two two_tan(two x)
+static EXPANDED number number_exp(number x)
 {
-    const two rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const two r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r;
-    const two sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
-        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const two cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
-        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const two_bits odd = 0 - (TWO_BITS(rounded) & 1);
-    return two_choose(odd, -cosine, sine)/two_choose(odd, sine, cosine);
-}
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_exp(one x)
-{
-    const one rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const one r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const one r2 = r*r, r4 = r2*r2;
-    const one tail = ((0.5000000000000001 + r*0.16666666666666669)
+    const number rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
+    const number r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
+    const number r2 = r*r, r4 = r2*r2;
+    const number tail = ((0.5000000000000001 + r*0.16666666666666669)
         + r2*(0.041666666666623824 + r*0.008333333333330039))
         + r4*((0.0013888888917367081 + r*0.00019841269863171557)
         + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
         + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return ONE_VALUE((ONE_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
+    return NUMBER_VALUE((NUMBER_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_exp(two x)
-{
-    const two rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const two r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const two r2 = r*r, r4 = r2*r2;
-    const two tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return TWO_VALUE((TWO_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-#endif
-
-#if HAS_FOUR
-static EXPANDED four four_exp(four x)
-{
-    const four rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const four r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const four r2 = r*r, r4 = r2*r2;
-    const four tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return FOUR_VALUE((FOUR_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-#endif
 
 /* Of normal positive numbers. */
-#if HAS_ONE
-static EXPANDED one one_log(one x)
+static EXPANDED number number_log(number x)
 {
-    const one mantissa = ONE_VALUE((ONE_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
+    const number mantissa = NUMBER_VALUE((NUMBER_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
     /* A whole number in the lowest bits of 2^52. */
-    const one exponent = ONE_VALUE((ONE_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const one_bits upper = ONE_WHERE(mantissa > 1.4142135623730951);
-    const one m = one_choose(upper, 0.5*mantissa, mantissa);
-    const one n = one_choose(upper, exponent + 1.0, exponent);
-    const one s = (m - 1.0)/(m + 1.0);
-    const one z = s*s, z2 = z*z, z4 = z2*z2;
-    const one series = z*((0.666666666666667 + z*0.3999999999989889)
+    const number exponent = NUMBER_VALUE((NUMBER_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
+    const number_bits upper = NUMBER_WHERE(mantissa > 1.4142135623730951);
+    const number m = number_choose(upper, 0.5*mantissa, mantissa);
+    const number n = number_choose(upper, exponent + 1.0, exponent);
+    const number s = (m - 1.0)/(m + 1.0);
+    const number z = s*s, z2 = z*z, z4 = z2*z2;
+    const number series = z*((0.666666666666667 + z*0.3999999999989889)
         + z2*(0.28571428626253836 + z*0.22222211089379496)
         + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
     return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
 }
-#endif
-
-/* Of normal positive numbers. */
-#if HAS_TWO
-static EXPANDED two two_log(two x)
-{
-    const two mantissa = TWO_VALUE((TWO_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
-    /* A whole number in the lowest bits of 2^52. */
-    const two exponent = TWO_VALUE((TWO_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const two_bits upper = TWO_WHERE(mantissa > 1.4142135623730951);
-    const two m = two_choose(upper, 0.5*mantissa, mantissa);
-    const two n = two_choose(upper, exponent + 1.0, exponent);
-    const two s = (m - 1.0)/(m + 1.0);
-    const two z = s*s, z2 = z*z, z4 = z2*z2;
-    const two series = z*((0.666666666666667 + z*0.3999999999989889)
-        + z2*(0.28571428626253836 + z*0.22222211089379496)
-        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
-    return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
-}
-#endif
-
-/* Of normal positive numbers. */
-#if HAS_FOUR
-static EXPANDED four four_log(four x)
-{
-    const four mantissa = FOUR_VALUE((FOUR_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
-    /* A whole number in the lowest bits of 2^52. */
-    const four exponent = FOUR_VALUE((FOUR_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const four_bits upper = FOUR_WHERE(mantissa > 1.4142135623730951);
-    const four m = four_choose(upper, 0.5*mantissa, mantissa);
-    const four n = four_choose(upper, exponent + 1.0, exponent);
-    const four s = (m - 1.0)/(m + 1.0);
-    const four z = s*s, z2 = z*z, z4 = z2*z2;
-    const four series = z*((0.666666666666667 + z*0.3999999999989889)
-        + z2*(0.28571428626253836 + z*0.22222211089379496)
-        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
-    return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
-}
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_exponent(two x, two y) { return y*two_log(x); }
-#endif
-
-#if HAS_FOUR
-static EXPANDED four four_exponent(four x, four y) { return y*four_log(x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_exp(four x) { return FOUR_BY(two_exp, x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_exponent(four x, four y) { return FOUR_BY_PAIRS(two_exponent, x, y); }
-#endif
 
 static inline double fast_tan(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_tan, two_tan, x) : tan(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_tan, x) : tan(x);
 }
 
 static inline double fast_pow(double x, double y)
 {
     if (REDUCTION_IS_EXACT && x >= DBL_MIN && x <= DBL_MAX) {
-        const double exponent = y*ALONE(one_log, two_log, x);
+        const double exponent = y*NUMBER_ALONE(number_log, x);
         if (fabs(exponent) <= LARGEST_EXPONENT)
-            return ALONE(one_exp, two_exp, exponent);
+            return NUMBER_ALONE(number_exp, exponent);
     }
     return pow(x, y);
 }
 
 static CALLED double called_pow(double x, double y) { return fast_pow(x, y); }
 
-/* Two or four values of a function that do not depend on each other, the same as one after the other. */
+/* Two values of a function that do not depend on each other, the same as one after the other. */
 
-static CALLED four four_pow_in_turn(four x, four y)
-{
-    for (int i = 0; i < FOUR_COUNT; i++)
-        FOUR_AT(x, i) = called_pow(FOUR_AT(x, i), FOUR_AT(y, i));
-    return x;
-}
-
-static EXPANDED four fast_four_pow(four x, four y)
+static EXPANDED pair fast_pair_pow(pair x, pair y)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && FOUR_ALL(x, >= DBL_MIN) && FOUR_ALL(x, <= DBL_MAX)) {
-        const four exponent = four_exponent(x, y);
-        if (FOUR_SIZE(exponent) <= LARGEST_EXPONENT)
-            return four_exp(exponent);
+    const number_bits usual = NUMBER_WHERE(x >= DBL_MIN) & NUMBER_WHERE(x <= DBL_MAX);
+    if (REDUCTION_IS_EXACT && (usual[0] & usual[1])) {
+        const pair exponent = y*number_log(x);
+        if (PAIR_SIZE(exponent) <= LARGEST_EXPONENT)
+            return number_exp(exponent);
     }
 #endif
-    return four_pow_in_turn(x, y);
+    return PAIR(called_pow(PAIR_AT(x, 0), PAIR_AT(y, 0)), called_pow(PAIR_AT(x, 1), PAIR_AT(y, 1)));
 }
 
 /* Every named quantity of the book. */
@@ -444,42 +261,42 @@ void brush_forces(const double inputs[], const double parameters[], double resul
     const double NPATCH = parameters[BRUSH_NPATCH];
     const double SIGNS = parameters[BRUSH_SIGNS];
 
-    /* Up to four calls of a function that do not depend on each other are computed at a time */
+    /* Two calls of a function that do not depend on each other are computed at a time */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
-    const double tan_alpha_tan = fast_tan(alpha);
-    const double load_ratio = F_z/FNOMIN; /* [tirefmu] load per nominal load */
-    const double rolling = (fabs(1.0 + kappa) < 1e-06 ? 1e-06 : fabs(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
     const double side = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sign of Fy at a positive slip angle: -1 in ISO */
-    const four group_1 = fast_four_pow(FOUR(load_ratio, load_ratio, load_ratio, load_ratio), FOUR(NSTIFF, NMU, NPATCH, NSTIFF));
-    const double stiffness_ratio_pow = FOUR_AT(group_1, 0);
-    const double friction_ratio_pow = FOUR_AT(group_1, 1);
-    const double a_pow = FOUR_AT(group_1, 2);
+    const double rolling = (fabs(1.0 + kappa) < 1e-06 ? 1e-06 : fabs(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
+    const double load_ratio = F_z/FNOMIN; /* [tirefmu] load per nominal load */
     const double slip_x = kappa/rolling; /* [3.2.3] theoretical longitudinal slip: sliding per rolling velocity */
-    const double tan_alpha = tan_alpha_tan; /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
-    const double slip_y = tan_alpha/rolling; /* [3.2.3] theoretical side slip: sliding per rolling velocity */
+    const double tan_alpha_tan = fast_tan(alpha);
+    const pair pair_1 = fast_pair_pow(PAIR(load_ratio, load_ratio), PAIR(NSTIFF, NMU));
+    const double stiffness_ratio_pow = PAIR_AT(pair_1, 0);
+    const double friction_ratio_pow = PAIR_AT(pair_1, 1);
+    const double a_pow = fast_pow(load_ratio, NPATCH);
     const double stiffness_ratio = stiffness_ratio_pow; /* [tirefmu] slip stiffness per that at nominal load */
-    const double K_yalpha = CALPHA*side*stiffness_ratio; /* [3.2.1] cornering stiffness */
     const double friction_ratio = friction_ratio_pow; /* [tirefmu] friction per that at nominal load */
+    const double a = PATCH*a_pow; /* [tirefmu] half length of the contact patch */
+    const double tan_alpha = tan_alpha_tan; /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
     const double mu_x = MUX*friction_ratio; /* [tirefmu] longitudinal friction */
     const double mu_y = MUY*friction_ratio; /* [tirefmu] lateral friction */
     const double K_xkappa = CKAPPA*stiffness_ratio; /* [3.2.2] longitudinal slip stiffness */
-    const double a = PATCH*a_pow; /* [tirefmu] half length of the contact patch */
-    const double sliding_squared = square(kappa)*square(mu_x) + square(mu_y)*square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
+    const double K_yalpha = CALPHA*side*stiffness_ratio; /* [3.2.1] cornering stiffness */
+    const double slip_y = tan_alpha/rolling; /* [3.2.3] theoretical side slip: sliding per rolling velocity */
+    const double D_t = 0.3333333333333333*a; /* [3.2.1] pneumatic trail at zero slip */
     const double reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x); /* [3.2.3] psi of the longitudinal slip alone */
     const double reach_y = 0.3333333333333333*K_yalpha*slip_y/(F_z*mu_y); /* [3.2.3] psi of the side slip alone */
-    const double D_t = 0.3333333333333333*a; /* [3.2.1] pneumatic trail at zero slip */
-    const double sliding_nonzero = (sliding_squared < 1e-30 ? 1e-30 : sliding_squared); /* [tirefmu] the same, limited to positive values */
+    const double sliding_squared = square(kappa)*square(mu_x) + square(mu_y)*square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
     const double psi_squared = square(reach_x) + square(reach_y); /* [3.2.3] psi squared, beyond full sliding too */
+    const double sliding_nonzero = (sliding_squared < 1e-30 ? 1e-30 : sliding_squared); /* [tirefmu] the same, limited to positive values */
     const double psi_bounded = (psi_squared >= 1.0 ? 1.0 : (psi_squared < 1e-30 ? 1e-30 : psi_squared)); /* [3.2.3] psi squared */
     const double psi = sqrt(psi_bounded); /* [3.2.3] share of the contact patch that slides */
     const double sliding = F_z*square(psi)*(3.0 - 2.0*psi)/sqrt(sliding_nonzero); /* [tirefmu] load on the sliding part per weighted sliding velocity */
-    const double arm_sliding = 9.0*square(1.0 - psi)/(3.0 - 2.0*psi); /* [3.2.1] arm of the sliding part per trail at zero slip */
     const double sticking = square(1.0 - psi)/rolling; /* [3.2.3] share of the slip stiffness on the sticking part, per rolling velocity */
+    const double arm_sliding = 9.0*square(1.0 - psi)/(3.0 - 2.0*psi); /* [3.2.1] arm of the sliding part per trail at zero slip */
     const double F_y_sticking = K_yalpha*sticking; /* [3.2.3] side force of the sticking part per tan(alpha) */
     const double F_y_sliding = side*sliding*square(mu_y); /* [3.2.3] side force of the sliding part per tan(alpha) */
     const double Fx = (Fz <= 1e-06 ? 0.0 : kappa*(K_xkappa*sticking + sliding*square(mu_x))); /* [3.2.3] longitudinal force */
-    const double trail = D_t*(F_y_sliding*arm_sliding + F_y_sticking*(1.0 - 4.0*psi))/(F_y_sliding + F_y_sticking); /* [3.2.1] pneumatic trail */
     const double Fy = (Fz <= 1e-06 ? 0.0 : tan_alpha*(F_y_sliding + F_y_sticking)); /* [3.2.3] side force */
+    const double trail = D_t*(F_y_sliding*arm_sliding + F_y_sticking*(1.0 - 4.0*psi))/(F_y_sliding + F_y_sticking); /* [3.2.1] pneumatic trail */
     const double Mz = -Fy*trail; /* [3.2.1] aligning moment */
 
     results[0] = Fx;

@@ -11,48 +11,6 @@
 #define N_INPUTS MF52_N_INPUTS
 #define N_RESULTS 5
 
-/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
-   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
-   the compiler is allowed to fuse multiplications. */
-#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
-#define VECTORS 1
-typedef double two __attribute__((vector_size(16)));
-typedef uint64_t two_bits __attribute__((vector_size(16)));
-#define TWO(a, b) ((two){a, b})
-#define TWO_AT(x, i) ((x)[i])
-#ifdef __AVX__
-typedef double four __attribute__((vector_size(32)));
-typedef uint64_t four_bits __attribute__((vector_size(32)));
-#define FOUR(a, b, c, d) ((four){a, b, c, d})
-#define FOUR_AT(x, i) ((x)[i])
-#else
-typedef struct { two half[2]; } four;
-#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
-#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
-#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
-#define FOUR_BY_PAIRS(function_of_two, x, y) \
-    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
-#endif
-#else
-#define VECTORS 0
-typedef double one;
-typedef uint64_t one_bits;
-typedef struct { double at[2]; } two;
-typedef struct { double at[4]; } four;
-#define TWO(a, b) ((two){{a, b}})
-#define TWO_AT(x, i) ((x).at[i])
-#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
-#define FOUR_AT(x, i) ((x).at[i])
-#endif
-#define TWO_COUNT 2
-#define FOUR_COUNT 4
-#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
-#define FOUR_ALL(x, condition) \
-    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
-/* No less than the size of any of the numbers, or NaN. */
-#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
-#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
-
 #define PI 3.14159265358979323846
 
 static inline double square(double x) { return x*x; }

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with two calls. */
+/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
 #ifdef __GNUC__
 #define EXPANDED inline __attribute__((always_inline))
 #define CALLED __attribute__((noinline))
@@ -17,72 +17,43 @@
 #define CALLED
 #endif
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with four calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
-
-/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
-   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
-   the compiler is allowed to fuse multiplications. */
+/* Two numbers: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
+   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
+   compiler is allowed to fuse multiplications. */
 #if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
 #define VECTORS 1
-typedef double two __attribute__((vector_size(16)));
-typedef uint64_t two_bits __attribute__((vector_size(16)));
-#define TWO(a, b) ((two){a, b})
-#define TWO_AT(x, i) ((x)[i])
-#ifdef __AVX__
-typedef double four __attribute__((vector_size(32)));
-typedef uint64_t four_bits __attribute__((vector_size(32)));
-#define FOUR(a, b, c, d) ((four){a, b, c, d})
-#define FOUR_AT(x, i) ((x)[i])
-#else
-typedef struct { two half[2]; } four;
-#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
-#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
-#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
-#define FOUR_BY_PAIRS(function_of_two, x, y) \
-    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
-#endif
+typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t pair_bits __attribute__((vector_size(16)));
+#define PAIR(a, b) ((pair){a, b})
+#define PAIR_AT(x, i) ((x)[i])
 #else
 #define VECTORS 0
-typedef double one;
-typedef uint64_t one_bits;
-typedef struct { double at[2]; } two;
-typedef struct { double at[4]; } four;
-#define TWO(a, b) ((two){{a, b}})
-#define TWO_AT(x, i) ((x).at[i])
-#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
-#define FOUR_AT(x, i) ((x).at[i])
+typedef struct { double at[2]; } pair;
+#define PAIR(a, b) ((pair){{a, b}})
+#define PAIR_AT(x, i) ((x).at[i])
 #endif
-#define TWO_COUNT 2
-#define FOUR_COUNT 4
-#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
-#define FOUR_ALL(x, condition) \
-    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
-/* No less than the size of any of the numbers, or NaN. */
-#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
-#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
 
-/* What computes: vectors, in which all bits are set where a comparison holds and none elsewhere, or a number. */
+/* No less than the size of both numbers, or NaN. */
+#define PAIR_SIZE(x) (fabs(PAIR_AT(x, 0)) + fabs(PAIR_AT(x, 1)))
+
+/* What computes: a pair, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
+   of one number takes the first one of a pair. */
 #if VECTORS
-#define HAS_ONE 0
-#define HAS_TWO 1
-#define TWO_EACH(x) ((x) - (two){0.0})
-#define TWO_BITS(x) ((two_bits)(x))
-#define TWO_VALUE(bits) ((two)(bits))
-#define TWO_WHERE(condition) ((two_bits)(condition))
+typedef pair number;
+typedef pair_bits number_bits;
+#define NUMBER_EACH(x) ((x) - (number){0.0})
+#define NUMBER_BITS(x) ((number_bits)(x))
+#define NUMBER_VALUE(bits) ((number)(bits))
+#define NUMBER_WHERE(condition) ((number_bits)(condition))
+#define NUMBER_ALONE(function, x) (function((number){x})[0])
 #else
-#define HAS_ONE 1
-#define HAS_TWO 0
-#define ONE_EACH(x) (x)
-#define ONE_BITS(x) bits_of(x)
-#define ONE_VALUE(bits) double_of(bits)
-#define ONE_WHERE(condition) (0 - (uint64_t)(condition))
+typedef double number;
+typedef uint64_t number_bits;
+#define NUMBER_EACH(x) (x)
+#define NUMBER_BITS(x) bits_of(x)
+#define NUMBER_VALUE(bits) double_of(bits)
+#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
+#define NUMBER_ALONE(function, x) (function(x))
 static inline uint64_t bits_of(double x)
 {
     uint64_t bits;
@@ -96,15 +67,6 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 #endif
-#if VECTORS && defined(__AVX__)
-#define HAS_FOUR 1
-#define FOUR_EACH(x) ((x) - (four){0.0})
-#define FOUR_BITS(x) ((four_bits)(x))
-#define FOUR_VALUE(bits) ((four)(bits))
-#define FOUR_WHERE(condition) ((four_bits)(condition))
-#else
-#define HAS_FOUR 0
-#endif
 
 #define PI 3.14159265358979323846
 
@@ -116,47 +78,22 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
 
 static inline double cubed_sqrt(double x) { return x*sqrt(x); }
 
-#if HAS_ONE
-static EXPANDED one one_sgn(one x)
+static EXPANDED number number_sgn(number x)
 {
-    return ONE_VALUE((ONE_BITS(ONE_EACH(1.0)) & ONE_WHERE(x != 0.0)) | (ONE_BITS(x) & ONE_BITS(ONE_EACH(-0.0)))
-        | ONE_WHERE(x != x));
+    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
+        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
 }
-#endif
 
-#if HAS_TWO
-static EXPANDED two two_sgn(two x)
+static EXPANDED number number_sgn1(number x)
 {
-    return TWO_VALUE((TWO_BITS(TWO_EACH(1.0)) & TWO_WHERE(x != 0.0)) | (TWO_BITS(x) & TWO_BITS(TWO_EACH(-0.0)))
-        | TWO_WHERE(x != x));
+    return NUMBER_VALUE(NUMBER_BITS(NUMBER_EACH(1.0)) | (NUMBER_WHERE(x < 0.0) & NUMBER_BITS(NUMBER_EACH(-0.0)))
+        | NUMBER_WHERE(x != x));
 }
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_sgn1(one x)
-{
-    return ONE_VALUE(ONE_BITS(ONE_EACH(1.0)) | (ONE_WHERE(x < 0.0) & ONE_BITS(ONE_EACH(-0.0))) | ONE_WHERE(x != x));
-}
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sgn1(two x)
-{
-    return TWO_VALUE(TWO_BITS(TWO_EACH(1.0)) | (TWO_WHERE(x < 0.0) & TWO_BITS(TWO_EACH(-0.0))) | TWO_WHERE(x != x));
-}
-#endif
-
-/* A function of one number: with vectors, the first one of two. */
-#if VECTORS
-#define ALONE(function_of_one, function_of_two, x) (function_of_two((two){x})[0])
-#else
-#define ALONE(function_of_one, function_of_two, x) (function_of_one(x))
-#endif
 
 /* No branches, which are unpredictable here and which compilers make of comparisons; NaN stays NaN. */
-static inline double sgn(double x) { return ALONE(one_sgn, two_sgn, x); }
+static inline double sgn(double x) { return NUMBER_ALONE(number_sgn, x); }
 
-static inline double sgn1(double x) { return ALONE(one_sgn1, two_sgn1, x); }
+static inline double sgn1(double x) { return NUMBER_ALONE(number_sgn1, x); }
 
 /* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
    all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
@@ -183,373 +120,168 @@ static inline double sgn1(double x) { return ALONE(one_sgn1, two_sgn1, x); }
 /* Up to here exp is neither 0 nor infinite nor subnormal. */
 #define LARGEST_EXPONENT 700.0
 
-#if HAS_ONE
-static EXPANDED one one_choose(one_bits where, one then, one otherwise)
+static EXPANDED number number_choose(number_bits where, number then, number otherwise)
 {
-    return ONE_VALUE((ONE_BITS(then) & where) | (ONE_BITS(otherwise) & ~where));
+    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_choose(two_bits where, two then, two otherwise)
-{
-    return TWO_VALUE((TWO_BITS(then) & where) | (TWO_BITS(otherwise) & ~where));
-}
-#endif
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
-#if HAS_ONE
-static EXPANDED one one_shifted_sin(one angle, one shift)
+static EXPANDED number number_shifted_sin(number angle, number shift)
 {
-    const one rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const one n = (rounded - ROUNDING) - shift;
-    const one r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r, z2 = z*z, z4 = z2*z2;
-    const one series = ((-0.16666666666666666 + z*0.008333333333333316)
+    const number rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
+    const number n = (rounded - ROUNDING) - shift;
+    const number r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.16666666666666666 + z*0.008333333333333316)
         + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
         + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
         + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return ONE_VALUE(ONE_BITS(r + r*z*series) ^ (ONE_BITS(rounded) << 63));
+    return NUMBER_VALUE(NUMBER_BITS(r + r*z*series) ^ (NUMBER_BITS(rounded) << 63));
 }
-#endif
 
-/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
-   shift is 0, the cosine where it is 1/2. */
-#if HAS_TWO
-static EXPANDED two two_shifted_sin(two angle, two shift)
-{
-    const two rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const two n = (rounded - ROUNDING) - shift;
-    const two r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r, z2 = z*z, z4 = z2*z2;
-    const two series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return TWO_VALUE(TWO_BITS(r + r*z*series) ^ (TWO_BITS(rounded) << 63));
-}
-#endif
+static EXPANDED number number_sin(number x) { return number_shifted_sin(x, NUMBER_EACH(0.0)); }
 
-/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
-   shift is 0, the cosine where it is 1/2. */
-#if HAS_FOUR
-static EXPANDED four four_shifted_sin(four angle, four shift)
-{
-    const four rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const four n = (rounded - ROUNDING) - shift;
-    const four r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const four z = r*r, z2 = z*z, z4 = z2*z2;
-    const four series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return FOUR_VALUE(FOUR_BITS(r + r*z*series) ^ (FOUR_BITS(rounded) << 63));
-}
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_sin(one x) { return one_shifted_sin(x, ONE_EACH(0.0)); }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sin(two x) { return two_shifted_sin(x, TWO_EACH(0.0)); }
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_cos(one x) { return one_shifted_sin(x, ONE_EACH(0.5)); }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_cos(two x) { return two_shifted_sin(x, TWO_EACH(0.5)); }
-#endif
+static EXPANDED number number_cos(number x) { return number_shifted_sin(x, NUMBER_EACH(0.5)); }
 
 /* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_ONE
-static EXPANDED one one_tan(one x)
+static EXPANDED number number_tan(number x)
 {
-    const one rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const one r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r;
-    const one sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
+    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r;
+    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
         + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const one cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
         + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const one_bits odd = 0 - (ONE_BITS(rounded) & 1);
-    return one_choose(odd, -cosine, sine)/one_choose(odd, sine, cosine);
+    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
+    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
 }
-#endif
-
-/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_TWO
-static EXPANDED two two_tan(two x)
-{
-    const two rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const two r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r;
-    const two sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
-        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const two cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
-        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const two_bits odd = 0 - (TWO_BITS(rounded) & 1);
-    return two_choose(odd, -cosine, sine)/two_choose(odd, sine, cosine);
-}
-#endif
 
 /* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_ONE
-static EXPANDED one one_atan(one x)
+static EXPANDED number number_atan(number x)
 {
-    const one a = ONE_VALUE(ONE_BITS(x) & ~ONE_BITS(ONE_EACH(-0.0))), unit = ONE_EACH(1.0);
-    const one_bits beyond = ONE_WHERE(a > 0.41421356237309503), within = ONE_WHERE(a <= 2.414213562373095);
-    const one shifted = ONE_VALUE(ONE_BITS(unit) & beyond), near = ONE_VALUE(ONE_BITS(unit) & within);
-    const one eighths = (shifted + 1.0) - near;
-    const one t = (ONE_VALUE(ONE_BITS(a) & within) - shifted)/(ONE_VALUE(ONE_BITS(a) & beyond) + near);
-    const one z = t*t, z2 = z*z, z4 = z2*z2;
-    const one series = ((-0.3333333333333015 + z*0.19999999999088983)
+    const number a = NUMBER_VALUE(NUMBER_BITS(x) & ~NUMBER_BITS(NUMBER_EACH(-0.0))), unit = NUMBER_EACH(1.0);
+    const number_bits beyond = NUMBER_WHERE(a > 0.41421356237309503), within = NUMBER_WHERE(a <= 2.414213562373095);
+    const number shifted = NUMBER_VALUE(NUMBER_BITS(unit) & beyond), near = NUMBER_VALUE(NUMBER_BITS(unit) & within);
+    const number eighths = (shifted + 1.0) - near;
+    const number t = (NUMBER_VALUE(NUMBER_BITS(a) & within) - shifted)/(NUMBER_VALUE(NUMBER_BITS(a) & beyond) + near);
+    const number z = t*t, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.3333333333333015 + z*0.19999999999088983)
         + z2*(-0.14285714195263263 + z*0.11111106653657138))
         + z4*(((-0.09090782413881009 + z*0.07690068317754889)
         + z2*(-0.06641121318562959 + z*0.05692539545490282))
         + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const one size = eighths*0.7853981633974483 + (t + t*z*series);
-    return ONE_VALUE(ONE_BITS(size) | (ONE_BITS(x) & ONE_BITS(ONE_EACH(-0.0))));
+    const number size = eighths*0.7853981633974483 + (t + t*z*series);
+    return NUMBER_VALUE(NUMBER_BITS(size) | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))));
 }
-#endif
 
-/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_TWO
-static EXPANDED two two_atan(two x)
+static EXPANDED number number_exp(number x)
 {
-    const two a = TWO_VALUE(TWO_BITS(x) & ~TWO_BITS(TWO_EACH(-0.0))), unit = TWO_EACH(1.0);
-    const two_bits beyond = TWO_WHERE(a > 0.41421356237309503), within = TWO_WHERE(a <= 2.414213562373095);
-    const two shifted = TWO_VALUE(TWO_BITS(unit) & beyond), near = TWO_VALUE(TWO_BITS(unit) & within);
-    const two eighths = (shifted + 1.0) - near;
-    const two t = (TWO_VALUE(TWO_BITS(a) & within) - shifted)/(TWO_VALUE(TWO_BITS(a) & beyond) + near);
-    const two z = t*t, z2 = z*z, z4 = z2*z2;
-    const two series = ((-0.3333333333333015 + z*0.19999999999088983)
-        + z2*(-0.14285714195263263 + z*0.11111106653657138))
-        + z4*(((-0.09090782413881009 + z*0.07690068317754889)
-        + z2*(-0.06641121318562959 + z*0.05692539545490282))
-        + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const two size = eighths*0.7853981633974483 + (t + t*z*series);
-    return TWO_VALUE(TWO_BITS(size) | (TWO_BITS(x) & TWO_BITS(TWO_EACH(-0.0))));
-}
-#endif
-
-/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_FOUR
-static EXPANDED four four_atan(four x)
-{
-    const four a = FOUR_VALUE(FOUR_BITS(x) & ~FOUR_BITS(FOUR_EACH(-0.0))), unit = FOUR_EACH(1.0);
-    const four_bits beyond = FOUR_WHERE(a > 0.41421356237309503), within = FOUR_WHERE(a <= 2.414213562373095);
-    const four shifted = FOUR_VALUE(FOUR_BITS(unit) & beyond), near = FOUR_VALUE(FOUR_BITS(unit) & within);
-    const four eighths = (shifted + 1.0) - near;
-    const four t = (FOUR_VALUE(FOUR_BITS(a) & within) - shifted)/(FOUR_VALUE(FOUR_BITS(a) & beyond) + near);
-    const four z = t*t, z2 = z*z, z4 = z2*z2;
-    const four series = ((-0.3333333333333015 + z*0.19999999999088983)
-        + z2*(-0.14285714195263263 + z*0.11111106653657138))
-        + z4*(((-0.09090782413881009 + z*0.07690068317754889)
-        + z2*(-0.06641121318562959 + z*0.05692539545490282))
-        + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const four size = eighths*0.7853981633974483 + (t + t*z*series);
-    return FOUR_VALUE(FOUR_BITS(size) | (FOUR_BITS(x) & FOUR_BITS(FOUR_EACH(-0.0))));
-}
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_exp(one x)
-{
-    const one rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const one r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const one r2 = r*r, r4 = r2*r2;
-    const one tail = ((0.5000000000000001 + r*0.16666666666666669)
+    const number rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
+    const number r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
+    const number r2 = r*r, r4 = r2*r2;
+    const number tail = ((0.5000000000000001 + r*0.16666666666666669)
         + r2*(0.041666666666623824 + r*0.008333333333330039))
         + r4*((0.0013888888917367081 + r*0.00019841269863171557)
         + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
         + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return ONE_VALUE((ONE_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
+    return NUMBER_VALUE((NUMBER_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_exp(two x)
-{
-    const two rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const two r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const two r2 = r*r, r4 = r2*r2;
-    const two tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return TWO_VALUE((TWO_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-#endif
 
 /* Of normal positive numbers. */
-#if HAS_ONE
-static EXPANDED one one_log(one x)
+static EXPANDED number number_log(number x)
 {
-    const one mantissa = ONE_VALUE((ONE_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
+    const number mantissa = NUMBER_VALUE((NUMBER_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
     /* A whole number in the lowest bits of 2^52. */
-    const one exponent = ONE_VALUE((ONE_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const one_bits upper = ONE_WHERE(mantissa > 1.4142135623730951);
-    const one m = one_choose(upper, 0.5*mantissa, mantissa);
-    const one n = one_choose(upper, exponent + 1.0, exponent);
-    const one s = (m - 1.0)/(m + 1.0);
-    const one z = s*s, z2 = z*z, z4 = z2*z2;
-    const one series = z*((0.666666666666667 + z*0.3999999999989889)
+    const number exponent = NUMBER_VALUE((NUMBER_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
+    const number_bits upper = NUMBER_WHERE(mantissa > 1.4142135623730951);
+    const number m = number_choose(upper, 0.5*mantissa, mantissa);
+    const number n = number_choose(upper, exponent + 1.0, exponent);
+    const number s = (m - 1.0)/(m + 1.0);
+    const number z = s*s, z2 = z*z, z4 = z2*z2;
+    const number series = z*((0.666666666666667 + z*0.3999999999989889)
         + z2*(0.28571428626253836 + z*0.22222211089379496)
         + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
     return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
 }
-#endif
-
-/* Of normal positive numbers. */
-#if HAS_TWO
-static EXPANDED two two_log(two x)
-{
-    const two mantissa = TWO_VALUE((TWO_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
-    /* A whole number in the lowest bits of 2^52. */
-    const two exponent = TWO_VALUE((TWO_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const two_bits upper = TWO_WHERE(mantissa > 1.4142135623730951);
-    const two m = two_choose(upper, 0.5*mantissa, mantissa);
-    const two n = two_choose(upper, exponent + 1.0, exponent);
-    const two s = (m - 1.0)/(m + 1.0);
-    const two z = s*s, z2 = z*z, z4 = z2*z2;
-    const two series = z*((0.666666666666667 + z*0.3999999999989889)
-        + z2*(0.28571428626253836 + z*0.22222211089379496)
-        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
-    return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
-}
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_exponent(two x, two y) { return y*two_log(x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_shifted_sin(four x, four y) { return FOUR_BY_PAIRS(two_shifted_sin, x, y); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_atan(four x) { return FOUR_BY(two_atan, x); }
-#endif
 
 static inline double fast_sin(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_sin, two_sin, x) : sin(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_sin, x) : sin(x);
 }
 
 static inline double fast_cos(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_cos, two_cos, x) : cos(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_cos, x) : cos(x);
 }
 
 static inline double fast_tan(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_tan, two_tan, x) : tan(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_tan, x) : tan(x);
 }
 
 static inline double fast_atan(double x)
 {
-    return REDUCTION_IS_EXACT ? ALONE(one_atan, two_atan, x) : atan(x);
+    return REDUCTION_IS_EXACT ? NUMBER_ALONE(number_atan, x) : atan(x);
 }
 
 static inline double fast_exp(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_EXPONENT ? ALONE(one_exp, two_exp, x) : exp(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_EXPONENT ? NUMBER_ALONE(number_exp, x) : exp(x);
 }
 
 static inline double fast_pow(double x, double y)
 {
     if (REDUCTION_IS_EXACT && x >= DBL_MIN && x <= DBL_MAX) {
-        const double exponent = y*ALONE(one_log, two_log, x);
+        const double exponent = y*NUMBER_ALONE(number_log, x);
         if (fabs(exponent) <= LARGEST_EXPONENT)
-            return ALONE(one_exp, two_exp, exponent);
+            return NUMBER_ALONE(number_exp, exponent);
     }
     return pow(x, y);
 }
-
-static CALLED double called_sin(double x) { return fast_sin(x); }
-
-static CALLED double called_cos(double x) { return fast_cos(x); }
 
 static CALLED double called_atan(double x) { return fast_atan(x); }
 
 static CALLED double called_pow(double x, double y) { return fast_pow(x, y); }
 
-/* Two or four values of a function that do not depend on each other, the same as one after the other. */
-
-static CALLED two two_shifted_sin_in_turn(two angle, two shift)
+static CALLED double called_shifted_sin(double angle, double shift)
 {
-    for (int i = 0; i < TWO_COUNT; i++) {
-        const double x = TWO_AT(angle, i);
-        TWO_AT(angle, i) = TWO_AT(shift, i) == 0.0 ? called_sin(x) : called_cos(x);
-    }
-    return angle;
+    return shift == 0.0 ? fast_sin(angle) : fast_cos(angle);
 }
 
-static CALLED four four_shifted_sin_in_turn(four angle, four shift)
-{
-    for (int i = 0; i < FOUR_COUNT; i++) {
-        const double x = FOUR_AT(angle, i);
-        FOUR_AT(angle, i) = FOUR_AT(shift, i) == 0.0 ? called_sin(x) : called_cos(x);
-    }
-    return angle;
-}
+/* Two values of a function that do not depend on each other, the same as one after the other. */
 
-static EXPANDED two fast_two_shifted_sin(two angle, two shift)
+static EXPANDED pair fast_pair_shifted_sin(pair angle, pair shift)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && TWO_SIZE(angle) <= LARGEST_ANGLE)
-        return two_shifted_sin(angle, shift);
+    if (REDUCTION_IS_EXACT && PAIR_SIZE(angle) <= LARGEST_ANGLE)
+        return number_shifted_sin(angle, shift);
 #endif
-    return two_shifted_sin_in_turn(angle, shift);
+    return PAIR(called_shifted_sin(PAIR_AT(angle, 0), PAIR_AT(shift, 0)),
+        called_shifted_sin(PAIR_AT(angle, 1), PAIR_AT(shift, 1)));
 }
 
-static EXPANDED four fast_four_shifted_sin(four angle, four shift)
-{
-#if VECTORS
-    if (REDUCTION_IS_EXACT && FOUR_SIZE(angle) <= LARGEST_ANGLE)
-        return four_shifted_sin(angle, shift);
-#endif
-    return four_shifted_sin_in_turn(angle, shift);
-}
-
-static CALLED four four_atan_in_turn(four x)
-{
-    for (int i = 0; i < FOUR_COUNT; i++)
-        FOUR_AT(x, i) = called_atan(FOUR_AT(x, i));
-    return x;
-}
-
-static EXPANDED four fast_four_atan(four x)
+static EXPANDED pair fast_pair_atan(pair x)
 {
 #if VECTORS
     if (REDUCTION_IS_EXACT)
-        return four_atan(x);
+        return number_atan(x);
 #endif
-    return four_atan_in_turn(x);
+    return PAIR(called_atan(PAIR_AT(x, 0)), called_atan(PAIR_AT(x, 1)));
 }
 
-static CALLED two two_pow_in_turn(two x, two y)
-{
-    for (int i = 0; i < TWO_COUNT; i++)
-        TWO_AT(x, i) = called_pow(TWO_AT(x, i), TWO_AT(y, i));
-    return x;
-}
-
-static EXPANDED two fast_two_pow(two x, two y)
+static EXPANDED pair fast_pair_pow(pair x, pair y)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && TWO_ALL(x, >= DBL_MIN) && TWO_ALL(x, <= DBL_MAX)) {
-        const two exponent = two_exponent(x, y);
-        if (TWO_SIZE(exponent) <= LARGEST_EXPONENT)
-            return two_exp(exponent);
+    const number_bits usual = NUMBER_WHERE(x >= DBL_MIN) & NUMBER_WHERE(x <= DBL_MAX);
+    if (REDUCTION_IS_EXACT && (usual[0] & usual[1])) {
+        const pair exponent = y*number_log(x);
+        if (PAIR_SIZE(exponent) <= LARGEST_EXPONENT)
+            return number_exp(exponent);
     }
 #endif
-    return two_pow_in_turn(x, y);
+    return PAIR(called_pow(PAIR_AT(x, 0), PAIR_AT(y, 0)), called_pow(PAIR_AT(x, 1), PAIR_AT(y, 1)));
 }
 
 /* Every named quantity of the book. */
@@ -3168,194 +2900,199 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double SSZ3 = parameters[MF61_SSZ3];
     const double SSZ4 = parameters[MF61_SSZ4];
 
-    /* Up to four calls of a function that do not depend on each other are computed at a time */
-    const double gamma_star_sin = fast_sin(gamma);
-    const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
+    /* Two calls of a function that do not depend on each other are computed at a time */
     const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
-    const double tan_alpha_tan = fast_tan(alpha);
-    const double dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
-    const double C_y = LCY*PCY1; /* [4.E21] shape factor */
-    const double K_yalpha_g0_atan_of = F_z/(F_z01*PKY2*(1.0 + PPY2*dpi));
+    const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
-    const double S_Vyk_atan_of = RVY6*kappa;
-    const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
+    const double C_y = LCY*PCY1; /* [4.E21] shape factor */
     const double C_y_g0 = LCY*PCY1; /* [4.E21] shape factor */
+    const double C_xalpha = RCX1; /* [4.E55] shape of G_xa */
+    const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
+    const double S_Vyk_atan_of = RVY6*kappa;
     const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
+    const double M_y_near_locked_sin_of = 0.5*PI*(1.0 + kappa)*fabs(V)/VXLOW;
+    const double M_y_full_pow_of = p/NOMPRES;
+    const double dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
+    const double K_yalpha_g0_atan_of = F_z/(F_z01*PKY2*(1.0 + PPY2*dpi));
+    const double F_zx = (FZMIN > F_z ? cube(F_z)/square(FZMIN) : F_z); /* [MFeval] load of M_x */
     const double F_zy = (FZMIN > F_z ? square(F_z)/FZMIN : F_z); /* [MFeval] load of M_y */
-    const double gamma_star = gamma_star_sin; /* [4.E4] inclination gamma* */
-    const double K_yalpha_atan_of = F_z/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star)));
-    const double mu_y_loaded = LMUY*(1.0 - PDY3*square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
-    const double S_Vygamma = F_z*LKYC*LMUY*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
-    const double K_ygamma0 = F_z*LKYC*(1.0 + PPY5*dpi)*(PKY6 + PKY7*dfz); /* [4.E30] camber stiffness */
-    const double K_xkappa_exp_of = PKX3*dfz;
-    const double S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
+    const double S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
     const double mu_x_loaded = LMUX*(1.0 - PDX3*square(gamma))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*square(dpi)); /* [4.E13] peak friction */
-    const double tan_alpha = tan_alpha_tan; /* [2.11] lateral slip */
-    const double alpha_star = tan_alpha*sgn(V); /* [4.E3] lateral slip alpha* */
+    const double K_xkappa_exp_of = PKX3*dfz;
+    const double S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
+    const double K_ygamma0 = F_z*LKYC*(1.0 + PPY5*dpi)*(PKY6 + PKY7*dfz); /* [4.E30] camber stiffness */
+    const double S_Hy_g0 = LHY*(PHY1 + PHY2*dfz); /* [4.E27] horizontal shift */
+    const double mu_y_loaded_g0 = LMUY*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
+    const double S_Vy_g0 = F_z*LMUY*LVY*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
+    const double E_xalpha = REX1 + REX2*dfz; /* [4.E56] curvature of G_xa */
+    const double S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
+    const double E_ykappa = REY1 + REY2*dfz; /* [4.E64] curvature of G_yk */
+    const double B_t = LKY*(1.0 + QBZ4*gamma + QBZ5*fabs(gamma))*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
+    const double D_t = F_z*LTR*UNLOADED_RADIUS*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*square(gamma))/F_z01; /* [4.E43] peak factor of the trail */
+    const double M_x_hump_atan_of = square(F_zx)*square(QSX6)/square(FNOMIN);
+    const double Mx_atan_of = F_zx*QSX11/FNOMIN;
+    const double F_zy_share = (F_zy <= 0.0 ? 1e-60 : F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads, above 0 */
+    const double kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
+    const double mu_x = (F_z <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
+    const double D_y_g0 = F_z*mu_y_loaded_g0; /* [4.E22] peak factor */
+    const double D_x = F_z*mu_x; /* [4.E12] peak factor */
+    const double E_x = LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)); /* [4.E14] curvature factor */
+    const pair pair_1 = fast_pair_atan(PAIR(K_yalpha_g0_atan_of, S_Vyk_atan_of));
+    const double K_yalpha_g0_atan = PAIR_AT(pair_1, 0);
+    const double S_Vyk_atan = PAIR_AT(pair_1, 1);
+    const pair pair_2 = fast_pair_atan(PAIR(M_x_hump_atan_of, Mx_atan_of));
+    const double M_x_hump_atan = PAIR_AT(pair_2, 0);
+    const double Mx_atan = PAIR_AT(pair_2, 1);
+    const double tan_alpha_tan = fast_tan(alpha);
+    const pair pair_3 = fast_pair_shifted_sin(PAIR(gamma, M_y_near_locked_sin_of), PAIR(0.0, 0.0));
+    const double gamma_star_sin = PAIR_AT(pair_3, 0);
+    const double M_y_near_locked_sin = PAIR_AT(pair_3, 1);
     const double K_xkappa_exp = fast_exp(K_xkappa_exp_of);
-    const four group_1 = fast_four_atan(FOUR(K_yalpha_g0_atan_of, K_yalpha_atan_of, S_Vyk_atan_of, K_yalpha_g0_atan_of));
-    const double K_yalpha_g0_atan = FOUR_AT(group_1, 0);
-    const double K_yalpha_atan = FOUR_AT(group_1, 1);
-    const double S_Vyk_atan = FOUR_AT(group_1, 2);
-    const double B_ykappa = LYKA*(RBY1 + RBY4*square(gamma_star))/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
+    const pair pair_4 = fast_pair_pow(PAIR(F_zy_share, M_y_full_pow_of), PAIR(QSY7, QSY8));
+    const double M_y_full_pow = PAIR_AT(pair_4, 0);
+    const double M_y_full_pow_ = PAIR_AT(pair_4, 1);
+    const double tan_alpha = tan_alpha_tan; /* [2.11] lateral slip */
+    const double gamma_star = gamma_star_sin; /* [4.E4] inclination gamma* */
+    const double K_xkappa = F_z*K_xkappa_exp*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi)); /* [4.E15] longitudinal slip stiffness */
+    const double K_yalpha_g0_sin_of = K_yalpha_g0_atan*PKY4;
+    const double S_Vyk_sin_of = RVY5*S_Vyk_atan;
+    const double M_x_hump_cos_of = M_x_hump_atan*QSX5;
+    const double M_y_near_locked = M_y_near_locked_sin; /* [MFeval] fade near the locked wheel */
+    const double V_c = sqrt(1.0 + square(tan_alpha))*fabs(V); /* [2.12] speed of the contact point */
+    const double alpha_star = tan_alpha*sgn(V); /* [4.E3] lateral slip alpha* */
+    const double B_x = K_xkappa/(1e-06*sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
+    const double K_yalpha_atan_of = F_z/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star)));
+    const double S_Vygamma = F_z*LKYC*LMUY*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
+    const double mu_y_loaded = LMUY*(1.0 - PDY3*square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
     const double B_xalpha = LXAL*(RBX1 + RBX3*square(gamma_star))/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-    const double mu_x = (F_z <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
-    const double K_xkappa = F_z*K_xkappa_exp*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi)); /* [4.E15] longitudinal slip stiffness */
-    const double E_ykappa = REY1 + REY2*dfz; /* [4.E64] curvature of G_yk */
-    const double S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
-    const double mu_y = (F_z <= 0.0 ? 0.0 : mu_y_loaded); /* [4.E23] peak friction; 0 off the ground, as MFeval prints it */
+    const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
+    const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
+    const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
+    const double D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
     const double S_Vy = S_Vygamma + F_z*LMUY*LVY*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
-    const double D_x = F_z*mu_x; /* [4.E12] peak factor */
-    const double mu_y_loaded_g0 = LMUY*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
-    const double alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
-    const double K_yalpha_sin_of = K_yalpha_atan*PKY4;
-    const double K_yalpha_g0_sin_of = K_yalpha_g0_atan*PKY4;
-    const double E_xalpha = REX1 + REX2*dfz; /* [4.E56] curvature of G_xa */
-    const double kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
-    const double S_Vyk_sin_of = RVY5*S_Vyk_atan;
-    const double B_t = LKY*(1.0 + QBZ4*gamma + QBZ5*fabs(gamma))*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
-    const four group_2 = fast_four_shifted_sin(FOUR(K_yalpha_g0_sin_of, K_yalpha_sin_of, S_Vyk_sin_of, alpha_star), FOUR(0.0, 0.0, 0.0, 0.5));
-    const double K_yalpha_g0_sin = FOUR_AT(group_2, 0);
-    const double K_yalpha_sin = FOUR_AT(group_2, 1);
-    const double S_Vyk_sin = FOUR_AT(group_2, 2);
-    const double D_r_cos = FOUR_AT(group_2, 3);
-    const double tan_alpha_teq_tan = fast_tan(alpha_t);
-    const double G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
-    const double G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
-    const double B_x = K_xkappa/(1e-06*sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
+    const double alpha_y_g0 = S_Hy_g0 + alpha_star; /* [4.E20] slip angle, shifted */
+    const double mu_y = (F_z <= 0.0 ? 0.0 : mu_y_loaded); /* [4.E23] peak friction; 0 off the ground, as MFeval prints it */
     const double G_xa_u = B_xalpha*(RHX1 + alpha_star); /* [4.1] B x */
     const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
-    const four group_3 = fast_four_atan(FOUR(G_xa_u, G_xa0_u, G_yk_u, G_yk0_u));
-    const double G_xa_v_atan = FOUR_AT(group_3, 0);
-    const double G_xa0_v_atan = FOUR_AT(group_3, 1);
-    const double G_yk_v_atan = FOUR_AT(group_3, 2);
-    const double G_yk0_v_atan = FOUR_AT(group_3, 3);
-    const double K_yalpha = F_z01*K_yalpha_sin*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star)); /* [4.E25] cornering stiffness */
-    const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
-    const double E_x = LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)); /* [4.E14] curvature factor */
-    const double F_x0_v_atan = fast_atan(F_x0_u);
-    const double tan_alpha_teq = tan_alpha_teq_tan; /* [4.E77] the same as a slip */
+    const double B_ykappa = LYKA*(RBY1 + RBY4*square(gamma_star))/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
+    const double alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
+    const double M_y_taper = (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0); /* [MFeval] the same, 1 where the wheel rolls */
+    const double E_y_g0 = LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
+    const double G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
+    const double G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
     const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
+    const double E_t_atan_of = B_t*C_t*alpha_t;
+    const pair pair_5 = fast_pair_atan(PAIR(F_x0_u, K_yalpha_atan_of));
+    const double F_x0_v_atan = PAIR_AT(pair_5, 0);
+    const double K_yalpha_atan = PAIR_AT(pair_5, 1);
+    const pair pair_6 = fast_pair_atan(PAIR(G_xa_u, G_xa0_u));
+    const double G_xa_v_atan = PAIR_AT(pair_6, 0);
+    const double G_xa0_v_atan = PAIR_AT(pair_6, 1);
+    const pair pair_7 = fast_pair_atan(PAIR(G_yk_u, G_yk0_u));
+    const double G_yk_v_atan = PAIR_AT(pair_7, 0);
+    const double G_yk0_v_atan = PAIR_AT(pair_7, 1);
+    const double E_t_atan = fast_atan(E_t_atan_of);
+    const double tan_alpha_teq_tan = fast_tan(alpha_t);
+    const pair pair_8 = fast_pair_shifted_sin(PAIR(K_yalpha_g0_sin_of, S_Vyk_sin_of), PAIR(0.0, 0.0));
+    const double K_yalpha_g0_sin = PAIR_AT(pair_8, 0);
+    const double S_Vyk_sin = PAIR_AT(pair_8, 1);
+    const pair pair_9 = fast_pair_shifted_sin(PAIR(alpha_star, M_x_hump_cos_of), PAIR(0.5, 0.5));
+    const double D_r_cos = PAIR_AT(pair_9, 0);
+    const double M_x_hump_cos = PAIR_AT(pair_9, 1);
+    const double F_x0_v = F_x0_u - E_x*(F_x0_u - F_x0_v_atan); /* [4.1] B x bent by E */
     const double K_yalpha_g0 = F_z01*K_yalpha_g0_sin*LKY*PKY1*(1.0 + PPY1*dpi); /* [4.E25] cornering stiffness */
+    const double K_yalpha_sin_of = K_yalpha_atan*PKY4;
+    const double G_xa_v = G_xa_u - E_xalpha*(G_xa_u - G_xa_v_atan); /* [4.1] B x bent by E */
+    const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - G_xa0_v_atan); /* [4.1] B x bent by E */
     const double G_yk_v = G_yk_u - E_ykappa*(G_yk_u - G_yk_v_atan); /* [4.1] B x bent by E */
     const double G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - G_yk0_v_atan); /* [4.1] B x bent by E */
-    const double G_xa_v = G_xa_u - E_xalpha*(G_xa_u - G_xa_v_atan); /* [4.1] B x bent by E */
-    const double K_yalpha1 = K_yalpha + 1e-06*sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
-    const double B_y = K_yalpha/(1e-06*sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
-    const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - G_xa0_v_atan); /* [4.1] B x bent by E */
-    const double D_y_g0 = F_z*mu_y_loaded_g0; /* [4.E22] peak factor */
-    const double E_t_atan_of = B_t*C_t*alpha_t;
-    const double S_Hy_g0 = LHY*(PHY1 + PHY2*dfz); /* [4.E27] horizontal shift */
-    const double F_zx = (FZMIN > F_z ? cube(F_z)/square(FZMIN) : F_z); /* [MFeval] load of M_x */
-    const double F_zy_share = (F_zy <= 0.0 ? 1e-60 : F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads, above 0 */
-    const double S_Hy = LHY*(PHY1 + PHY2*dfz) + (-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1; /* [4.E27] horizontal shift */
-    const four group_4 = fast_four_atan(FOUR(G_xa_v, G_xa0_v, G_yk_v, G_yk0_v));
-    const double G_xa_w_atan = FOUR_AT(group_4, 0);
-    const double G_xa0_w_atan = FOUR_AT(group_4, 1);
-    const double G_yk_w_atan = FOUR_AT(group_4, 2);
-    const double G_yk0_w_atan = FOUR_AT(group_4, 3);
-    const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
-    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
-    const double F_x0_v = F_x0_u - E_x*(F_x0_u - F_x0_v_atan); /* [4.1] B x bent by E */
-    const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
-    const double E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)); /* [4.E24] curvature factor */
-    const four group_5 = fast_four_atan(FOUR(F_x0_v, F_y0_u, E_t_atan_of, F_x0_v));
-    const double F_x0_w_atan = FOUR_AT(group_5, 0);
-    const double F_y0_v_atan = FOUR_AT(group_5, 1);
-    const double E_t_atan = FOUR_AT(group_5, 2);
-    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
-    const double G_yk_w = C_ykappa*G_yk_w_atan; /* [4.1] angle of the Magic Formula */
-    const double G_yk0_w = C_ykappa*G_yk0_w_atan; /* [4.1] angle of the Magic Formula */
-    const double alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
-    const double B_y_g0 = K_yalpha_g0/(1e-06*sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
-    const two group_6 = fast_two_shifted_sin(TWO(G_yk0_w, G_yk_w), TWO(0.5, 0.5));
-    const double G_yk_cos = TWO_AT(group_6, 0);
-    const double G_yk_cos_ = TWO_AT(group_6, 1);
     const double S_Vyk = D_Vyk*LVYKA*S_Vyk_sin; /* [4.E66] side force made by longitudinal slip */
-    const double alpha_y_g0 = S_Hy_g0 + alpha_star; /* [4.E20] slip angle, shifted */
-    const double C_xalpha = RCX1; /* [4.E55] shape of G_xa */
+    const double E_t = (1.0 + E_t_atan*(2.0*QEZ4 + 2.0*QEZ5*gamma_star)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)); /* [4.E44] curvature factor of the trail */
+    const double D_r = D_r_cos*F_z*LMUY*UNLOADED_RADIUS*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*sgn(V); /* [4.E47] peak factor of the residual moment */
+    const double tan_alpha_teq = tan_alpha_teq_tan; /* [4.E77] the same as a slip */
+    const double B_y_g0 = K_yalpha_g0/(1e-06*sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
+    const double F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
+    const pair pair_10 = fast_pair_atan(PAIR(F_x0_v, F_y0_g0_u));
+    const double F_x0_w_atan = PAIR_AT(pair_10, 0);
+    const double F_y0_g0_v_atan = PAIR_AT(pair_10, 1);
+    const pair pair_11 = fast_pair_atan(PAIR(G_xa_v, G_xa0_v));
+    const double G_xa_w_atan = PAIR_AT(pair_11, 0);
+    const double G_xa0_w_atan = PAIR_AT(pair_11, 1);
+    const pair pair_12 = fast_pair_atan(PAIR(G_yk_v, G_yk0_v));
+    const double G_yk_w_atan = PAIR_AT(pair_12, 0);
+    const double G_yk0_w_atan = PAIR_AT(pair_12, 1);
+    const double K_yalpha_sin = fast_sin(K_yalpha_sin_of);
+    const double F_x0_w = C_x*F_x0_w_atan; /* [4.1] angle of the Magic Formula */
+    const double K_yalpha = F_z01*K_yalpha_sin*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star)); /* [4.E25] cornering stiffness */
+    const double F_y0_g0_v = F_y0_g0_u - E_y_g0*(F_y0_g0_u - F_y0_g0_v_atan); /* [4.1] B x bent by E */
     const double G_xa_w = C_xalpha*G_xa_w_atan; /* [4.1] angle of the Magic Formula */
     const double G_xa0_w = C_xalpha*G_xa0_w_atan; /* [4.1] angle of the Magic Formula */
-    const double M_x_hump_atan_of = square(F_zx)*square(QSX6)/square(FNOMIN);
-    const double M_y_near_locked_sin_of = 0.5*PI*(1.0 + kappa)*fabs(V)/VXLOW;
-    const double tan_alpha_req_tan = fast_tan(alpha_r);
-    const double F_y0_v = F_y0_u - E_y*(F_y0_u - F_y0_v_atan); /* [4.1] B x bent by E */
-    const four group_7 = fast_four_atan(FOUR(F_y0_v, slip_alpha_teq, M_x_hump_atan_of, F_y0_v));
-    const double F_y0_w_atan = FOUR_AT(group_7, 0);
-    const double alpha_teq_atan = FOUR_AT(group_7, 1);
-    const double M_x_hump_atan = FOUR_AT(group_7, 2);
-    const double G_yk = G_yk_cos_/G_yk_cos; /* [4.E59] weighting of Fy by longitudinal slip */
-    const double F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
-    const double F_x0_w = C_x*F_x0_w_atan; /* [4.1] angle of the Magic Formula */
-    const four group_8 = fast_four_shifted_sin(FOUR(F_x0_w, G_xa0_w, G_xa_w, M_y_near_locked_sin_of), FOUR(0.0, 0.5, 0.5, 0.0));
-    const double F_x0_sin = FOUR_AT(group_8, 0);
-    const double G_xa_cos = FOUR_AT(group_8, 1);
-    const double G_xa_cos_ = FOUR_AT(group_8, 2);
-    const double M_y_near_locked_sin = FOUR_AT(group_8, 3);
-    const double F_y0_g0_v_atan = fast_atan(F_y0_g0_u);
-    const double F_y0_w = C_y*F_y0_w_atan; /* [4.1] angle of the Magic Formula */
-    const double alpha_teq = alpha_teq_atan*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
-    const double M_y_full_pow_of = p/NOMPRES;
-    const double E_y_g0 = LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
-    const double F_y0_sin = fast_sin(F_y0_w);
-    const double trail_u = B_t*alpha_teq; /* [4.1] B x */
-    const double E_t = (1.0 + E_t_atan*(2.0*QEZ4 + 2.0*QEZ5*gamma_star)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)); /* [4.E44] curvature factor of the trail */
-    const double trail_v_atan = fast_atan(trail_u);
-    const two group_9 = fast_two_pow(TWO(F_zy_share, M_y_full_pow_of), TWO(QSY7, QSY8));
-    const double M_y_full_pow = TWO_AT(group_9, 0);
-    const double M_y_full_pow_ = TWO_AT(group_9, 1);
-    const double F_y0 = (S_Vy + D_y*F_y0_sin)*sgn1(V); /* [4.E19] side force in pure slip */
-    const double tan_alpha_req = tan_alpha_req_tan; /* [4.E78] the same as a slip */
-    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
-    const double S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
-    const double F_y0_g0_v = F_y0_g0_u - E_y_g0*(F_y0_g0_u - F_y0_g0_v_atan); /* [4.1] B x bent by E */
-    const double G_xa = G_xa_cos_/G_xa_cos; /* [4.E51] weighting of Fx by side slip */
-    const double Mx_atan_of = F_zx*QSX11/FNOMIN;
-    const double D_r = D_r_cos*F_z*LMUY*UNLOADED_RADIUS*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*sgn(V); /* [4.E47] peak factor of the residual moment */
-    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-    const double trail_v = trail_u - E_t*(trail_u - trail_v_atan); /* [4.1] B x bent by E */
-    const double F_x0 = (S_Vx + D_x*F_x0_sin)*sgn1(V); /* [4.E9] longitudinal force in pure slip */
-    const double M_x_hump_cos_of = M_x_hump_atan*QSX5;
-    const four group_10 = fast_four_atan(FOUR(F_y0_g0_v, slip_alpha_req, trail_v, Mx_atan_of));
-    const double F_y0_g0_w_atan = FOUR_AT(group_10, 0);
-    const double alpha_req_atan = FOUR_AT(group_10, 1);
-    const double trail_w_atan = FOUR_AT(group_10, 2);
-    const double Mx_atan = FOUR_AT(group_10, 3);
-    const double M_x_hump_atan_of_ = Fy*QSX9/FNOMIN;
-    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double M_x_hump_cos = fast_cos(M_x_hump_cos_of);
-    const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
-    const double M_x_hump_atan_ = fast_atan(M_x_hump_atan_of_);
-    const double M_y_near_locked = M_y_near_locked_sin; /* [MFeval] fade near the locked wheel */
-    const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
+    const double G_yk_w = C_ykappa*G_yk_w_atan; /* [4.1] angle of the Magic Formula */
+    const double G_yk0_w = C_ykappa*G_yk0_w_atan; /* [4.1] angle of the Magic Formula */
+    const double K_yalpha1 = K_yalpha + 1e-06*sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
+    const double B_y = K_yalpha/(1e-06*sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
+    const double S_Hy = LHY*(PHY1 + PHY2*dfz) + (-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1; /* [4.E27] horizontal shift */
     const double B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
-    const double V_c = sqrt(1.0 + square(tan_alpha))*fabs(V); /* [2.12] speed of the contact point */
+    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
+    const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
+    const double alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
+    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+    const double E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)); /* [4.E24] curvature factor */
+    const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
+    const pair pair_13 = fast_pair_atan(PAIR(F_y0_u, F_y0_g0_v));
+    const double F_y0_v_atan = PAIR_AT(pair_13, 0);
+    const double F_y0_g0_w_atan = PAIR_AT(pair_13, 1);
+    const double alpha_teq_atan = fast_atan(slip_alpha_teq);
+    const double tan_alpha_req_tan = fast_tan(alpha_r);
+    const pair pair_14 = fast_pair_shifted_sin(PAIR(F_x0_w, G_xa0_w), PAIR(0.0, 0.5));
+    const double F_x0_sin = PAIR_AT(pair_14, 0);
+    const double G_xa_cos = PAIR_AT(pair_14, 1);
+    const pair pair_15 = fast_pair_shifted_sin(PAIR(G_xa_w, G_yk0_w), PAIR(0.5, 0.5));
+    const double G_xa_cos_ = PAIR_AT(pair_15, 0);
+    const double G_yk_cos = PAIR_AT(pair_15, 1);
+    const double G_yk_cos_ = fast_cos(G_yk_w);
+    const double F_x0 = (S_Vx + D_x*F_x0_sin)*sgn1(V); /* [4.E9] longitudinal force in pure slip */
+    const double F_y0_v = F_y0_u - E_y*(F_y0_u - F_y0_v_atan); /* [4.1] B x bent by E */
     const double F_y0_g0_w = C_y_g0*F_y0_g0_w_atan; /* [4.1] angle of the Magic Formula */
-    const double alpha_req = alpha_req_atan*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
-    const double trail_w = C_t*trail_w_atan; /* [4.1] angle of the Magic Formula */
-    const double D_t = F_z*LTR*UNLOADED_RADIUS*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*square(gamma))/F_z01; /* [4.E43] peak factor of the trail */
-    const two group_11 = fast_two_shifted_sin(TWO(F_y0_g0_w, trail_w), TWO(0.0, 0.5));
-    const double F_y0_g0_sin = TWO_AT(group_11, 0);
-    const double trail_cos = TWO_AT(group_11, 1);
-    const double M_x_hump_sin_of = M_x_hump_atan_*QSX8 + QSX7*gamma;
-    const double M_zr = D_r/sqrt(1.0 + square(B_r)*square(alpha_req)); /* [4.E75] residual moment */
+    const double G_xa = G_xa_cos_/G_xa_cos; /* [4.E51] weighting of Fx by side slip */
+    const double G_yk = G_yk_cos_/G_yk_cos; /* [4.E59] weighting of Fy by longitudinal slip */
+    const double alpha_teq = alpha_teq_atan*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
+    const double tan_alpha_req = tan_alpha_req_tan; /* [4.E78] the same as a slip */
+    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+    const double trail_u = B_t*alpha_teq; /* [4.1] B x */
+    const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
     const double M_y_full = -FNOMIN*LMY*M_y_full_pow*M_y_full_pow_*UNLOADED_RADIUS*(M_y_speed + square(gamma)*(QSY5 + F_zy_share*QSY6)); /* [4.E70] rolling resistance moment of the rolling wheel */
-    const double M_x_hump_sin = fast_sin(M_x_hump_sin_of);
-    const double M_y_taper = (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0); /* [MFeval] the same, 1 where the wheel rolls */
-    const double S_Vy_g0 = F_z*LMUY*LVY*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
-    const double s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
-    const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
-    const double F_y0_g0 = (S_Vy_g0 + D_y_g0*F_y0_g0_sin)*sgn1(V); /* [4.E19] side force in pure slip */
-    const double M_x_hump = M_x_hump_cos*M_x_hump_sin*QSX4; /* [M] hump of M_x over load and side force */
-    const double trail = D_t*LFZO*cos_alpha*trail_cos; /* [4.E73] pneumatic trail */
-    const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + Mx_atan*QSX10*gamma - QSX12*gamma*fabs(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma)))); /* [4.E69] overturning moment */
     const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-    const double F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
-    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
     const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
+    const pair pair_16 = fast_pair_atan(PAIR(F_y0_v, slip_alpha_req));
+    const double F_y0_w_atan = PAIR_AT(pair_16, 0);
+    const double alpha_req_atan = PAIR_AT(pair_16, 1);
+    const double trail_v_atan = fast_atan(trail_u);
+    const double F_y0_g0_sin = fast_sin(F_y0_g0_w);
+    const double F_y0_w = C_y*F_y0_w_atan; /* [4.1] angle of the Magic Formula */
+    const double F_y0_g0 = (S_Vy_g0 + D_y_g0*F_y0_g0_sin)*sgn1(V); /* [4.E19] side force in pure slip */
+    const double alpha_req = alpha_req_atan*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
+    const double trail_v = trail_u - E_t*(trail_u - trail_v_atan); /* [4.1] B x bent by E */
+    const double M_zr = D_r/sqrt(1.0 + square(B_r)*square(alpha_req)); /* [4.E75] residual moment */
+    const double F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
+    const double trail_w_atan = fast_atan(trail_v);
+    const double F_y0_sin = fast_sin(F_y0_w);
+    const double F_y0 = (S_Vy + D_y*F_y0_sin)*sgn1(V); /* [4.E19] side force in pure slip */
+    const double trail_w = C_t*trail_w_atan; /* [4.1] angle of the Magic Formula */
+    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
+    const double M_x_hump_atan_of_ = Fy*QSX9/FNOMIN;
+    const double M_x_hump_atan_ = fast_atan(M_x_hump_atan_of_);
+    const double trail_cos = fast_cos(trail_w);
+    const double trail = D_t*LFZO*cos_alpha*trail_cos; /* [4.E73] pneumatic trail */
+    const double M_x_hump_sin_of = M_x_hump_atan_*QSX8 + QSX7*gamma;
+    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+    const double M_x_hump_sin = fast_sin(M_x_hump_sin_of);
+    const double M_x_hump = M_x_hump_cos*M_x_hump_sin*QSX4; /* [M] hump of M_x over load and side force */
+    const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + Mx_atan*QSX10*gamma - QSX12*gamma*fabs(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma)))); /* [4.E69] overturning moment */
 
     results[0] = Fx;
     results[1] = Fy;

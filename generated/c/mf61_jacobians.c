@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with two calls. */
+/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
 #ifdef __GNUC__
 #define EXPANDED inline __attribute__((always_inline))
 #define CALLED __attribute__((noinline))
@@ -17,72 +17,40 @@
 #define CALLED
 #endif
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with four calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
-
-/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
-   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
-   the compiler is allowed to fuse multiplications. */
+/* Two numbers: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
+   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
+   compiler is allowed to fuse multiplications. */
 #if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
 #define VECTORS 1
-typedef double two __attribute__((vector_size(16)));
-typedef uint64_t two_bits __attribute__((vector_size(16)));
-#define TWO(a, b) ((two){a, b})
-#define TWO_AT(x, i) ((x)[i])
-#ifdef __AVX__
-typedef double four __attribute__((vector_size(32)));
-typedef uint64_t four_bits __attribute__((vector_size(32)));
-#define FOUR(a, b, c, d) ((four){a, b, c, d})
-#define FOUR_AT(x, i) ((x)[i])
-#else
-typedef struct { two half[2]; } four;
-#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
-#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
-#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
-#define FOUR_BY_PAIRS(function_of_two, x, y) \
-    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
-#endif
+typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t pair_bits __attribute__((vector_size(16)));
+#define PAIR(a, b) ((pair){a, b})
+#define PAIR_AT(x, i) ((x)[i])
 #else
 #define VECTORS 0
-typedef double one;
-typedef uint64_t one_bits;
-typedef struct { double at[2]; } two;
-typedef struct { double at[4]; } four;
-#define TWO(a, b) ((two){{a, b}})
-#define TWO_AT(x, i) ((x).at[i])
-#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
-#define FOUR_AT(x, i) ((x).at[i])
+typedef struct { double at[2]; } pair;
+#define PAIR(a, b) ((pair){{a, b}})
+#define PAIR_AT(x, i) ((x).at[i])
 #endif
-#define TWO_COUNT 2
-#define FOUR_COUNT 4
-#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
-#define FOUR_ALL(x, condition) \
-    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
-/* No less than the size of any of the numbers, or NaN. */
-#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
-#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
 
-/* What computes: vectors, in which all bits are set where a comparison holds and none elsewhere, or a number. */
+/* What computes: a pair, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
+   of one number takes the first one of a pair. */
 #if VECTORS
-#define HAS_ONE 0
-#define HAS_TWO 1
-#define TWO_EACH(x) ((x) - (two){0.0})
-#define TWO_BITS(x) ((two_bits)(x))
-#define TWO_VALUE(bits) ((two)(bits))
-#define TWO_WHERE(condition) ((two_bits)(condition))
+typedef pair number;
+typedef pair_bits number_bits;
+#define NUMBER_EACH(x) ((x) - (number){0.0})
+#define NUMBER_BITS(x) ((number_bits)(x))
+#define NUMBER_VALUE(bits) ((number)(bits))
+#define NUMBER_WHERE(condition) ((number_bits)(condition))
+#define NUMBER_ALONE(function, x) (function((number){x})[0])
 #else
-#define HAS_ONE 1
-#define HAS_TWO 0
-#define ONE_EACH(x) (x)
-#define ONE_BITS(x) bits_of(x)
-#define ONE_VALUE(bits) double_of(bits)
-#define ONE_WHERE(condition) (0 - (uint64_t)(condition))
+typedef double number;
+typedef uint64_t number_bits;
+#define NUMBER_EACH(x) (x)
+#define NUMBER_BITS(x) bits_of(x)
+#define NUMBER_VALUE(bits) double_of(bits)
+#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
+#define NUMBER_ALONE(function, x) (function(x))
 static inline uint64_t bits_of(double x)
 {
     uint64_t bits;
@@ -96,15 +64,6 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 #endif
-#if VECTORS && defined(__AVX__)
-#define HAS_FOUR 1
-#define FOUR_EACH(x) ((x) - (four){0.0})
-#define FOUR_BITS(x) ((four_bits)(x))
-#define FOUR_VALUE(bits) ((four)(bits))
-#define FOUR_WHERE(condition) ((four_bits)(condition))
-#else
-#define HAS_FOUR 0
-#endif
 
 #define PI 3.14159265358979323846
 
@@ -116,47 +75,22 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
 
 static inline double cubed_sqrt(double x) { return x*sqrt(x); }
 
-#if HAS_ONE
-static EXPANDED one one_sgn(one x)
+static EXPANDED number number_sgn(number x)
 {
-    return ONE_VALUE((ONE_BITS(ONE_EACH(1.0)) & ONE_WHERE(x != 0.0)) | (ONE_BITS(x) & ONE_BITS(ONE_EACH(-0.0)))
-        | ONE_WHERE(x != x));
+    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
+        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
 }
-#endif
 
-#if HAS_TWO
-static EXPANDED two two_sgn(two x)
+static EXPANDED number number_sgn1(number x)
 {
-    return TWO_VALUE((TWO_BITS(TWO_EACH(1.0)) & TWO_WHERE(x != 0.0)) | (TWO_BITS(x) & TWO_BITS(TWO_EACH(-0.0)))
-        | TWO_WHERE(x != x));
+    return NUMBER_VALUE(NUMBER_BITS(NUMBER_EACH(1.0)) | (NUMBER_WHERE(x < 0.0) & NUMBER_BITS(NUMBER_EACH(-0.0)))
+        | NUMBER_WHERE(x != x));
 }
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_sgn1(one x)
-{
-    return ONE_VALUE(ONE_BITS(ONE_EACH(1.0)) | (ONE_WHERE(x < 0.0) & ONE_BITS(ONE_EACH(-0.0))) | ONE_WHERE(x != x));
-}
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sgn1(two x)
-{
-    return TWO_VALUE(TWO_BITS(TWO_EACH(1.0)) | (TWO_WHERE(x < 0.0) & TWO_BITS(TWO_EACH(-0.0))) | TWO_WHERE(x != x));
-}
-#endif
-
-/* A function of one number: with vectors, the first one of two. */
-#if VECTORS
-#define ALONE(function_of_one, function_of_two, x) (function_of_two((two){x})[0])
-#else
-#define ALONE(function_of_one, function_of_two, x) (function_of_one(x))
-#endif
 
 /* No branches, which are unpredictable here and which compilers make of comparisons; NaN stays NaN. */
-static inline double sgn(double x) { return ALONE(one_sgn, two_sgn, x); }
+static inline double sgn(double x) { return NUMBER_ALONE(number_sgn, x); }
 
-static inline double sgn1(double x) { return ALONE(one_sgn1, two_sgn1, x); }
+static inline double sgn1(double x) { return NUMBER_ALONE(number_sgn1, x); }
 
 /* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
    all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
@@ -180,160 +114,80 @@ static inline double sgn1(double x) { return ALONE(one_sgn1, two_sgn1, x); }
 /* Up to here a multiple of pi/2 is taken off exactly. */
 #define LARGEST_ANGLE 1e7
 
-#if HAS_ONE
-static EXPANDED one one_choose(one_bits where, one then, one otherwise)
+static EXPANDED number number_choose(number_bits where, number then, number otherwise)
 {
-    return ONE_VALUE((ONE_BITS(then) & where) | (ONE_BITS(otherwise) & ~where));
+    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_choose(two_bits where, two then, two otherwise)
-{
-    return TWO_VALUE((TWO_BITS(then) & where) | (TWO_BITS(otherwise) & ~where));
-}
-#endif
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
-#if HAS_ONE
-static EXPANDED one one_shifted_sin(one angle, one shift)
+static EXPANDED number number_shifted_sin(number angle, number shift)
 {
-    const one rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const one n = (rounded - ROUNDING) - shift;
-    const one r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r, z2 = z*z, z4 = z2*z2;
-    const one series = ((-0.16666666666666666 + z*0.008333333333333316)
+    const number rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
+    const number n = (rounded - ROUNDING) - shift;
+    const number r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.16666666666666666 + z*0.008333333333333316)
         + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
         + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
         + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return ONE_VALUE(ONE_BITS(r + r*z*series) ^ (ONE_BITS(rounded) << 63));
+    return NUMBER_VALUE(NUMBER_BITS(r + r*z*series) ^ (NUMBER_BITS(rounded) << 63));
 }
-#endif
 
-/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
-   shift is 0, the cosine where it is 1/2. */
-#if HAS_TWO
-static EXPANDED two two_shifted_sin(two angle, two shift)
-{
-    const two rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const two n = (rounded - ROUNDING) - shift;
-    const two r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r, z2 = z*z, z4 = z2*z2;
-    const two series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return TWO_VALUE(TWO_BITS(r + r*z*series) ^ (TWO_BITS(rounded) << 63));
-}
-#endif
+static EXPANDED number number_sin(number x) { return number_shifted_sin(x, NUMBER_EACH(0.0)); }
 
-#if HAS_ONE
-static EXPANDED one one_sin(one x) { return one_shifted_sin(x, ONE_EACH(0.0)); }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sin(two x) { return two_shifted_sin(x, TWO_EACH(0.0)); }
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_cos(one x) { return one_shifted_sin(x, ONE_EACH(0.5)); }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_cos(two x) { return two_shifted_sin(x, TWO_EACH(0.5)); }
-#endif
+static EXPANDED number number_cos(number x) { return number_shifted_sin(x, NUMBER_EACH(0.5)); }
 
 /* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_ONE
-static EXPANDED one one_tan(one x)
+static EXPANDED number number_tan(number x)
 {
-    const one rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const one r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r;
-    const one sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
+    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r;
+    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
         + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const one cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
         + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const one_bits odd = 0 - (ONE_BITS(rounded) & 1);
-    return one_choose(odd, -cosine, sine)/one_choose(odd, sine, cosine);
+    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
+    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
 }
-#endif
-
-/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_TWO
-static EXPANDED two two_tan(two x)
-{
-    const two rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const two r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r;
-    const two sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
-        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const two cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
-        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const two_bits odd = 0 - (TWO_BITS(rounded) & 1);
-    return two_choose(odd, -cosine, sine)/two_choose(odd, sine, cosine);
-}
-#endif
 
 /* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_ONE
-static EXPANDED one one_atan(one x)
+static EXPANDED number number_atan(number x)
 {
-    const one a = ONE_VALUE(ONE_BITS(x) & ~ONE_BITS(ONE_EACH(-0.0))), unit = ONE_EACH(1.0);
-    const one_bits beyond = ONE_WHERE(a > 0.41421356237309503), within = ONE_WHERE(a <= 2.414213562373095);
-    const one shifted = ONE_VALUE(ONE_BITS(unit) & beyond), near = ONE_VALUE(ONE_BITS(unit) & within);
-    const one eighths = (shifted + 1.0) - near;
-    const one t = (ONE_VALUE(ONE_BITS(a) & within) - shifted)/(ONE_VALUE(ONE_BITS(a) & beyond) + near);
-    const one z = t*t, z2 = z*z, z4 = z2*z2;
-    const one series = ((-0.3333333333333015 + z*0.19999999999088983)
+    const number a = NUMBER_VALUE(NUMBER_BITS(x) & ~NUMBER_BITS(NUMBER_EACH(-0.0))), unit = NUMBER_EACH(1.0);
+    const number_bits beyond = NUMBER_WHERE(a > 0.41421356237309503), within = NUMBER_WHERE(a <= 2.414213562373095);
+    const number shifted = NUMBER_VALUE(NUMBER_BITS(unit) & beyond), near = NUMBER_VALUE(NUMBER_BITS(unit) & within);
+    const number eighths = (shifted + 1.0) - near;
+    const number t = (NUMBER_VALUE(NUMBER_BITS(a) & within) - shifted)/(NUMBER_VALUE(NUMBER_BITS(a) & beyond) + near);
+    const number z = t*t, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.3333333333333015 + z*0.19999999999088983)
         + z2*(-0.14285714195263263 + z*0.11111106653657138))
         + z4*(((-0.09090782413881009 + z*0.07690068317754889)
         + z2*(-0.06641121318562959 + z*0.05692539545490282))
         + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const one size = eighths*0.7853981633974483 + (t + t*z*series);
-    return ONE_VALUE(ONE_BITS(size) | (ONE_BITS(x) & ONE_BITS(ONE_EACH(-0.0))));
+    const number size = eighths*0.7853981633974483 + (t + t*z*series);
+    return NUMBER_VALUE(NUMBER_BITS(size) | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))));
 }
-#endif
-
-/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_TWO
-static EXPANDED two two_atan(two x)
-{
-    const two a = TWO_VALUE(TWO_BITS(x) & ~TWO_BITS(TWO_EACH(-0.0))), unit = TWO_EACH(1.0);
-    const two_bits beyond = TWO_WHERE(a > 0.41421356237309503), within = TWO_WHERE(a <= 2.414213562373095);
-    const two shifted = TWO_VALUE(TWO_BITS(unit) & beyond), near = TWO_VALUE(TWO_BITS(unit) & within);
-    const two eighths = (shifted + 1.0) - near;
-    const two t = (TWO_VALUE(TWO_BITS(a) & within) - shifted)/(TWO_VALUE(TWO_BITS(a) & beyond) + near);
-    const two z = t*t, z2 = z*z, z4 = z2*z2;
-    const two series = ((-0.3333333333333015 + z*0.19999999999088983)
-        + z2*(-0.14285714195263263 + z*0.11111106653657138))
-        + z4*(((-0.09090782413881009 + z*0.07690068317754889)
-        + z2*(-0.06641121318562959 + z*0.05692539545490282))
-        + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const two size = eighths*0.7853981633974483 + (t + t*z*series);
-    return TWO_VALUE(TWO_BITS(size) | (TWO_BITS(x) & TWO_BITS(TWO_EACH(-0.0))));
-}
-#endif
 
 static inline double fast_sin(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_sin, two_sin, x) : sin(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_sin, x) : sin(x);
 }
 
 static inline double fast_cos(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_cos, two_cos, x) : cos(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_cos, x) : cos(x);
 }
 
 static inline double fast_tan(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_tan, two_tan, x) : tan(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_tan, x) : tan(x);
 }
 
 static inline double fast_atan(double x)
 {
-    return REDUCTION_IS_EXACT ? ALONE(one_atan, two_atan, x) : atan(x);
+    return REDUCTION_IS_EXACT ? NUMBER_ALONE(number_atan, x) : atan(x);
 }
 
 /* Derivatives of the forces by the inputs. */

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with two calls. */
+/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
 #ifdef __GNUC__
 #define EXPANDED inline __attribute__((always_inline))
 #define CALLED __attribute__((noinline))
@@ -17,72 +17,43 @@
 #define CALLED
 #endif
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with four calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
-
-/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
-   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
-   the compiler is allowed to fuse multiplications. */
+/* Two numbers: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
+   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
+   compiler is allowed to fuse multiplications. */
 #if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
 #define VECTORS 1
-typedef double two __attribute__((vector_size(16)));
-typedef uint64_t two_bits __attribute__((vector_size(16)));
-#define TWO(a, b) ((two){a, b})
-#define TWO_AT(x, i) ((x)[i])
-#ifdef __AVX__
-typedef double four __attribute__((vector_size(32)));
-typedef uint64_t four_bits __attribute__((vector_size(32)));
-#define FOUR(a, b, c, d) ((four){a, b, c, d})
-#define FOUR_AT(x, i) ((x)[i])
-#else
-typedef struct { two half[2]; } four;
-#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
-#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
-#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
-#define FOUR_BY_PAIRS(function_of_two, x, y) \
-    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
-#endif
+typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t pair_bits __attribute__((vector_size(16)));
+#define PAIR(a, b) ((pair){a, b})
+#define PAIR_AT(x, i) ((x)[i])
 #else
 #define VECTORS 0
-typedef double one;
-typedef uint64_t one_bits;
-typedef struct { double at[2]; } two;
-typedef struct { double at[4]; } four;
-#define TWO(a, b) ((two){{a, b}})
-#define TWO_AT(x, i) ((x).at[i])
-#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
-#define FOUR_AT(x, i) ((x).at[i])
+typedef struct { double at[2]; } pair;
+#define PAIR(a, b) ((pair){{a, b}})
+#define PAIR_AT(x, i) ((x).at[i])
 #endif
-#define TWO_COUNT 2
-#define FOUR_COUNT 4
-#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
-#define FOUR_ALL(x, condition) \
-    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
-/* No less than the size of any of the numbers, or NaN. */
-#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
-#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
 
-/* What computes: vectors, in which all bits are set where a comparison holds and none elsewhere, or a number. */
+/* No less than the size of both numbers, or NaN. */
+#define PAIR_SIZE(x) (fabs(PAIR_AT(x, 0)) + fabs(PAIR_AT(x, 1)))
+
+/* What computes: a pair, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
+   of one number takes the first one of a pair. */
 #if VECTORS
-#define HAS_ONE 0
-#define HAS_TWO 1
-#define TWO_EACH(x) ((x) - (two){0.0})
-#define TWO_BITS(x) ((two_bits)(x))
-#define TWO_VALUE(bits) ((two)(bits))
-#define TWO_WHERE(condition) ((two_bits)(condition))
+typedef pair number;
+typedef pair_bits number_bits;
+#define NUMBER_EACH(x) ((x) - (number){0.0})
+#define NUMBER_BITS(x) ((number_bits)(x))
+#define NUMBER_VALUE(bits) ((number)(bits))
+#define NUMBER_WHERE(condition) ((number_bits)(condition))
+#define NUMBER_ALONE(function, x) (function((number){x})[0])
 #else
-#define HAS_ONE 1
-#define HAS_TWO 0
-#define ONE_EACH(x) (x)
-#define ONE_BITS(x) bits_of(x)
-#define ONE_VALUE(bits) double_of(bits)
-#define ONE_WHERE(condition) (0 - (uint64_t)(condition))
+typedef double number;
+typedef uint64_t number_bits;
+#define NUMBER_EACH(x) (x)
+#define NUMBER_BITS(x) bits_of(x)
+#define NUMBER_VALUE(bits) double_of(bits)
+#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
+#define NUMBER_ALONE(function, x) (function(x))
 static inline uint64_t bits_of(double x)
 {
     uint64_t bits;
@@ -96,24 +67,8 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 #endif
-#if VECTORS && defined(__AVX__)
-#define HAS_FOUR 1
-#define FOUR_EACH(x) ((x) - (four){0.0})
-#define FOUR_BITS(x) ((four_bits)(x))
-#define FOUR_VALUE(bits) ((four)(bits))
-#define FOUR_WHERE(condition) ((four_bits)(condition))
-#else
-#define HAS_FOUR 0
-#endif
 
 static inline double square(double x) { return x*x; }
-
-/* A function of one number: with vectors, the first one of two. */
-#if VECTORS
-#define ALONE(function_of_one, function_of_two, x) (function_of_two((two){x})[0])
-#else
-#define ALONE(function_of_one, function_of_two, x) (function_of_one(x))
-#endif
 
 /* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
    all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
@@ -142,263 +97,100 @@ static inline double square(double x) { return x*x; }
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
-#if HAS_ONE
-static EXPANDED one one_shifted_sin(one angle, one shift)
+static EXPANDED number number_shifted_sin(number angle, number shift)
 {
-    const one rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const one n = (rounded - ROUNDING) - shift;
-    const one r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r, z2 = z*z, z4 = z2*z2;
-    const one series = ((-0.16666666666666666 + z*0.008333333333333316)
+    const number rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
+    const number n = (rounded - ROUNDING) - shift;
+    const number r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.16666666666666666 + z*0.008333333333333316)
         + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
         + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
         + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return ONE_VALUE(ONE_BITS(r + r*z*series) ^ (ONE_BITS(rounded) << 63));
+    return NUMBER_VALUE(NUMBER_BITS(r + r*z*series) ^ (NUMBER_BITS(rounded) << 63));
 }
-#endif
 
-/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
-   shift is 0, the cosine where it is 1/2. */
-#if HAS_TWO
-static EXPANDED two two_shifted_sin(two angle, two shift)
-{
-    const two rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const two n = (rounded - ROUNDING) - shift;
-    const two r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r, z2 = z*z, z4 = z2*z2;
-    const two series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return TWO_VALUE(TWO_BITS(r + r*z*series) ^ (TWO_BITS(rounded) << 63));
-}
-#endif
+static EXPANDED number number_sin(number x) { return number_shifted_sin(x, NUMBER_EACH(0.0)); }
 
-/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
-   shift is 0, the cosine where it is 1/2. */
-#if HAS_FOUR
-static EXPANDED four four_shifted_sin(four angle, four shift)
-{
-    const four rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const four n = (rounded - ROUNDING) - shift;
-    const four r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const four z = r*r, z2 = z*z, z4 = z2*z2;
-    const four series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return FOUR_VALUE(FOUR_BITS(r + r*z*series) ^ (FOUR_BITS(rounded) << 63));
-}
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_sin(one x) { return one_shifted_sin(x, ONE_EACH(0.0)); }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sin(two x) { return two_shifted_sin(x, TWO_EACH(0.0)); }
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_cos(one x) { return one_shifted_sin(x, ONE_EACH(0.5)); }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_cos(two x) { return two_shifted_sin(x, TWO_EACH(0.5)); }
-#endif
+static EXPANDED number number_cos(number x) { return number_shifted_sin(x, NUMBER_EACH(0.5)); }
 
 /* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_ONE
-static EXPANDED one one_atan(one x)
+static EXPANDED number number_atan(number x)
 {
-    const one a = ONE_VALUE(ONE_BITS(x) & ~ONE_BITS(ONE_EACH(-0.0))), unit = ONE_EACH(1.0);
-    const one_bits beyond = ONE_WHERE(a > 0.41421356237309503), within = ONE_WHERE(a <= 2.414213562373095);
-    const one shifted = ONE_VALUE(ONE_BITS(unit) & beyond), near = ONE_VALUE(ONE_BITS(unit) & within);
-    const one eighths = (shifted + 1.0) - near;
-    const one t = (ONE_VALUE(ONE_BITS(a) & within) - shifted)/(ONE_VALUE(ONE_BITS(a) & beyond) + near);
-    const one z = t*t, z2 = z*z, z4 = z2*z2;
-    const one series = ((-0.3333333333333015 + z*0.19999999999088983)
+    const number a = NUMBER_VALUE(NUMBER_BITS(x) & ~NUMBER_BITS(NUMBER_EACH(-0.0))), unit = NUMBER_EACH(1.0);
+    const number_bits beyond = NUMBER_WHERE(a > 0.41421356237309503), within = NUMBER_WHERE(a <= 2.414213562373095);
+    const number shifted = NUMBER_VALUE(NUMBER_BITS(unit) & beyond), near = NUMBER_VALUE(NUMBER_BITS(unit) & within);
+    const number eighths = (shifted + 1.0) - near;
+    const number t = (NUMBER_VALUE(NUMBER_BITS(a) & within) - shifted)/(NUMBER_VALUE(NUMBER_BITS(a) & beyond) + near);
+    const number z = t*t, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.3333333333333015 + z*0.19999999999088983)
         + z2*(-0.14285714195263263 + z*0.11111106653657138))
         + z4*(((-0.09090782413881009 + z*0.07690068317754889)
         + z2*(-0.06641121318562959 + z*0.05692539545490282))
         + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const one size = eighths*0.7853981633974483 + (t + t*z*series);
-    return ONE_VALUE(ONE_BITS(size) | (ONE_BITS(x) & ONE_BITS(ONE_EACH(-0.0))));
+    const number size = eighths*0.7853981633974483 + (t + t*z*series);
+    return NUMBER_VALUE(NUMBER_BITS(size) | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))));
 }
-#endif
 
-/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_TWO
-static EXPANDED two two_atan(two x)
+static EXPANDED number number_exp(number x)
 {
-    const two a = TWO_VALUE(TWO_BITS(x) & ~TWO_BITS(TWO_EACH(-0.0))), unit = TWO_EACH(1.0);
-    const two_bits beyond = TWO_WHERE(a > 0.41421356237309503), within = TWO_WHERE(a <= 2.414213562373095);
-    const two shifted = TWO_VALUE(TWO_BITS(unit) & beyond), near = TWO_VALUE(TWO_BITS(unit) & within);
-    const two eighths = (shifted + 1.0) - near;
-    const two t = (TWO_VALUE(TWO_BITS(a) & within) - shifted)/(TWO_VALUE(TWO_BITS(a) & beyond) + near);
-    const two z = t*t, z2 = z*z, z4 = z2*z2;
-    const two series = ((-0.3333333333333015 + z*0.19999999999088983)
-        + z2*(-0.14285714195263263 + z*0.11111106653657138))
-        + z4*(((-0.09090782413881009 + z*0.07690068317754889)
-        + z2*(-0.06641121318562959 + z*0.05692539545490282))
-        + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const two size = eighths*0.7853981633974483 + (t + t*z*series);
-    return TWO_VALUE(TWO_BITS(size) | (TWO_BITS(x) & TWO_BITS(TWO_EACH(-0.0))));
-}
-#endif
-
-/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_FOUR
-static EXPANDED four four_atan(four x)
-{
-    const four a = FOUR_VALUE(FOUR_BITS(x) & ~FOUR_BITS(FOUR_EACH(-0.0))), unit = FOUR_EACH(1.0);
-    const four_bits beyond = FOUR_WHERE(a > 0.41421356237309503), within = FOUR_WHERE(a <= 2.414213562373095);
-    const four shifted = FOUR_VALUE(FOUR_BITS(unit) & beyond), near = FOUR_VALUE(FOUR_BITS(unit) & within);
-    const four eighths = (shifted + 1.0) - near;
-    const four t = (FOUR_VALUE(FOUR_BITS(a) & within) - shifted)/(FOUR_VALUE(FOUR_BITS(a) & beyond) + near);
-    const four z = t*t, z2 = z*z, z4 = z2*z2;
-    const four series = ((-0.3333333333333015 + z*0.19999999999088983)
-        + z2*(-0.14285714195263263 + z*0.11111106653657138))
-        + z4*(((-0.09090782413881009 + z*0.07690068317754889)
-        + z2*(-0.06641121318562959 + z*0.05692539545490282))
-        + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const four size = eighths*0.7853981633974483 + (t + t*z*series);
-    return FOUR_VALUE(FOUR_BITS(size) | (FOUR_BITS(x) & FOUR_BITS(FOUR_EACH(-0.0))));
-}
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_exp(one x)
-{
-    const one rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const one r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const one r2 = r*r, r4 = r2*r2;
-    const one tail = ((0.5000000000000001 + r*0.16666666666666669)
+    const number rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
+    const number r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
+    const number r2 = r*r, r4 = r2*r2;
+    const number tail = ((0.5000000000000001 + r*0.16666666666666669)
         + r2*(0.041666666666623824 + r*0.008333333333330039))
         + r4*((0.0013888888917367081 + r*0.00019841269863171557)
         + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
         + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return ONE_VALUE((ONE_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
+    return NUMBER_VALUE((NUMBER_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_exp(two x)
-{
-    const two rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const two r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const two r2 = r*r, r4 = r2*r2;
-    const two tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return TWO_VALUE((TWO_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_shifted_sin(four x, four y) { return FOUR_BY_PAIRS(two_shifted_sin, x, y); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_atan(four x) { return FOUR_BY(two_atan, x); }
-#endif
 
 static inline double fast_sin(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_sin, two_sin, x) : sin(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_sin, x) : sin(x);
 }
 
 static inline double fast_cos(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_cos, two_cos, x) : cos(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_cos, x) : cos(x);
 }
 
 static inline double fast_atan(double x)
 {
-    return REDUCTION_IS_EXACT ? ALONE(one_atan, two_atan, x) : atan(x);
+    return REDUCTION_IS_EXACT ? NUMBER_ALONE(number_atan, x) : atan(x);
 }
 
 static inline double fast_exp(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_EXPONENT ? ALONE(one_exp, two_exp, x) : exp(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_EXPONENT ? NUMBER_ALONE(number_exp, x) : exp(x);
 }
-
-static CALLED double called_sin(double x) { return fast_sin(x); }
-
-static CALLED double called_cos(double x) { return fast_cos(x); }
 
 static CALLED double called_atan(double x) { return fast_atan(x); }
 
-/* Two or four values of a function that do not depend on each other, the same as one after the other. */
-
-static CALLED two two_shifted_sin_in_turn(two angle, two shift)
+static CALLED double called_shifted_sin(double angle, double shift)
 {
-    for (int i = 0; i < TWO_COUNT; i++) {
-        const double x = TWO_AT(angle, i);
-        TWO_AT(angle, i) = TWO_AT(shift, i) == 0.0 ? called_sin(x) : called_cos(x);
-    }
-    return angle;
+    return shift == 0.0 ? fast_sin(angle) : fast_cos(angle);
 }
 
-static CALLED four four_shifted_sin_in_turn(four angle, four shift)
-{
-    for (int i = 0; i < FOUR_COUNT; i++) {
-        const double x = FOUR_AT(angle, i);
-        FOUR_AT(angle, i) = FOUR_AT(shift, i) == 0.0 ? called_sin(x) : called_cos(x);
-    }
-    return angle;
-}
+/* Two values of a function that do not depend on each other, the same as one after the other. */
 
-static EXPANDED two fast_two_shifted_sin(two angle, two shift)
+static EXPANDED pair fast_pair_shifted_sin(pair angle, pair shift)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && TWO_SIZE(angle) <= LARGEST_ANGLE)
-        return two_shifted_sin(angle, shift);
+    if (REDUCTION_IS_EXACT && PAIR_SIZE(angle) <= LARGEST_ANGLE)
+        return number_shifted_sin(angle, shift);
 #endif
-    return two_shifted_sin_in_turn(angle, shift);
+    return PAIR(called_shifted_sin(PAIR_AT(angle, 0), PAIR_AT(shift, 0)),
+        called_shifted_sin(PAIR_AT(angle, 1), PAIR_AT(shift, 1)));
 }
 
-static EXPANDED four fast_four_shifted_sin(four angle, four shift)
-{
-#if VECTORS
-    if (REDUCTION_IS_EXACT && FOUR_SIZE(angle) <= LARGEST_ANGLE)
-        return four_shifted_sin(angle, shift);
-#endif
-    return four_shifted_sin_in_turn(angle, shift);
-}
-
-static CALLED two two_atan_in_turn(two x)
-{
-    for (int i = 0; i < TWO_COUNT; i++)
-        TWO_AT(x, i) = called_atan(TWO_AT(x, i));
-    return x;
-}
-
-static CALLED four four_atan_in_turn(four x)
-{
-    for (int i = 0; i < FOUR_COUNT; i++)
-        FOUR_AT(x, i) = called_atan(FOUR_AT(x, i));
-    return x;
-}
-
-static EXPANDED two fast_two_atan(two x)
+static EXPANDED pair fast_pair_atan(pair x)
 {
 #if VECTORS
     if (REDUCTION_IS_EXACT)
-        return two_atan(x);
+        return number_atan(x);
 #endif
-    return two_atan_in_turn(x);
-}
-
-static EXPANDED four fast_four_atan(four x)
-{
-#if VECTORS
-    if (REDUCTION_IS_EXACT)
-        return four_atan(x);
-#endif
-    return four_atan_in_turn(x);
+    return PAIR(called_atan(PAIR_AT(x, 0)), called_atan(PAIR_AT(x, 1)));
 }
 
 /* Every named quantity of the book. */
@@ -750,112 +542,114 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double SSZ3 = parameters[MF96_SSZ3];
     const double SSZ4 = parameters[MF96_SSZ4];
 
-    /* Up to four calls of a function that do not depend on each other are computed at a time */
+    /* Two calls of a function that do not depend on each other are computed at a time */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
-    const double C_y = LCY*PCY1; /* [4.E21] shape factor */
-    const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double sign_gamma = gamma_s/sqrt(1e-06 + square(gamma_s)); /* [Trento] smoothed sign */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
-    const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
+    const double C_y = LCY*PCY1; /* [4.E21] shape factor */
     const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
-    const double K_yalpha_w_atan_of = F_z/(F_z01*PKY2);
-    const double dfz = -1.0 + F_z/F_z01; /* [4.E2a] normalized change in load */
+    const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
     const double S_Vyk_atan_of = RVY6*kappa;
-    const double trail_cos = fast_cos(alpha);
-    const two group_1 = fast_two_atan(TWO(K_yalpha_w_atan_of, S_Vyk_atan_of));
-    const double K_yalpha_w_atan = TWO_AT(group_1, 0);
-    const double S_Vyk_atan = TWO_AT(group_1, 1);
-    const double K_xkappa_exp_of = -PKX3*dfz;
-    const double mu_y = LMUY*(1.0 - PDY3*square(gamma_s))*(PDY1 + PDY2*dfz); /* [4.E23] peak friction */
-    const double S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s); /* [4.E27] horizontal shift */
-    const double S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-    const double K_xkappa_exp = fast_exp(K_xkappa_exp_of);
-    const double alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
-    const double mu_x = LMUX*(1.0 - PDX3*square(gamma_s))*(PDX1 + PDX2*dfz); /* [4.E13] peak friction */
-    const double sign_alpha_y = alpha_y/sqrt(1e-06 + square(alpha_y)); /* [Trento] smoothed sign */
-    const double D_y = F_z*mu_y; /* [4.E22] peak factor */
-    const double alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
-    const double B_t = LKY*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
-    const double K_yalpha_w = 2.0*K_yalpha_w_atan; /* [4.E25] how far K_yalpha is up */
-    const double S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
-    const double G_yk_w_atan_of = B_ykappa*(RHY1 + kappa);
-    const double S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
-    const double K_yalpha_sin = fast_sin(K_yalpha_w);
-    const double K_xkappa = F_z*K_xkappa_exp*LKXK*(PKX1 + PKX2*dfz); /* [4.E15] longitudinal slip stiffness */
-    const double kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
-    const double D_x = F_z*mu_x; /* [4.E12] peak factor */
-    const double E_t_atan_of = B_t*C_t*alpha_t;
-    const double G_yk_w0_atan_of = B_ykappa*RHY1;
-    const four group_2 = fast_four_atan(FOUR(G_yk_w_atan_of, G_yk_w0_atan_of, E_t_atan_of, G_yk_w_atan_of));
-    const double G_yk_w_atan = FOUR_AT(group_2, 0);
-    const double G_yk_w0_atan = FOUR_AT(group_2, 1);
-    const double E_t_atan = FOUR_AT(group_2, 2);
-    const double sign_kappa_x = kappa_x/sqrt(1e-06 + square(kappa_x)); /* [Trento] smoothed sign */
-    const double B_x = K_xkappa/(C_x*D_x); /* [4.E16] stiffness factor */
-    const double K_yalpha = F_z01*K_yalpha_sin*LFZ0*LKA*PKY1*(1.0 - PKY3*sign_gamma); /* [4.E25] cornering stiffness */
-    const double E_y = LEY*(1.0 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
+    const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
+    const double dfz = -1.0 + F_z/F_z01; /* [4.E2a] normalized change in load */
+    const double sign_gamma = gamma_s/sqrt(1e-06 + square(gamma_s)); /* [Trento] smoothed sign */
+    const double K_yalpha_w_atan_of = F_z/(F_z01*PKY2);
     const double G_xa_w_atan_of = B_xalpha*(RHX1 + alpha);
     const double G_xa_w0_atan_of = B_xalpha*RHX1;
+    const double G_yk_w_atan_of = B_ykappa*(RHY1 + kappa);
+    const double G_yk_w0_atan_of = B_ykappa*RHY1;
+    const double S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
+    const double mu_x = LMUX*(1.0 - PDX3*square(gamma_s))*(PDX1 + PDX2*dfz); /* [4.E13] peak friction */
+    const double K_xkappa_exp_of = -PKX3*dfz;
+    const double S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
+    const double S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s); /* [4.E27] horizontal shift */
+    const double S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
+    const double mu_y = LMUY*(1.0 - PDY3*square(gamma_s))*(PDY1 + PDY2*dfz); /* [4.E23] peak friction */
+    const double S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
+    const double B_t = LKY*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
+    const double D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*square(gamma_s))/FNOMIN; /* [4.E43] peak factor of the trail */
+    const double D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
+    const double kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
+    const double D_x = F_z*mu_x; /* [4.E12] peak factor */
+    const double alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
+    const double D_y = F_z*mu_y; /* [4.E22] peak factor */
     const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
-    const two group_3 = fast_two_atan(TWO(G_xa_w_atan_of, G_xa_w0_atan_of));
-    const double G_xa_w_atan = TWO_AT(group_3, 0);
-    const double G_xa_w0_atan = TWO_AT(group_3, 1);
-    const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
-    const double E_t = (1.0 + E_t_atan*(QEZ4 + QEZ5*gamma_s))*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)); /* [4.E44] curvature factor of the trail */
-    const double B_y = K_yalpha/(C_y*D_y); /* [4.E26] stiffness factor */
-    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
-    const double F_x0_v_atan = fast_atan(F_x0_u);
+    const double alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
+    const double sign_kappa_x = kappa_x/sqrt(1e-06 + square(kappa_x)); /* [Trento] smoothed sign */
+    const double sign_alpha_y = alpha_y/sqrt(1e-06 + square(alpha_y)); /* [Trento] smoothed sign */
+    const double E_t_atan_of = B_t*C_t*alpha_t;
     const double E_x = LEX*(1.0 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*square(dfz)); /* [4.E14] curvature factor */
-    const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
-    const double alpha_teq = alpha_t*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t))); /* [4.E77] equivalent slip of the trail */
-    const double S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
-    const double F_y0_v_atan = fast_atan(F_y0_u);
+    const double E_y = LEY*(1.0 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
+    const pair pair_1 = fast_pair_atan(PAIR(K_yalpha_w_atan_of, G_xa_w_atan_of));
+    const double K_yalpha_w_atan = PAIR_AT(pair_1, 0);
+    const double G_xa_w_atan = PAIR_AT(pair_1, 1);
+    const pair pair_2 = fast_pair_atan(PAIR(G_xa_w0_atan_of, G_yk_w_atan_of));
+    const double G_xa_w0_atan = PAIR_AT(pair_2, 0);
+    const double G_yk_w_atan = PAIR_AT(pair_2, 1);
+    const pair pair_3 = fast_pair_atan(PAIR(G_yk_w0_atan_of, S_Vyk_atan_of));
+    const double G_yk_w0_atan = PAIR_AT(pair_3, 0);
+    const double S_Vyk_atan = PAIR_AT(pair_3, 1);
+    const double E_t_atan = fast_atan(E_t_atan_of);
+    const double trail_cos = fast_cos(alpha);
+    const double K_xkappa_exp = fast_exp(K_xkappa_exp_of);
+    const double K_xkappa = F_z*K_xkappa_exp*LKXK*(PKX1 + PKX2*dfz); /* [4.E15] longitudinal slip stiffness */
+    const double K_yalpha_w = 2.0*K_yalpha_w_atan; /* [4.E25] how far K_yalpha is up */
+    const double G_xa_w = G_xa_w_atan*RCX1; /* [4.E51] angle of the weighting function */
+    const double G_xa_w0 = G_xa_w0_atan*RCX1; /* [4.E52] the same at zero slip */
     const double G_yk_w = G_yk_w_atan*RCY1; /* [4.E59] angle of the weighting function */
     const double G_yk_w0 = G_yk_w0_atan*RCY1; /* [4.E60] the same at zero slip */
     const double S_Vyk_sin_of = RVY5*S_Vyk_atan;
-    const double D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
-    const four group_4 = fast_four_shifted_sin(FOUR(G_yk_w0, G_yk_w, S_Vyk_sin_of, G_yk_w0), FOUR(0.5, 0.5, 0.0, 0.5));
-    const double G_yk_cos = FOUR_AT(group_4, 0);
-    const double G_yk_cos_ = FOUR_AT(group_4, 1);
-    const double S_Vyk_sin = FOUR_AT(group_4, 2);
+    const double E_t = (1.0 + E_t_atan*(QEZ4 + QEZ5*gamma_s))*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)); /* [4.E44] curvature factor of the trail */
+    const double B_x = K_xkappa/(C_x*D_x); /* [4.E16] stiffness factor */
+    const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
+    const double F_x0_v_atan = fast_atan(F_x0_u);
+    const pair pair_4 = fast_pair_shifted_sin(PAIR(K_yalpha_w, G_xa_w0), PAIR(0.0, 0.5));
+    const double K_yalpha_sin = PAIR_AT(pair_4, 0);
+    const double G_xa_cos = PAIR_AT(pair_4, 1);
+    const pair pair_5 = fast_pair_shifted_sin(PAIR(G_xa_w, G_yk_w0), PAIR(0.5, 0.5));
+    const double G_xa_cos_ = PAIR_AT(pair_5, 0);
+    const double G_yk_cos = PAIR_AT(pair_5, 1);
+    const pair pair_6 = fast_pair_shifted_sin(PAIR(G_yk_w, S_Vyk_sin_of), PAIR(0.5, 0.0));
+    const double G_yk_cos_ = PAIR_AT(pair_6, 0);
+    const double S_Vyk_sin = PAIR_AT(pair_6, 1);
     const double F_x0_v = F_x0_u - E_x*(F_x0_u - F_x0_v_atan); /* [4.1] B x bent by E */
-    const double alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
-    const double B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
-    const double G_xa_w = G_xa_w_atan*RCX1; /* [4.E51] angle of the weighting function */
-    const double G_xa_w0 = G_xa_w0_atan*RCX1; /* [4.E52] the same at zero slip */
-    const double alpha_req = alpha_r*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r))); /* [4.E78] equivalent slip of the residual moment */
-    const two group_5 = fast_two_shifted_sin(TWO(G_xa_w0, G_xa_w), TWO(0.5, 0.5));
-    const double G_xa_cos = TWO_AT(group_5, 0);
-    const double G_xa_cos_ = TWO_AT(group_5, 1);
-    const double F_y0_v = F_y0_u - E_y*(F_y0_u - F_y0_v_atan); /* [4.1] B x bent by E */
-    const double trail_u = B_t*alpha_teq; /* [4.1] B x */
-    const four group_6 = fast_four_atan(FOUR(F_x0_v, F_y0_v, trail_u, F_x0_v));
-    const double F_x0_w_atan = FOUR_AT(group_6, 0);
-    const double F_y0_w_atan = FOUR_AT(group_6, 1);
-    const double trail_v_atan = FOUR_AT(group_6, 2);
+    const double K_yalpha = F_z01*K_yalpha_sin*LFZ0*LKA*PKY1*(1.0 - PKY3*sign_gamma); /* [4.E25] cornering stiffness */
+    const double G_xa = G_xa_cos_/G_xa_cos; /* [4.E51] weighting of Fx by side slip */
     const double G_yk = G_yk_cos_/G_yk_cos; /* [4.E59] weighting of Fy by longitudinal slip */
     const double S_Vyk = D_Vyk*LVYK*S_Vyk_sin; /* [4.E66] side force made by longitudinal slip */
+    const double B_y = K_yalpha/(C_y*D_y); /* [4.E26] stiffness factor */
+    const double S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
+    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
+    const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
+    const double alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
+    const double B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
+    const double alpha_teq = alpha_t*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t))); /* [4.E77] equivalent slip of the trail */
+    const double alpha_req = alpha_r*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r))); /* [4.E78] equivalent slip of the residual moment */
+    const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double M_zr = D_r*trail_cos/sqrt(1.0 + square(B_r)*square(alpha_req)); /* [4.E75] residual moment */
-    const double D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*square(gamma_s))/FNOMIN; /* [4.E43] peak factor of the trail */
-    const double S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
-    const double G_xa = G_xa_cos_/G_xa_cos; /* [4.E51] weighting of Fx by side slip */
-    const double trail_v = trail_u - E_t*(trail_u - trail_v_atan); /* [4.1] B x bent by E */
-    const double F_y0_w = C_y*F_y0_w_atan; /* [4.1] angle of the Magic Formula */
+    const pair pair_7 = fast_pair_atan(PAIR(F_x0_v, F_y0_u));
+    const double F_x0_w_atan = PAIR_AT(pair_7, 0);
+    const double F_y0_v_atan = PAIR_AT(pair_7, 1);
+    const double trail_v_atan = fast_atan(trail_u);
     const double F_x0_w = C_x*F_x0_w_atan; /* [4.1] angle of the Magic Formula */
-    const two group_7 = fast_two_shifted_sin(TWO(F_x0_w, F_y0_w), TWO(0.0, 0.0));
-    const double F_x0_sin = TWO_AT(group_7, 0);
-    const double F_y0_sin = TWO_AT(group_7, 1);
-    const double trail_w_atan = fast_atan(trail_v);
-    const double F_y0 = S_Vy + D_y*F_y0_sin; /* [4.E19] side force in pure slip */
+    const double F_y0_v = F_y0_u - E_y*(F_y0_u - F_y0_v_atan); /* [4.1] B x bent by E */
+    const double trail_v = trail_u - E_t*(trail_u - trail_v_atan); /* [4.1] B x bent by E */
+    const pair pair_8 = fast_pair_atan(PAIR(F_y0_v, trail_v));
+    const double F_y0_w_atan = PAIR_AT(pair_8, 0);
+    const double trail_w_atan = PAIR_AT(pair_8, 1);
+    const double F_x0_sin = fast_sin(F_x0_w);
     const double F_x0 = S_Vx + D_x*F_x0_sin; /* [4.E9] longitudinal force in pure slip */
-    const double Fy = (Fz <= 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-    const double Fx = (Fz <= 1e-06 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double F_y0_w = C_y*F_y0_w_atan; /* [4.1] angle of the Magic Formula */
     const double trail_w = C_t*trail_w_atan; /* [4.1] angle of the Magic Formula */
-    const double trail_cos_ = fast_cos(trail_w);
-    const double s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
+    const double Fx = (Fz <= 1e-06 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const pair pair_9 = fast_pair_shifted_sin(PAIR(F_y0_w, trail_w), PAIR(0.0, 0.5));
+    const double F_y0_sin = PAIR_AT(pair_9, 0);
+    const double trail_cos_ = PAIR_AT(pair_9, 1);
+    const double F_y0 = S_Vy + D_y*F_y0_sin; /* [4.E19] side force in pure slip */
     const double trail = D_t*trail_cos*trail_cos_; /* [4.E73] pneumatic trail */
+    const double Fy = (Fz <= 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
     const double Mz = (Fz <= 1e-06 ? 0.0 : M_zr + Fx*s - trail*(Fy - S_Vyk)); /* [4.E71] aligning moment */
 
     results[0] = Fx;

@@ -11,12 +11,12 @@ from ..declarations import Option
 from ..model import Model
 from .definitions import INCLUDES, comment, definitions
 from .expressions import PlainCPrinter
-from .grouping import Group, grouped
+from .pairs import function_of, in_pairs
 from .python import HEADER, STRAIGHT_ROWS
 from .routines import LOCAL, STRAIGHT, Assignment, Routine, jacobians_of, side_by_side, values_of
 
 #: Above lines that are not in the book's order.
-IN_GROUPS = "Up to four calls of a function that do not depend on each other are computed at a time"
+IN_PAIRS = "Two calls of a function that do not depend on each other are computed at a time"
 SIDE_BY_SIDE = "Independent computations are next to each other; quantities has the book's order"
 PRINTER = PlainCPrinter()
 #: What every routine takes.
@@ -171,20 +171,18 @@ def statements(body: Sequence[Assignment], printer: PlainCPrinter = PRINTER, kin
     return lines
 
 
-def grouped_statements(body: Sequence[Assignment]) -> list[str]:
-    """Return lines of a routine in which calls of one elementary function form groups."""
-    lines, count = ["", comment(IN_GROUPS)], 0
-    for group in grouped(body):
-        if not group.function:
-            lines += statements(group.members)
-        elif len(group.members) == 1:
-            lines.append(f"const double {group.members[0].symbol} = {_call(group.members[0].expression)};")
+def paired_statements(body: Sequence[Assignment]) -> list[str]:
+    """Return lines of a routine in which two calls of one elementary function form a pair."""
+    lines, count = ["", comment(IN_PAIRS)], 0
+    for members in in_pairs(body):
+        if not function_of(members[0].expression):
+            lines += statements(members)
+        elif len(members) == 1:
+            lines.append(f"const double {members[0].symbol} = {_call(members[0].expression)};")
         else:
             count += 1
-            kind = "two" if len(group.members) == 2 else "four"
-            lines.append(f"const {kind} group_{count} = {_group_call(kind, group)};")
-            for i, member in enumerate(group.members):
-                lines.append(f"const double {member.symbol} = {kind.upper()}_AT(group_{count}, {i});")
+            lines.append(f"const pair pair_{count} = {_call_of_pair(members)};")
+            lines += [f"const double {one.symbol} = PAIR_AT(pair_{count}, {i});" for i, one in enumerate(members)]
     return lines
 
 
@@ -192,15 +190,13 @@ def _call(expression: sp.Expr) -> str:
     return f"fast_{expression.func.__name__.lower()}({', '.join(map(PRINTER.doprint, expression.args))})"
 
 
-def _group_call(kind: str, group: Group) -> str:
-    """Print two or four calls; the one that is missing in four has the arguments of the first one."""
-    calls = [member.expression for member in group.members]
-    calls += calls[:1] * (len(calls) % 2)
-    arguments = zip(*(call.args for call in calls), strict=True)
-    columns = [", ".join(map(PRINTER.doprint, column)) for column in arguments]
-    if group.function == "shifted_sin":
-        columns.append(", ".join("0.5" if isinstance(call, sp.cos) else "0.0" for call in calls))
-    return f"fast_{kind}_{group.function}({', '.join(f'{kind.upper()}({column})' for column in columns)})"
+def _call_of_pair(members: Sequence[Assignment]) -> str:
+    function, arguments = function_of(members[0].expression), []
+    for call in (member.expression for member in members):
+        shift = ["0.5" if isinstance(call, sp.cos) else "0.0"] if function == "shifted_sin" else []
+        arguments.append([*map(PRINTER.doprint, call.args), *shift])
+    pairs = (f"PAIR({first}, {second})" for first, second in zip(*arguments, strict=True))
+    return f"fast_pair_{function}({', '.join(pairs)})"
 
 
 def in_order(routine: Routine) -> Sequence[Assignment]:
@@ -220,10 +216,10 @@ def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> 
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     parameters = parameters_read(model, routine)
     is_general = replace(routine, variant=STRAIGHT).full_name in {one.full_name for one in routines if one != routine}
-    in_groups = routine.name == "forces" and not is_general
+    paired = routine.name == "forces" and not is_general
     lines = [f"(void) {name};" for name, read in (("inputs", inputs), ("parameters", parameters)) if not read]
     lines += [f"const double {name} = inputs[{prefix}_{name}];" for name in inputs]
-    lines += [*parameters, *(grouped_statements(routine.body) if in_groups else statements(in_order(routine))), ""]
+    lines += [*parameters, *(paired_statements(routine.body) if paired else statements(in_order(routine))), ""]
     values = [value for row in routine.results for value in row]
     sparse = 2 * values.count(0) > len(values)
     if sparse:

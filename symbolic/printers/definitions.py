@@ -19,9 +19,6 @@ INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include
 PLAIN = ("vectors.h", "arithmetic.h", "elementary.h")
 KERNEL = (*PLAIN, "lanes.h", "blocks.h", "normal_equations.h")
 
-#: Words of the headers that stand for several types: a paragraph with one is printed for each.
-WORDS = {"wide": ("one", "two", "four"), "many": ("two", "four")}
-
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _DEFINED = re.compile(r"^#define (\w+)|^typedef \w+ (\w+)|^static [^([]*?(\w+)[(\[]", re.MULTILINE)
 _CALL_OF_FAST = re.compile(r"\bfast_(sin|cos|tan|atan|exp|pow)\(")
@@ -115,15 +112,7 @@ def calling_functions(code: str) -> str:
 @lru_cache(maxsize=8)
 def _paragraphs(header: str) -> tuple[Definition, ...]:
     text = (files(__package__) / header).read_text(encoding="ascii").strip()
-    return tuple(_definition(each) for paragraph in text.split("\n\n") for each in _written_out(paragraph))
-
-
-def _written_out(paragraph: str) -> list[str]:
-    """Return a paragraph for each of the types for which its word stands."""
-    for word, types in WORDS.items():
-        if re.search(rf"\b{word}", paragraph):
-            return [paragraph.replace(word, name).replace(word.upper(), name.upper()) for name in types]
-    return [paragraph]
+    return tuple(map(_definition, text.split("\n\n")))
 
 
 def _definition(text: str) -> Definition:

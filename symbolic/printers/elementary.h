@@ -23,163 +23,123 @@
 /* Up to here exp is neither 0 nor infinite nor subnormal. */
 #define LARGEST_EXPONENT 700.0
 
-#if HAS_WIDE
-static EXPANDED wide wide_choose(wide_bits where, wide then, wide otherwise)
+static EXPANDED number number_choose(number_bits where, number then, number otherwise)
 {
-    return WIDE_VALUE((WIDE_BITS(then) & where) | (WIDE_BITS(otherwise) & ~where));
+    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
 }
-#endif
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
-#if HAS_WIDE
-static EXPANDED wide wide_shifted_sin(wide angle, wide shift)
+static EXPANDED number number_shifted_sin(number angle, number shift)
 {
-    const wide rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const wide n = (rounded - ROUNDING) - shift;
-    const wide r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const wide z = r*r, z2 = z*z, z4 = z2*z2;
-    const wide series = ((-0.16666666666666666 + z*0.008333333333333316)
+    const number rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
+    const number n = (rounded - ROUNDING) - shift;
+    const number r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.16666666666666666 + z*0.008333333333333316)
         + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
         + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
         + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return WIDE_VALUE(WIDE_BITS(r + r*z*series) ^ (WIDE_BITS(rounded) << 63));
+    return NUMBER_VALUE(NUMBER_BITS(r + r*z*series) ^ (NUMBER_BITS(rounded) << 63));
 }
-#endif
 
-#if HAS_WIDE
-static EXPANDED wide wide_sin(wide x) { return wide_shifted_sin(x, WIDE_EACH(0.0)); }
-#endif
+static EXPANDED number number_sin(number x) { return number_shifted_sin(x, NUMBER_EACH(0.0)); }
 
-#if HAS_WIDE
-static EXPANDED wide wide_cos(wide x) { return wide_shifted_sin(x, WIDE_EACH(0.5)); }
-#endif
+static EXPANDED number number_cos(number x) { return number_shifted_sin(x, NUMBER_EACH(0.5)); }
 
 /* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_WIDE
-static EXPANDED wide wide_tan(wide x)
+static EXPANDED number number_tan(number x)
 {
-    const wide rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const wide r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const wide z = r*r;
-    const wide sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
+    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r;
+    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
         + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const wide cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
         + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const wide_bits odd = 0 - (WIDE_BITS(rounded) & 1);
-    return wide_choose(odd, -cosine, sine)/wide_choose(odd, sine, cosine);
+    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
+    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
 }
-#endif
 
 /* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-#if HAS_WIDE
-static EXPANDED wide wide_atan(wide x)
+static EXPANDED number number_atan(number x)
 {
-    const wide a = WIDE_VALUE(WIDE_BITS(x) & ~WIDE_BITS(WIDE_EACH(-0.0))), unit = WIDE_EACH(1.0);
-    const wide_bits beyond = WIDE_WHERE(a > 0.41421356237309503), within = WIDE_WHERE(a <= 2.414213562373095);
-    const wide shifted = WIDE_VALUE(WIDE_BITS(unit) & beyond), near = WIDE_VALUE(WIDE_BITS(unit) & within);
-    const wide eighths = (shifted + 1.0) - near;
-    const wide t = (WIDE_VALUE(WIDE_BITS(a) & within) - shifted)/(WIDE_VALUE(WIDE_BITS(a) & beyond) + near);
-    const wide z = t*t, z2 = z*z, z4 = z2*z2;
-    const wide series = ((-0.3333333333333015 + z*0.19999999999088983)
+    const number a = NUMBER_VALUE(NUMBER_BITS(x) & ~NUMBER_BITS(NUMBER_EACH(-0.0))), unit = NUMBER_EACH(1.0);
+    const number_bits beyond = NUMBER_WHERE(a > 0.41421356237309503), within = NUMBER_WHERE(a <= 2.414213562373095);
+    const number shifted = NUMBER_VALUE(NUMBER_BITS(unit) & beyond), near = NUMBER_VALUE(NUMBER_BITS(unit) & within);
+    const number eighths = (shifted + 1.0) - near;
+    const number t = (NUMBER_VALUE(NUMBER_BITS(a) & within) - shifted)/(NUMBER_VALUE(NUMBER_BITS(a) & beyond) + near);
+    const number z = t*t, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.3333333333333015 + z*0.19999999999088983)
         + z2*(-0.14285714195263263 + z*0.11111106653657138))
         + z4*(((-0.09090782413881009 + z*0.07690068317754889)
         + z2*(-0.06641121318562959 + z*0.05692539545490282))
         + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const wide size = eighths*0.7853981633974483 + (t + t*z*series);
-    return WIDE_VALUE(WIDE_BITS(size) | (WIDE_BITS(x) & WIDE_BITS(WIDE_EACH(-0.0))));
+    const number size = eighths*0.7853981633974483 + (t + t*z*series);
+    return NUMBER_VALUE(NUMBER_BITS(size) | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))));
 }
-#endif
 
-#if HAS_WIDE
-static EXPANDED wide wide_exp(wide x)
+static EXPANDED number number_exp(number x)
 {
-    const wide rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const wide r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const wide r2 = r*r, r4 = r2*r2;
-    const wide tail = ((0.5000000000000001 + r*0.16666666666666669)
+    const number rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
+    const number r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
+    const number r2 = r*r, r4 = r2*r2;
+    const number tail = ((0.5000000000000001 + r*0.16666666666666669)
         + r2*(0.041666666666623824 + r*0.008333333333330039))
         + r4*((0.0013888888917367081 + r*0.00019841269863171557)
         + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
         + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return WIDE_VALUE((WIDE_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
+    return NUMBER_VALUE((NUMBER_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
 }
-#endif
 
 /* Of normal positive numbers. */
-#if HAS_WIDE
-static EXPANDED wide wide_log(wide x)
+static EXPANDED number number_log(number x)
 {
-    const wide mantissa = WIDE_VALUE((WIDE_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
+    const number mantissa = NUMBER_VALUE((NUMBER_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
     /* A whole number in the lowest bits of 2^52. */
-    const wide exponent = WIDE_VALUE((WIDE_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const wide_bits upper = WIDE_WHERE(mantissa > 1.4142135623730951);
-    const wide m = wide_choose(upper, 0.5*mantissa, mantissa);
-    const wide n = wide_choose(upper, exponent + 1.0, exponent);
-    const wide s = (m - 1.0)/(m + 1.0);
-    const wide z = s*s, z2 = z*z, z4 = z2*z2;
-    const wide series = z*((0.666666666666667 + z*0.3999999999989889)
+    const number exponent = NUMBER_VALUE((NUMBER_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
+    const number_bits upper = NUMBER_WHERE(mantissa > 1.4142135623730951);
+    const number m = number_choose(upper, 0.5*mantissa, mantissa);
+    const number n = number_choose(upper, exponent + 1.0, exponent);
+    const number s = (m - 1.0)/(m + 1.0);
+    const number z = s*s, z2 = z*z, z4 = z2*z2;
+    const number series = z*((0.666666666666667 + z*0.3999999999989889)
         + z2*(0.28571428626253836 + z*0.22222211089379496)
         + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
     return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
 }
-#endif
-
-#if HAS_WIDE
-static EXPANDED wide wide_exponent(wide x, wide y) { return y*wide_log(x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_shifted_sin(four x, four y) { return FOUR_BY_PAIRS(two_shifted_sin, x, y); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_tan(four x) { return FOUR_BY(two_tan, x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_atan(four x) { return FOUR_BY(two_atan, x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_exp(four x) { return FOUR_BY(two_exp, x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_exponent(four x, four y) { return FOUR_BY_PAIRS(two_exponent, x, y); }
-#endif
 
 static inline double fast_sin(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_sin, two_sin, x) : sin(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_sin, x) : sin(x);
 }
 
 static inline double fast_cos(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_cos, two_cos, x) : cos(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_cos, x) : cos(x);
 }
 
 static inline double fast_tan(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_tan, two_tan, x) : tan(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_tan, x) : tan(x);
 }
 
 static inline double fast_atan(double x)
 {
-    return REDUCTION_IS_EXACT ? ALONE(one_atan, two_atan, x) : atan(x);
+    return REDUCTION_IS_EXACT ? NUMBER_ALONE(number_atan, x) : atan(x);
 }
 
 static inline double fast_exp(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_EXPONENT ? ALONE(one_exp, two_exp, x) : exp(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_EXPONENT ? NUMBER_ALONE(number_exp, x) : exp(x);
 }
 
 static inline double fast_pow(double x, double y)
 {
     if (REDUCTION_IS_EXACT && x >= DBL_MIN && x <= DBL_MAX) {
-        const double exponent = y*ALONE(one_log, two_log, x);
+        const double exponent = y*NUMBER_ALONE(number_log, x);
         if (fabs(exponent) <= LARGEST_EXPONENT)
-            return ALONE(one_exp, two_exp, exponent);
+            return NUMBER_ALONE(number_exp, exponent);
     }
     return pow(x, y);
 }
@@ -196,89 +156,59 @@ static CALLED double called_exp(double x) { return fast_exp(x); }
 
 static CALLED double called_pow(double x, double y) { return fast_pow(x, y); }
 
-/* Two or four values of a function that do not depend on each other, the same as one after the other. */
-
-static CALLED many many_shifted_sin_in_turn(many angle, many shift)
+static CALLED double called_shifted_sin(double angle, double shift)
 {
-    for (int i = 0; i < MANY_COUNT; i++) {
-        const double x = MANY_AT(angle, i);
-        MANY_AT(angle, i) = MANY_AT(shift, i) == 0.0 ? called_sin(x) : called_cos(x);
-    }
-    return angle;
+    return shift == 0.0 ? fast_sin(angle) : fast_cos(angle);
 }
 
-static EXPANDED many fast_many_shifted_sin(many angle, many shift)
+/* Two values of a function that do not depend on each other, the same as one after the other. */
+
+static EXPANDED pair fast_pair_shifted_sin(pair angle, pair shift)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && MANY_SIZE(angle) <= LARGEST_ANGLE)
-        return many_shifted_sin(angle, shift);
+    if (REDUCTION_IS_EXACT && PAIR_SIZE(angle) <= LARGEST_ANGLE)
+        return number_shifted_sin(angle, shift);
 #endif
-    return many_shifted_sin_in_turn(angle, shift);
+    return PAIR(called_shifted_sin(PAIR_AT(angle, 0), PAIR_AT(shift, 0)),
+        called_shifted_sin(PAIR_AT(angle, 1), PAIR_AT(shift, 1)));
 }
 
-static CALLED many many_tan_in_turn(many x)
-{
-    for (int i = 0; i < MANY_COUNT; i++)
-        MANY_AT(x, i) = called_tan(MANY_AT(x, i));
-    return x;
-}
-
-static EXPANDED many fast_many_tan(many x)
+static EXPANDED pair fast_pair_tan(pair x)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && MANY_SIZE(x) <= LARGEST_ANGLE)
-        return many_tan(x);
+    if (REDUCTION_IS_EXACT && PAIR_SIZE(x) <= LARGEST_ANGLE)
+        return number_tan(x);
 #endif
-    return many_tan_in_turn(x);
+    return PAIR(called_tan(PAIR_AT(x, 0)), called_tan(PAIR_AT(x, 1)));
 }
 
-static CALLED many many_atan_in_turn(many x)
-{
-    for (int i = 0; i < MANY_COUNT; i++)
-        MANY_AT(x, i) = called_atan(MANY_AT(x, i));
-    return x;
-}
-
-static EXPANDED many fast_many_atan(many x)
+static EXPANDED pair fast_pair_atan(pair x)
 {
 #if VECTORS
     if (REDUCTION_IS_EXACT)
-        return many_atan(x);
+        return number_atan(x);
 #endif
-    return many_atan_in_turn(x);
+    return PAIR(called_atan(PAIR_AT(x, 0)), called_atan(PAIR_AT(x, 1)));
 }
 
-static CALLED many many_exp_in_turn(many x)
-{
-    for (int i = 0; i < MANY_COUNT; i++)
-        MANY_AT(x, i) = called_exp(MANY_AT(x, i));
-    return x;
-}
-
-static EXPANDED many fast_many_exp(many x)
+static EXPANDED pair fast_pair_exp(pair x)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && MANY_SIZE(x) <= LARGEST_EXPONENT)
-        return many_exp(x);
+    if (REDUCTION_IS_EXACT && PAIR_SIZE(x) <= LARGEST_EXPONENT)
+        return number_exp(x);
 #endif
-    return many_exp_in_turn(x);
+    return PAIR(called_exp(PAIR_AT(x, 0)), called_exp(PAIR_AT(x, 1)));
 }
 
-static CALLED many many_pow_in_turn(many x, many y)
-{
-    for (int i = 0; i < MANY_COUNT; i++)
-        MANY_AT(x, i) = called_pow(MANY_AT(x, i), MANY_AT(y, i));
-    return x;
-}
-
-static EXPANDED many fast_many_pow(many x, many y)
+static EXPANDED pair fast_pair_pow(pair x, pair y)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && MANY_ALL(x, >= DBL_MIN) && MANY_ALL(x, <= DBL_MAX)) {
-        const many exponent = many_exponent(x, y);
-        if (MANY_SIZE(exponent) <= LARGEST_EXPONENT)
-            return many_exp(exponent);
+    const number_bits usual = NUMBER_WHERE(x >= DBL_MIN) & NUMBER_WHERE(x <= DBL_MAX);
+    if (REDUCTION_IS_EXACT && (usual[0] & usual[1])) {
+        const pair exponent = y*number_log(x);
+        if (PAIR_SIZE(exponent) <= LARGEST_EXPONENT)
+            return number_exp(exponent);
     }
 #endif
-    return many_pow_in_turn(x, y);
+    return PAIR(called_pow(PAIR_AT(x, 0), PAIR_AT(y, 0)), called_pow(PAIR_AT(x, 1), PAIR_AT(y, 1)));
 }

@@ -199,7 +199,7 @@ def test_a_residual_far_above_the_floor_is_inadequate():
 
 def test_a_coefficient_at_its_bound_is_in_the_verdict():
     one = Finding("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, at_bounds=("LLEN",))
-    text = verdict_text([one], (), {}, (), (), {}, (), {"derived_columns": [], "ignored_columns": []})
+    text = verdict_text([one], (), {}, (), (), {}, (), {"periodic": [], "derived_columns": [], "ignored_columns": []})
     assert text == "Missing: load_lag (at its bound: LLEN)"
 
 

@@ -71,5 +71,5 @@ def test_no_slow_power_no_state_no_allocation(source):
     assert not re.search(r"^static (?!inline|const|EXPANDED|CALLED|void \w+_general)", text, re.MULTILINE)
     first = text.index("/* Derivatives of the forces" if source.endswith("_jacobians") else "/* Every named quantity")
     routines = text[first:]
-    allowed = {"const double", "const two", "const four", "results", "for", "if", "else", "return inputs", "memset"}
+    allowed = {"const double", "const pair", "results", "for", "if", "else", "return inputs", "memset"}
     assert set(re.findall(r"\n    (\w+ \w+|\w+)", routines)) <= allowed

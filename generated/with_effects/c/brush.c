@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with two calls. */
+/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
 #ifdef __GNUC__
 #define EXPANDED inline __attribute__((always_inline))
 #define CALLED __attribute__((noinline))
@@ -17,72 +17,43 @@
 #define CALLED
 #endif
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with four calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
-
-/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
-   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
-   the compiler is allowed to fuse multiplications. */
+/* Two numbers: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
+   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
+   compiler is allowed to fuse multiplications. */
 #if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
 #define VECTORS 1
-typedef double two __attribute__((vector_size(16)));
-typedef uint64_t two_bits __attribute__((vector_size(16)));
-#define TWO(a, b) ((two){a, b})
-#define TWO_AT(x, i) ((x)[i])
-#ifdef __AVX__
-typedef double four __attribute__((vector_size(32)));
-typedef uint64_t four_bits __attribute__((vector_size(32)));
-#define FOUR(a, b, c, d) ((four){a, b, c, d})
-#define FOUR_AT(x, i) ((x)[i])
-#else
-typedef struct { two half[2]; } four;
-#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
-#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
-#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
-#define FOUR_BY_PAIRS(function_of_two, x, y) \
-    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
-#endif
+typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t pair_bits __attribute__((vector_size(16)));
+#define PAIR(a, b) ((pair){a, b})
+#define PAIR_AT(x, i) ((x)[i])
 #else
 #define VECTORS 0
-typedef double one;
-typedef uint64_t one_bits;
-typedef struct { double at[2]; } two;
-typedef struct { double at[4]; } four;
-#define TWO(a, b) ((two){{a, b}})
-#define TWO_AT(x, i) ((x).at[i])
-#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
-#define FOUR_AT(x, i) ((x).at[i])
+typedef struct { double at[2]; } pair;
+#define PAIR(a, b) ((pair){{a, b}})
+#define PAIR_AT(x, i) ((x).at[i])
 #endif
-#define TWO_COUNT 2
-#define FOUR_COUNT 4
-#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
-#define FOUR_ALL(x, condition) \
-    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
-/* No less than the size of any of the numbers, or NaN. */
-#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
-#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
 
-/* What computes: vectors, in which all bits are set where a comparison holds and none elsewhere, or a number. */
+/* No less than the size of both numbers, or NaN. */
+#define PAIR_SIZE(x) (fabs(PAIR_AT(x, 0)) + fabs(PAIR_AT(x, 1)))
+
+/* What computes: a pair, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
+   of one number takes the first one of a pair. */
 #if VECTORS
-#define HAS_ONE 0
-#define HAS_TWO 1
-#define TWO_EACH(x) ((x) - (two){0.0})
-#define TWO_BITS(x) ((two_bits)(x))
-#define TWO_VALUE(bits) ((two)(bits))
-#define TWO_WHERE(condition) ((two_bits)(condition))
+typedef pair number;
+typedef pair_bits number_bits;
+#define NUMBER_EACH(x) ((x) - (number){0.0})
+#define NUMBER_BITS(x) ((number_bits)(x))
+#define NUMBER_VALUE(bits) ((number)(bits))
+#define NUMBER_WHERE(condition) ((number_bits)(condition))
+#define NUMBER_ALONE(function, x) (function((number){x})[0])
 #else
-#define HAS_ONE 1
-#define HAS_TWO 0
-#define ONE_EACH(x) (x)
-#define ONE_BITS(x) bits_of(x)
-#define ONE_VALUE(bits) double_of(bits)
-#define ONE_WHERE(condition) (0 - (uint64_t)(condition))
+typedef double number;
+typedef uint64_t number_bits;
+#define NUMBER_EACH(x) (x)
+#define NUMBER_BITS(x) bits_of(x)
+#define NUMBER_VALUE(bits) double_of(bits)
+#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
+#define NUMBER_ALONE(function, x) (function(x))
 static inline uint64_t bits_of(double x)
 {
     uint64_t bits;
@@ -96,43 +67,17 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 #endif
-#if VECTORS && defined(__AVX__)
-#define HAS_FOUR 1
-#define FOUR_EACH(x) ((x) - (four){0.0})
-#define FOUR_BITS(x) ((four_bits)(x))
-#define FOUR_VALUE(bits) ((four)(bits))
-#define FOUR_WHERE(condition) ((four_bits)(condition))
-#else
-#define HAS_FOUR 0
-#endif
 
 static inline double square(double x) { return x*x; }
 
-#if HAS_ONE
-static EXPANDED one one_sgn(one x)
+static EXPANDED number number_sgn(number x)
 {
-    return ONE_VALUE((ONE_BITS(ONE_EACH(1.0)) & ONE_WHERE(x != 0.0)) | (ONE_BITS(x) & ONE_BITS(ONE_EACH(-0.0)))
-        | ONE_WHERE(x != x));
+    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
+        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sgn(two x)
-{
-    return TWO_VALUE((TWO_BITS(TWO_EACH(1.0)) & TWO_WHERE(x != 0.0)) | (TWO_BITS(x) & TWO_BITS(TWO_EACH(-0.0)))
-        | TWO_WHERE(x != x));
-}
-#endif
-
-/* A function of one number: with vectors, the first one of two. */
-#if VECTORS
-#define ALONE(function_of_one, function_of_two, x) (function_of_two((two){x})[0])
-#else
-#define ALONE(function_of_one, function_of_two, x) (function_of_one(x))
-#endif
 
 /* No branches, which are unpredictable here and which compilers make of comparisons; NaN stays NaN. */
-static inline double sgn(double x) { return ALONE(one_sgn, two_sgn, x); }
+static inline double sgn(double x) { return NUMBER_ALONE(number_sgn, x); }
 
 /* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
    all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
@@ -159,240 +104,93 @@ static inline double sgn(double x) { return ALONE(one_sgn, two_sgn, x); }
 /* Up to here exp is neither 0 nor infinite nor subnormal. */
 #define LARGEST_EXPONENT 700.0
 
-#if HAS_ONE
-static EXPANDED one one_choose(one_bits where, one then, one otherwise)
+static EXPANDED number number_choose(number_bits where, number then, number otherwise)
 {
-    return ONE_VALUE((ONE_BITS(then) & where) | (ONE_BITS(otherwise) & ~where));
+    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_choose(two_bits where, two then, two otherwise)
-{
-    return TWO_VALUE((TWO_BITS(then) & where) | (TWO_BITS(otherwise) & ~where));
-}
-#endif
-
-#if HAS_FOUR
-static EXPANDED four four_choose(four_bits where, four then, four otherwise)
-{
-    return FOUR_VALUE((FOUR_BITS(then) & where) | (FOUR_BITS(otherwise) & ~where));
-}
-#endif
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
    shift is 0, the cosine where it is 1/2. */
-#if HAS_ONE
-static EXPANDED one one_shifted_sin(one angle, one shift)
+static EXPANDED number number_shifted_sin(number angle, number shift)
 {
-    const one rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const one n = (rounded - ROUNDING) - shift;
-    const one r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r, z2 = z*z, z4 = z2*z2;
-    const one series = ((-0.16666666666666666 + z*0.008333333333333316)
+    const number rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
+    const number n = (rounded - ROUNDING) - shift;
+    const number r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r, z2 = z*z, z4 = z2*z2;
+    const number series = ((-0.16666666666666666 + z*0.008333333333333316)
         + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
         + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
         + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return ONE_VALUE(ONE_BITS(r + r*z*series) ^ (ONE_BITS(rounded) << 63));
+    return NUMBER_VALUE(NUMBER_BITS(r + r*z*series) ^ (NUMBER_BITS(rounded) << 63));
 }
-#endif
 
-/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
-   shift is 0, the cosine where it is 1/2. */
-#if HAS_TWO
-static EXPANDED two two_shifted_sin(two angle, two shift)
-{
-    const two rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const two n = (rounded - ROUNDING) - shift;
-    const two r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r, z2 = z*z, z4 = z2*z2;
-    const two series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return TWO_VALUE(TWO_BITS(r + r*z*series) ^ (TWO_BITS(rounded) << 63));
-}
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_sin(one x) { return one_shifted_sin(x, ONE_EACH(0.0)); }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sin(two x) { return two_shifted_sin(x, TWO_EACH(0.0)); }
-#endif
+static EXPANDED number number_sin(number x) { return number_shifted_sin(x, NUMBER_EACH(0.0)); }
 
 /* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_ONE
-static EXPANDED one one_tan(one x)
+static EXPANDED number number_tan(number x)
 {
-    const one rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const one r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r;
-    const one sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
+    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r;
+    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
         + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const one cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
         + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const one_bits odd = 0 - (ONE_BITS(rounded) & 1);
-    return one_choose(odd, -cosine, sine)/one_choose(odd, sine, cosine);
+    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
+    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
 }
-#endif
 
-/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_TWO
-static EXPANDED two two_tan(two x)
+static EXPANDED number number_exp(number x)
 {
-    const two rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const two r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r;
-    const two sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
-        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const two cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
-        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const two_bits odd = 0 - (TWO_BITS(rounded) & 1);
-    return two_choose(odd, -cosine, sine)/two_choose(odd, sine, cosine);
-}
-#endif
-
-#if HAS_ONE
-static EXPANDED one one_exp(one x)
-{
-    const one rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const one r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const one r2 = r*r, r4 = r2*r2;
-    const one tail = ((0.5000000000000001 + r*0.16666666666666669)
+    const number rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
+    const number r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
+    const number r2 = r*r, r4 = r2*r2;
+    const number tail = ((0.5000000000000001 + r*0.16666666666666669)
         + r2*(0.041666666666623824 + r*0.008333333333330039))
         + r4*((0.0013888888917367081 + r*0.00019841269863171557)
         + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
         + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return ONE_VALUE((ONE_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
+    return NUMBER_VALUE((NUMBER_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_exp(two x)
-{
-    const two rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const two r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const two r2 = r*r, r4 = r2*r2;
-    const two tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return TWO_VALUE((TWO_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-#endif
-
-#if HAS_FOUR
-static EXPANDED four four_exp(four x)
-{
-    const four rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const four r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const four r2 = r*r, r4 = r2*r2;
-    const four tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return FOUR_VALUE((FOUR_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-#endif
 
 /* Of normal positive numbers. */
-#if HAS_ONE
-static EXPANDED one one_log(one x)
+static EXPANDED number number_log(number x)
 {
-    const one mantissa = ONE_VALUE((ONE_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
+    const number mantissa = NUMBER_VALUE((NUMBER_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
     /* A whole number in the lowest bits of 2^52. */
-    const one exponent = ONE_VALUE((ONE_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const one_bits upper = ONE_WHERE(mantissa > 1.4142135623730951);
-    const one m = one_choose(upper, 0.5*mantissa, mantissa);
-    const one n = one_choose(upper, exponent + 1.0, exponent);
-    const one s = (m - 1.0)/(m + 1.0);
-    const one z = s*s, z2 = z*z, z4 = z2*z2;
-    const one series = z*((0.666666666666667 + z*0.3999999999989889)
+    const number exponent = NUMBER_VALUE((NUMBER_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
+    const number_bits upper = NUMBER_WHERE(mantissa > 1.4142135623730951);
+    const number m = number_choose(upper, 0.5*mantissa, mantissa);
+    const number n = number_choose(upper, exponent + 1.0, exponent);
+    const number s = (m - 1.0)/(m + 1.0);
+    const number z = s*s, z2 = z*z, z4 = z2*z2;
+    const number series = z*((0.666666666666667 + z*0.3999999999989889)
         + z2*(0.28571428626253836 + z*0.22222211089379496)
         + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
     return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
 }
-#endif
-
-/* Of normal positive numbers. */
-#if HAS_TWO
-static EXPANDED two two_log(two x)
-{
-    const two mantissa = TWO_VALUE((TWO_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
-    /* A whole number in the lowest bits of 2^52. */
-    const two exponent = TWO_VALUE((TWO_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const two_bits upper = TWO_WHERE(mantissa > 1.4142135623730951);
-    const two m = two_choose(upper, 0.5*mantissa, mantissa);
-    const two n = two_choose(upper, exponent + 1.0, exponent);
-    const two s = (m - 1.0)/(m + 1.0);
-    const two z = s*s, z2 = z*z, z4 = z2*z2;
-    const two series = z*((0.666666666666667 + z*0.3999999999989889)
-        + z2*(0.28571428626253836 + z*0.22222211089379496)
-        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
-    return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
-}
-#endif
-
-/* Of normal positive numbers. */
-#if HAS_FOUR
-static EXPANDED four four_log(four x)
-{
-    const four mantissa = FOUR_VALUE((FOUR_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
-    /* A whole number in the lowest bits of 2^52. */
-    const four exponent = FOUR_VALUE((FOUR_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const four_bits upper = FOUR_WHERE(mantissa > 1.4142135623730951);
-    const four m = four_choose(upper, 0.5*mantissa, mantissa);
-    const four n = four_choose(upper, exponent + 1.0, exponent);
-    const four s = (m - 1.0)/(m + 1.0);
-    const four z = s*s, z2 = z*z, z4 = z2*z2;
-    const four series = z*((0.666666666666667 + z*0.3999999999989889)
-        + z2*(0.28571428626253836 + z*0.22222211089379496)
-        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
-    return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
-}
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_exponent(two x, two y) { return y*two_log(x); }
-#endif
-
-#if HAS_FOUR
-static EXPANDED four four_exponent(four x, four y) { return y*four_log(x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_exp(four x) { return FOUR_BY(two_exp, x); }
-#endif
-
-#if VECTORS && !HAS_FOUR
-static EXPANDED four four_exponent(four x, four y) { return FOUR_BY_PAIRS(two_exponent, x, y); }
-#endif
 
 static inline double fast_sin(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_sin, two_sin, x) : sin(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_sin, x) : sin(x);
 }
 
 static inline double fast_tan(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_tan, two_tan, x) : tan(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_tan, x) : tan(x);
 }
 
 static inline double fast_exp(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_EXPONENT ? ALONE(one_exp, two_exp, x) : exp(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_EXPONENT ? NUMBER_ALONE(number_exp, x) : exp(x);
 }
 
 static inline double fast_pow(double x, double y)
 {
     if (REDUCTION_IS_EXACT && x >= DBL_MIN && x <= DBL_MAX) {
-        const double exponent = y*ALONE(one_log, two_log, x);
+        const double exponent = y*NUMBER_ALONE(number_log, x);
         if (fabs(exponent) <= LARGEST_EXPONENT)
-            return ALONE(one_exp, two_exp, exponent);
+            return NUMBER_ALONE(number_exp, exponent);
     }
     return pow(x, y);
 }
@@ -401,41 +199,28 @@ static CALLED double called_exp(double x) { return fast_exp(x); }
 
 static CALLED double called_pow(double x, double y) { return fast_pow(x, y); }
 
-/* Two or four values of a function that do not depend on each other, the same as one after the other. */
+/* Two values of a function that do not depend on each other, the same as one after the other. */
 
-static CALLED four four_exp_in_turn(four x)
-{
-    for (int i = 0; i < FOUR_COUNT; i++)
-        FOUR_AT(x, i) = called_exp(FOUR_AT(x, i));
-    return x;
-}
-
-static EXPANDED four fast_four_exp(four x)
+static EXPANDED pair fast_pair_exp(pair x)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && FOUR_SIZE(x) <= LARGEST_EXPONENT)
-        return four_exp(x);
+    if (REDUCTION_IS_EXACT && PAIR_SIZE(x) <= LARGEST_EXPONENT)
+        return number_exp(x);
 #endif
-    return four_exp_in_turn(x);
+    return PAIR(called_exp(PAIR_AT(x, 0)), called_exp(PAIR_AT(x, 1)));
 }
 
-static CALLED four four_pow_in_turn(four x, four y)
-{
-    for (int i = 0; i < FOUR_COUNT; i++)
-        FOUR_AT(x, i) = called_pow(FOUR_AT(x, i), FOUR_AT(y, i));
-    return x;
-}
-
-static EXPANDED four fast_four_pow(four x, four y)
+static EXPANDED pair fast_pair_pow(pair x, pair y)
 {
 #if VECTORS
-    if (REDUCTION_IS_EXACT && FOUR_ALL(x, >= DBL_MIN) && FOUR_ALL(x, <= DBL_MAX)) {
-        const four exponent = four_exponent(x, y);
-        if (FOUR_SIZE(exponent) <= LARGEST_EXPONENT)
-            return four_exp(exponent);
+    const number_bits usual = NUMBER_WHERE(x >= DBL_MIN) & NUMBER_WHERE(x <= DBL_MAX);
+    if (REDUCTION_IS_EXACT && (usual[0] & usual[1])) {
+        const pair exponent = y*number_log(x);
+        if (PAIR_SIZE(exponent) <= LARGEST_EXPONENT)
+            return number_exp(exponent);
     }
 #endif
-    return four_pow_in_turn(x, y);
+    return PAIR(called_pow(PAIR_AT(x, 0), PAIR_AT(y, 0)), called_pow(PAIR_AT(x, 1), PAIR_AT(y, 1)));
 }
 
 /* Every named quantity of the book. */
@@ -693,55 +478,56 @@ void brush_forces(const double inputs[], const double parameters[], double resul
     const double WK1 = parameters[BRUSH_WK1];
     const double SIGNS = parameters[BRUSH_SIGNS];
 
-    /* Up to four calls of a function that do not depend on each other are computed at a time */
+    /* Two calls of a function that do not depend on each other are computed at a time */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double mu_x_without_heat_friction_exp_of = -sliding_work/BIWORK;
     const double mu_x_without_slip_history_exp_of = -HMU*(tread_heat + HSLOW*carcass_heat);
-    const double K_xkappa_without_slip_history_exp_of = -HK*tread_heat;
-    const double side = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sign of Fy at a positive slip angle: -1 in ISO */
     const double mu_x_exp_of = -TMUA*(T - TREF);
+    const double side = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sign of Fy at a positive slip angle: -1 in ISO */
+    const double K_xkappa_without_slip_history_exp_of = -HK*tread_heat;
     const double K_xkappa_exp_of = -TKA*(T - TREF);
-    const double tan_alpha_tan = fast_tan(alpha);
-    const double load_ratio = F_z/FNOMIN; /* [tirefmu] load per nominal load */
-    const four group_1 = fast_four_exp(FOUR(mu_x_without_heat_friction_exp_of, mu_x_without_slip_history_exp_of, mu_x_exp_of, K_xkappa_without_slip_history_exp_of));
-    const double mu_x_without_heat_friction_exp = FOUR_AT(group_1, 0);
-    const double mu_x_without_slip_history_exp = FOUR_AT(group_1, 1);
-    const double mu_x_exp = FOUR_AT(group_1, 2);
-    const double K_xkappa_without_slip_history_exp = FOUR_AT(group_1, 3);
-    const double K_xkappa_exp = fast_exp(K_xkappa_exp_of);
-    const four group_2 = fast_four_pow(FOUR(load_ratio, load_ratio, load_ratio, load_ratio), FOUR(NSTIFF, NMU, NPATCH, NSTIFF));
-    const double stiffness_ratio_pow = FOUR_AT(group_2, 0);
-    const double friction_ratio_pow = FOUR_AT(group_2, 1);
-    const double a_pow = FOUR_AT(group_2, 2);
     const double rolling = (fabs(1.0 + kappa) < 1e-06 ? 1e-06 : fabs(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
-    const double tan_alpha = tan_alpha_tan; /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
+    const double load_ratio = F_z/FNOMIN; /* [tirefmu] load per nominal load */
     const double slip_x = kappa/rolling; /* [3.2.3] theoretical longitudinal slip: sliding per rolling velocity */
-    const double slip_y = tan_alpha/rolling; /* [3.2.3] theoretical side slip: sliding per rolling velocity */
-    const double friction_ratio = friction_ratio_pow; /* [tirefmu] friction per that at nominal load */
-    const double mu_y_without_break_in = MUY*friction_ratio; /* [tirefmu] lateral friction */
+    const double tan_alpha_tan = fast_tan(alpha);
+    const pair pair_1 = fast_pair_exp(PAIR(mu_x_without_heat_friction_exp_of, mu_x_without_slip_history_exp_of));
+    const double mu_x_without_heat_friction_exp = PAIR_AT(pair_1, 0);
+    const double mu_x_without_slip_history_exp = PAIR_AT(pair_1, 1);
+    const pair pair_2 = fast_pair_exp(PAIR(mu_x_exp_of, K_xkappa_without_slip_history_exp_of));
+    const double mu_x_exp = PAIR_AT(pair_2, 0);
+    const double K_xkappa_without_slip_history_exp = PAIR_AT(pair_2, 1);
+    const double K_xkappa_exp = fast_exp(K_xkappa_exp_of);
+    const pair pair_3 = fast_pair_pow(PAIR(load_ratio, load_ratio), PAIR(NSTIFF, NMU));
+    const double stiffness_ratio_pow = PAIR_AT(pair_3, 0);
+    const double friction_ratio_pow = PAIR_AT(pair_3, 1);
+    const double a_pow = fast_pow(load_ratio, NPATCH);
     const double stiffness_ratio = stiffness_ratio_pow; /* [tirefmu] slip stiffness per that at nominal load */
-    const double K_yalpha_without_heat_stiffness = CALPHA*side*stiffness_ratio; /* [3.2.1] cornering stiffness */
-    const double mu_x_without_break_in = MUX*friction_ratio; /* [tirefmu] longitudinal friction */
-    const double K_xkappa_without_heat_stiffness = CKAPPA*stiffness_ratio; /* [3.2.2] longitudinal slip stiffness */
+    const double friction_ratio = friction_ratio_pow; /* [tirefmu] friction per that at nominal load */
     const double a = PATCH*a_pow; /* [tirefmu] half length of the contact patch */
-    const double mu_y_without_heat_friction = mu_y_without_break_in*(1.0 + BIMU*mu_x_without_heat_friction_exp); /* [tirefmu] lateral friction */
-    const double mu_x_without_heat_friction = mu_x_without_break_in*(1.0 + BIMU*mu_x_without_heat_friction_exp); /* [tirefmu] longitudinal friction */
-    const double K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_exp; /* [3.2.2] longitudinal slip stiffness */
+    const double tan_alpha = tan_alpha_tan; /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
+    const double mu_x_without_break_in = MUX*friction_ratio; /* [tirefmu] longitudinal friction */
+    const double mu_y_without_break_in = MUY*friction_ratio; /* [tirefmu] lateral friction */
+    const double K_xkappa_without_heat_stiffness = CKAPPA*stiffness_ratio; /* [3.2.2] longitudinal slip stiffness */
+    const double K_yalpha_without_heat_stiffness = CALPHA*side*stiffness_ratio; /* [3.2.1] cornering stiffness */
+    const double slip_y = tan_alpha/rolling; /* [3.2.3] theoretical side slip: sliding per rolling velocity */
     const double D_t = 0.3333333333333333*a; /* [3.2.1] pneumatic trail at zero slip */
+    const double mu_x_without_heat_friction = mu_x_without_break_in*(1.0 + BIMU*mu_x_without_heat_friction_exp); /* [tirefmu] longitudinal friction */
+    const double mu_y_without_heat_friction = mu_y_without_break_in*(1.0 + BIMU*mu_x_without_heat_friction_exp); /* [tirefmu] lateral friction */
+    const double K_xkappa_without_slip_history = K_xkappa_without_heat_stiffness*K_xkappa_without_slip_history_exp; /* [3.2.2] longitudinal slip stiffness */
     const double K_yalpha_without_load_lag = K_xkappa_without_slip_history_exp*K_yalpha_without_heat_stiffness; /* [3.2.1] cornering stiffness */
-    const double K_xkappa = K_xkappa_exp*K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [3.2.2] longitudinal slip stiffness */
-    const double mu_y_without_load_lag = mu_x_without_slip_history_exp*mu_y_without_heat_friction; /* [tirefmu] lateral friction */
-    const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [3.2.1] cornering stiffness */
-    const double mu_y_without_slip_history = mu_y_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [tirefmu] lateral friction */
     const double mu_x_without_slip_history = mu_x_without_heat_friction*mu_x_without_slip_history_exp; /* [tirefmu] longitudinal friction */
+    const double mu_y_without_load_lag = mu_x_without_slip_history_exp*mu_y_without_heat_friction; /* [tirefmu] lateral friction */
+    const double K_xkappa = K_xkappa_exp*K_xkappa_without_slip_history*(1.0 + SHKX*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [3.2.2] longitudinal slip stiffness */
+    const double K_yalpha_without_slip_history = K_yalpha_without_load_lag*(1.0 + LLK*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [3.2.1] cornering stiffness */
     const double mu_x = mu_x_exp*mu_x_without_slip_history*(1.0 + SHMUX*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [tirefmu] longitudinal friction */
-    const double reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x); /* [3.2.3] psi of the longitudinal slip alone */
+    const double mu_y_without_slip_history = mu_y_without_load_lag*(1.0 + LLMU*(late_load - Fz)/sqrt(1.0 + square(Fz))); /* [tirefmu] lateral friction */
     const double K_yalpha = K_xkappa_exp*K_yalpha_without_slip_history*(1.0 + SHKY*slip_growth)*(1.0 + TK1*(T - TREF))*(1.0 + WK1*distance); /* [3.2.1] cornering stiffness */
     const double mu_y = mu_x_exp*mu_y_without_slip_history*(1.0 + SHMUY*slip_growth)*(1.0 + TMU1*(T - TREF) + TMU2*square(T - TREF))*(1.0 + WMU1*distance + WMU2*square(distance)); /* [tirefmu] lateral friction */
+    const double reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x); /* [3.2.3] psi of the longitudinal slip alone */
     const double reach_y = 0.3333333333333333*K_yalpha*slip_y/(F_z*mu_y); /* [3.2.3] psi of the side slip alone */
     const double sliding_squared = square(kappa)*square(mu_x) + square(mu_y)*square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
-    const double sliding_nonzero = (sliding_squared < 1e-30 ? 1e-30 : sliding_squared); /* [tirefmu] the same, limited to positive values */
     const double psi_squared = square(reach_x) + square(reach_y); /* [3.2.3] psi squared, beyond full sliding too */
+    const double sliding_nonzero = (sliding_squared < 1e-30 ? 1e-30 : sliding_squared); /* [tirefmu] the same, limited to positive values */
     const double psi_bounded = (psi_squared >= 1.0 ? 1.0 : (psi_squared < 1e-30 ? 1e-30 : psi_squared)); /* [3.2.3] psi squared */
     const double psi = sqrt(psi_bounded); /* [3.2.3] share of the contact patch that slides */
     const double sliding = F_z*square(psi)*(3.0 - 2.0*psi)/sqrt(sliding_nonzero); /* [tirefmu] load on the sliding part per weighted sliding velocity */

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with two calls. */
+/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
 #ifdef __GNUC__
 #define EXPANDED inline __attribute__((always_inline))
 #define CALLED __attribute__((noinline))
@@ -17,72 +17,40 @@
 #define CALLED
 #endif
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with four calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
-
-/* One, two and four numbers: the vector types of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, arrays whose
-   numbers are computed one after the other. The operations are the same, and so are all results to the last bit, unless
-   the compiler is allowed to fuse multiplications. */
+/* Two numbers: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
+   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
+   compiler is allowed to fuse multiplications. */
 #if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
 #define VECTORS 1
-typedef double two __attribute__((vector_size(16)));
-typedef uint64_t two_bits __attribute__((vector_size(16)));
-#define TWO(a, b) ((two){a, b})
-#define TWO_AT(x, i) ((x)[i])
-#ifdef __AVX__
-typedef double four __attribute__((vector_size(32)));
-typedef uint64_t four_bits __attribute__((vector_size(32)));
-#define FOUR(a, b, c, d) ((four){a, b, c, d})
-#define FOUR_AT(x, i) ((x)[i])
-#else
-typedef struct { two half[2]; } four;
-#define FOUR(a, b, c, d) ((four){{{a, b}, {c, d}}})
-#define FOUR_AT(x, i) ((x).half[(i)/2][(i)%2])
-#define FOUR_BY(function_of_two, x) ((four){{function_of_two((x).half[0]), function_of_two((x).half[1])}})
-#define FOUR_BY_PAIRS(function_of_two, x, y) \
-    ((four){{function_of_two((x).half[0], (y).half[0]), function_of_two((x).half[1], (y).half[1])}})
-#endif
+typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t pair_bits __attribute__((vector_size(16)));
+#define PAIR(a, b) ((pair){a, b})
+#define PAIR_AT(x, i) ((x)[i])
 #else
 #define VECTORS 0
-typedef double one;
-typedef uint64_t one_bits;
-typedef struct { double at[2]; } two;
-typedef struct { double at[4]; } four;
-#define TWO(a, b) ((two){{a, b}})
-#define TWO_AT(x, i) ((x).at[i])
-#define FOUR(a, b, c, d) ((four){{a, b, c, d}})
-#define FOUR_AT(x, i) ((x).at[i])
+typedef struct { double at[2]; } pair;
+#define PAIR(a, b) ((pair){{a, b}})
+#define PAIR_AT(x, i) ((x).at[i])
 #endif
-#define TWO_COUNT 2
-#define FOUR_COUNT 4
-#define TWO_ALL(x, condition) (TWO_AT(x, 0) condition && TWO_AT(x, 1) condition)
-#define FOUR_ALL(x, condition) \
-    (FOUR_AT(x, 0) condition && FOUR_AT(x, 1) condition && FOUR_AT(x, 2) condition && FOUR_AT(x, 3) condition)
-/* No less than the size of any of the numbers, or NaN. */
-#define TWO_SIZE(x) (fabs(TWO_AT(x, 0)) + fabs(TWO_AT(x, 1)))
-#define FOUR_SIZE(x) ((fabs(FOUR_AT(x, 0)) + fabs(FOUR_AT(x, 1))) + (fabs(FOUR_AT(x, 2)) + fabs(FOUR_AT(x, 3))))
 
-/* What computes: vectors, in which all bits are set where a comparison holds and none elsewhere, or a number. */
+/* What computes: a pair, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
+   of one number takes the first one of a pair. */
 #if VECTORS
-#define HAS_ONE 0
-#define HAS_TWO 1
-#define TWO_EACH(x) ((x) - (two){0.0})
-#define TWO_BITS(x) ((two_bits)(x))
-#define TWO_VALUE(bits) ((two)(bits))
-#define TWO_WHERE(condition) ((two_bits)(condition))
+typedef pair number;
+typedef pair_bits number_bits;
+#define NUMBER_EACH(x) ((x) - (number){0.0})
+#define NUMBER_BITS(x) ((number_bits)(x))
+#define NUMBER_VALUE(bits) ((number)(bits))
+#define NUMBER_WHERE(condition) ((number_bits)(condition))
+#define NUMBER_ALONE(function, x) (function((number){x})[0])
 #else
-#define HAS_ONE 1
-#define HAS_TWO 0
-#define ONE_EACH(x) (x)
-#define ONE_BITS(x) bits_of(x)
-#define ONE_VALUE(bits) double_of(bits)
-#define ONE_WHERE(condition) (0 - (uint64_t)(condition))
+typedef double number;
+typedef uint64_t number_bits;
+#define NUMBER_EACH(x) (x)
+#define NUMBER_BITS(x) bits_of(x)
+#define NUMBER_VALUE(bits) double_of(bits)
+#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
+#define NUMBER_ALONE(function, x) (function(x))
 static inline uint64_t bits_of(double x)
 {
     uint64_t bits;
@@ -96,43 +64,17 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 #endif
-#if VECTORS && defined(__AVX__)
-#define HAS_FOUR 1
-#define FOUR_EACH(x) ((x) - (four){0.0})
-#define FOUR_BITS(x) ((four_bits)(x))
-#define FOUR_VALUE(bits) ((four)(bits))
-#define FOUR_WHERE(condition) ((four_bits)(condition))
-#else
-#define HAS_FOUR 0
-#endif
 
 static inline double square(double x) { return x*x; }
 
-#if HAS_ONE
-static EXPANDED one one_sgn(one x)
+static EXPANDED number number_sgn(number x)
 {
-    return ONE_VALUE((ONE_BITS(ONE_EACH(1.0)) & ONE_WHERE(x != 0.0)) | (ONE_BITS(x) & ONE_BITS(ONE_EACH(-0.0)))
-        | ONE_WHERE(x != x));
+    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
+        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_sgn(two x)
-{
-    return TWO_VALUE((TWO_BITS(TWO_EACH(1.0)) & TWO_WHERE(x != 0.0)) | (TWO_BITS(x) & TWO_BITS(TWO_EACH(-0.0)))
-        | TWO_WHERE(x != x));
-}
-#endif
-
-/* A function of one number: with vectors, the first one of two. */
-#if VECTORS
-#define ALONE(function_of_one, function_of_two, x) (function_of_two((two){x})[0])
-#else
-#define ALONE(function_of_one, function_of_two, x) (function_of_one(x))
-#endif
 
 /* No branches, which are unpredictable here and which compilers make of comparisons; NaN stays NaN. */
-static inline double sgn(double x) { return ALONE(one_sgn, two_sgn, x); }
+static inline double sgn(double x) { return NUMBER_ALONE(number_sgn, x); }
 
 /* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
    all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
@@ -156,55 +98,28 @@ static inline double sgn(double x) { return ALONE(one_sgn, two_sgn, x); }
 /* Up to here a multiple of pi/2 is taken off exactly. */
 #define LARGEST_ANGLE 1e7
 
-#if HAS_ONE
-static EXPANDED one one_choose(one_bits where, one then, one otherwise)
+static EXPANDED number number_choose(number_bits where, number then, number otherwise)
 {
-    return ONE_VALUE((ONE_BITS(then) & where) | (ONE_BITS(otherwise) & ~where));
+    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
 }
-#endif
-
-#if HAS_TWO
-static EXPANDED two two_choose(two_bits where, two then, two otherwise)
-{
-    return TWO_VALUE((TWO_BITS(then) & where) | (TWO_BITS(otherwise) & ~where));
-}
-#endif
 
 /* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_ONE
-static EXPANDED one one_tan(one x)
+static EXPANDED number number_tan(number x)
 {
-    const one rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const one r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const one z = r*r;
-    const one sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
+    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
+    const number z = r*r;
+    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
         + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const one cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
         + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const one_bits odd = 0 - (ONE_BITS(rounded) & 1);
-    return one_choose(odd, -cosine, sine)/one_choose(odd, sine, cosine);
+    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
+    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
 }
-#endif
-
-/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-#if HAS_TWO
-static EXPANDED two two_tan(two x)
-{
-    const two rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const two r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const two z = r*r;
-    const two sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
-        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const two cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
-        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const two_bits odd = 0 - (TWO_BITS(rounded) & 1);
-    return two_choose(odd, -cosine, sine)/two_choose(odd, sine, cosine);
-}
-#endif
 
 static inline double fast_tan(double x)
 {
-    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? ALONE(one_tan, two_tan, x) : tan(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_tan, x) : tan(x);
 }
 
 /* Derivatives of the forces by the inputs. */

@@ -1,4 +1,4 @@
-"""Groups of elementary calls: the same bits as call by call, with vector types of any width and without them."""
+"""Pairs of elementary calls: the same bits as call by call, with vector types and without them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import sympy as sp
 import tirefmu.generated
 from tirefmu.symbolic.models import model
 from tirefmu.symbolic.printers.definitions import INCLUDES, definitions
-from tirefmu.symbolic.printers.grouping import function_of, grouped
+from tirefmu.symbolic.printers.pairs import function_of, in_pairs
 from tirefmu.symbolic.printers.routines import Assignment, routines
 from tirefmu.tires.code.compiler import shared_library
 from tirefmu.tires.code.numpy_code import numpy_code
@@ -25,29 +25,28 @@ SINGLE = ("sin", "cos", "tan", "atan", "exp")
 #: Among arguments of every size, those that go to math.h: huge angles, zeros, subnormal numbers, infinities, NaN.
 SPECIAL = [0.0, -0.0, 5e-324, 1e-310, 1.0, -1.0, 1e7, 1.1e7, 1e300, -1e300, 700.0, -701.0, np.inf, -np.inf, np.nan]
 LOOP = "for (int i = 0; i < n; i++)\n        results[i] = "
-GROUPS = """
-void {kind}_at_once_{name}(const double x[], const double y[], double results[], int n)
+PAIRS = """
+void in_pairs_{name}(const double x[], const double y[], double results[], int n)
 {{
-    for (int i = 0; i < n; i += {count}) {{
-        const {kind} values = fast_{kind}_{name}({arguments});
-        for (int k = 0; k < {count}; k++)
-            results[i + k] = {upper}_AT(values, k);
+    for (int i = 0; i < n; i += 2) {{
+        const pair values = fast_pair_{name}({arguments});
+        for (int k = 0; k < 2; k++)
+            results[i + k] = PAIR_AT(values, k);
     }}
 }}
 """
 
 
 def source():
-    """Return functions that apply each elementary function to arrays: one, two and four numbers at a time."""
+    """Return functions that apply each elementary function to arrays: one number at a time, and in pairs."""
     head = "(const double x[], const double y[], double results[], int n)"
-    parts = [f"void one_at_once_{name}{head}\n{{\n    (void)y;\n    {LOOP}fast_{name}(x[i]);\n}}" for name in SINGLE]
-    parts.append(f"void one_at_once_pow{head}\n{{\n    {LOOP}fast_pow(x[i], y[i]);\n}}")
-    parts.append(f"void one_at_once_shifted_sin{head}\n{{\n    {LOOP}y[i] == 0.0 ? fast_sin(x[i]) : fast_cos(x[i]);\n}}")
-    for kind, count in (("two", 2), ("four", 4)):
-        for name in ("shifted_sin", "tan", "atan", "exp", "pow"):
-            lists = (", ".join(f"{array}[i + {k}]" for k in range(count)) for array in "xy")
-            columns = [f"{kind.upper()}({listed})" for listed in lists][: 2 if name in ("shifted_sin", "pow") else 1]
-            parts.append(GROUPS.format(kind=kind, name=name, count=count, upper=kind.upper(), arguments=", ".join(columns)))
+    parts = [f"void single_{name}{head}\n{{\n    (void)y;\n    {LOOP}fast_{name}(x[i]);\n}}" for name in SINGLE]
+    parts.append(f"void single_pow{head}\n{{\n    {LOOP}fast_pow(x[i], y[i]);\n}}")
+    parts.append(f"void single_shifted_sin{head}\n{{\n    {LOOP}y[i] == 0.0 ? fast_sin(x[i]) : fast_cos(x[i]);\n}}")
+    for name in ("shifted_sin", "tan", "atan", "exp", "pow"):
+        arrays = "xy" if name in ("shifted_sin", "pow") else "x"
+        arguments = ", ".join(f"PAIR({array}[i], {array}[i + 1])" for array in arrays)
+        parts.append(PAIRS.format(name=name, arguments=arguments))
     code = "\n".join(parts)
     return f"{INCLUDES}\n{definitions(code)}\n{code}"
 
@@ -59,16 +58,16 @@ def built(name, path, flags, headers=()):
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("groups")
-    path = folder / "groups.c"
+    folder = tmp_path_factory.mktemp("pairs")
+    path = folder / "pairs.c"
     path.write_text(source(), encoding="ascii")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TIREFMU_CACHE", str(folder / "cache"))
-        yield {build: built("groups", path, flags) for build, flags in BUILDS.items()}
+        yield {build: built("pairs", path, flags) for build, flags in BUILDS.items()}
 
 
 def arguments(name):
-    """Return numbers of every size, the special ones in every place of a group."""
+    """Return numbers of every size, the special ones in both places of a pair."""
     rng = np.random.default_rng(7)
     drawn = rng.choice([-1.0, 1.0], 400) * 10 ** rng.uniform(-12, 12, 400)
     usual = rng.uniform(-20.0, 20.0, 400)
@@ -81,7 +80,7 @@ def arguments(name):
 def applied(library, kind, name, x, y):
     results = np.empty_like(x)
     pointers = (array.ctypes.data_as(ctypes.c_void_p) for array in (x, y, results))
-    getattr(library, f"{kind}_at_once_{name}")(*pointers, len(x))
+    getattr(library, f"{kind}_{name}")(*pointers, len(x))
     return results
 
 
@@ -91,18 +90,18 @@ def bits(values):
 
 
 @pytest.mark.parametrize("name", ["shifted_sin", "tan", "atan", "exp", "pow"])
-def test_groups_are_single_calls_to_the_last_bit(library, name):
+def test_pairs_are_single_calls_to_the_last_bit(library, name):
     x, y = arguments(name)
-    single = bits(applied(library["plain"], "one", name, x, y))
+    single = bits(applied(library["plain"], "single", name, x, y))
     for build, code in library.items():
-        for kind in ("one", "two", "four"):
+        for kind in ("single", "in_pairs"):
             assert np.array_equal(bits(applied(code, kind, name, x, y)), single), (build, kind)
 
 
 def test_error_of_a_power_in_units_in_the_last_place(library):
     rng = np.random.default_rng(8)
     x, y = 10 ** rng.uniform(-60.0, 6.0, 400), rng.uniform(-2.0, 2.0, 400)
-    results = applied(library["plain"], "four", "pow", x, y)
+    results = applied(library["plain"], "in_pairs", "pow", x, y)
     with mpmath.workprec(160):
         exact = [mpmath.mpf(a) ** mpmath.mpf(b) for a, b in zip(x.tolist(), y.tolist(), strict=True)]
         errors = [abs((mpmath.mpf(r) - e) / e) for r, e in zip(results.tolist(), exact, strict=True)]
@@ -138,13 +137,13 @@ def test_every_statement_is_computed_once_after_what_it_needs(name):
     body = forces.get("forces_straight", forces["forces"]).body
     known = {symbol for a in body for symbol in a.expression.free_symbols} - {a.symbol for a in body}
     computed = {}
-    for group in grouped(body):
-        assert 1 <= len(group.members) <= 4
-        assert {function_of(member.expression) for member in group.members} == {group.function}
-        assert all(member.expression.free_symbols <= known for member in group.members)
-        assert not known & {member.symbol for member in group.members}
-        known |= {member.symbol for member in group.members}
-        computed |= {member.symbol: member.expression for member in group.members}
+    for members in in_pairs(body):
+        assert len({function_of(member.expression) for member in members}) == 1
+        assert len(members) == 1 or (len(members) == 2 and function_of(members[0].expression))
+        assert all(member.expression.free_symbols <= known for member in members)
+        assert not known & {member.symbol for member in members}
+        known |= {member.symbol for member in members}
+        computed |= {member.symbol: member.expression for member in members}
     lines = {assignment.symbol for assignment in body}
     for assignment in body:
         expression = computed[assignment.symbol]
@@ -153,9 +152,9 @@ def test_every_statement_is_computed_once_after_what_it_needs(name):
         assert expression == assignment.expression
 
 
-def test_calls_share_a_group_where_they_do_not_depend_on_each_other():
+def test_calls_share_a_pair_where_they_do_not_depend_on_each_other():
     x = sp.Symbol("x")
     names = sp.symbols("a b c d e")
     body = [Assignment(name, sp.cos((k + 2) * x)) for k, name in enumerate(names)]
-    sizes = [len(group.members) for group in grouped(body) if group.function]
-    assert sizes == [4, 1]
+    sizes = [len(members) for members in in_pairs(body) if function_of(members[0].expression)]
+    assert sizes == [2, 2, 1]
