@@ -170,7 +170,7 @@ def fit(
     if profiled and not result.interrupted:
         with terminal.counting("profile likelihood") as counted:
             result = profile(result, profiled, progress=counted, **spread)
-    chosen = [part for pair in (("--signs", signs), ("--where", where)) if pair[1] for part in pair]
+    chosen = [*(["--signs", signs] if signs else []), *(["--where", where] if where else [])]
     findings = _findings(result.tire, output, tables, recordings, chosen)
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     warned = {finding.text for finding in findings if finding.serious}
