@@ -2,9 +2,8 @@
 
     python benchmarks/streaming.py [--rows 1000000,10000000] [--json FILE]
 
-`tirefmu evaluate` and `tirefmu check` of the published MF96 tire, and `tirefmu fit` of an MF96 tire to its forces, each
-in a process of its own. The peak is the larger one of the command's process and of those that it starts (reader, FMU);
-their sum is smaller than twice the peak.
+`tirefmu evaluate` and `tirefmu check` of the published MF96 tire, each in a process of its own. The peak is the larger
+one of the command's process and of those that it starts (reader, FMU); their sum is smaller than twice the peak.
 """
 
 from __future__ import annotations
@@ -26,8 +25,6 @@ from tirefmu.tires import published
 
 #: Rows that are written at a time.
 PART = 250_000
-#: Options of the fit: as those of the published tire.
-NOMINAL = ("--nominal", "Fz0=1000,R0=0.23")
 #: Runs a command line in a process of its own and prints peak memory, kB, and CPU time, s, with those of its children.
 MEASURED = """
 import json, os, resource, sys
@@ -78,8 +75,7 @@ def main() -> None:
         for rows in map(int, given.rows.split(",")):
             write_tables(sweeps(rows), folder / "in.parquet")
             for arguments in (["evaluate", "tire.tir", "in.parquet", "-o", "out.parquet"],
-                              ["check", "tire.fmu", "in.parquet"],
-                              ["fit", "in.parquet", "--model", "mf96", "-o", "fitted.tir", *NOMINAL]):  # fmt: skip
+                              ["check", "tire.fmu", "in.parquet"]):  # fmt: skip
                 found = measured(arguments, folder)
                 runs.append({"command": f"`tirefmu {arguments[0]}`", "rows": rows, **found})
                 print(

@@ -12,9 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.measurements import TableLike, check_convention
-from tirefmu.measurements.excerpts import IN_MEMORY, STREAM_FROM, excerpts_from
-from tirefmu.measurements.large_table import LargeTable
+from tirefmu.measurements import TableLike, check_convention, recordings_from
 from tirefmu.measurements.provenance import table_digest
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import FitError, TirError, UnknownName, WrongType, no_single_text
@@ -45,7 +43,7 @@ FEATURES = "features"
 
 
 def fit(
-    tables: TableLike | LargeTable | Iterable[TableLike | LargeTable],
+    tables: TableLike | Iterable[TableLike],
     model: str | None = None,
     *,
     start: TireLike | None = None,
@@ -66,13 +64,12 @@ def fit(
     without_constraints: Collection[str] = (),
     checkpoint: str | Path | None = None,
     resume: bool = False,
-    stream_from: int = STREAM_FROM,
 ) -> FitResult:
     """Fit a tire to recordings of a test bench.
 
     Parameters
     ----------
-    tables : path, DataFrame, Recording or LargeTable, or a sequence of them
+    tables : path, DataFrame or Recording, or a sequence of them
         The data of one fit; recordings may have different sign conventions.
     model : str, optional
         By default the model of the start tire; without a start tire "mf61".
@@ -121,9 +118,6 @@ def fit(
         File in which completed stages are saved; it is removed when the fit is complete.
     resume : bool
         Continue after the stages in that file.
-    stream_from : int
-        Number of rows from which on a Parquet table stays in its file (`docs/data_desk.md`): the stages with all rows,
-        intervals and goodness of fit read it part by part; all else uses random rows, or an excerpt of 200,000 rows.
 
     Returns
     -------
@@ -166,15 +160,13 @@ def fit(
         raise FitError(f"loss {loss} is for method ipopt: {method} minimizes squares")
     if plan.scales and tire_given is None:
         raise FitError(f"recipe {plan.name} scales a given tire: a start tire is required (--start)")
-    recordings, large = excerpts_from(tables, signs=signs, stream_from=stream_from)
+    recordings = recordings_from(tables, signs=signs)
     if not recordings:
         raise FitError("no table to fit")
     for i in range(len(recordings)):
         check_convention(recordings[i])
     present = _effects(book, tire_given, effects, without)
-    if large and (states := book.states_of(present)):
-        raise FitError(f"the course of {', '.join(states)} needs all rows in memory ({IN_MEMORY})")
-    data = prepare(recordings, book, screening=screening, rows=rows, large=large)
+    data = prepare(recordings, book, screening=screening, rows=rows)
     names = [recording.source for recording in recordings]
     del recordings  # much memory, if the caller has no reference
     notes = list(data.notes)
@@ -227,7 +219,6 @@ def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str
     return {
         "version of tirefmu": version("tirefmu"),
         "data": table_digest(data.table.drop(columns=["included", "weight"])),
-        "rows in files": ",".join(str(each.table.rows) for each in data.stored.values()),
         "model": tire.model,
         "effects": ",".join(sorted(tire.has)),
         "recipe": repr(plan),

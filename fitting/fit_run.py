@@ -18,7 +18,7 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.property_file.names import assumed_lines, in_written_order
 from tirefmu.tires.tire import Tire
 
-from .constraints.physical import Constraint, chosen_constraints
+from .constraints.physical import Constraint, chosen_constraints, operating_range
 from .constraints.verification import VerifiedConstraints
 from .data.fit_data import FitData
 from .data.simulated_states import with_states
@@ -39,7 +39,6 @@ from .results.solved_stage import SolvedStage
 from .solvers.interruption import Interruption
 from .solvers.restarts import best_end
 from .solvers.selection import Solver
-from .stage_rows import ranges_of, rows_of_stage, selected
 from .stage_solution import StageSolver
 from .stiffness_targets import StiffnessTargets
 
@@ -82,7 +81,7 @@ class FitRun:
         self._interruption = interruption
         self._notes, self._solver = notes, solver
         self._emphasis = emphasis(self._data, tire.outputs)
-        self._ranges = ranges_of(data, tire.inputs)
+        self._ranges = operating_range(self._data, tire.inputs)
         self._constraints = VerifiedConstraints(
             tire, chosen_constraints(book.name) if constraints is None else constraints, self._ranges
         )
@@ -138,7 +137,7 @@ class FitRun:
             stage = self._plan.stages[end.stage]
             table, channels = self._table(stage)
             tire = replace(self._tire, values=end.values)
-            rows = rows_of_stage(stage, Rows.of(table, tire, channels), self._fit_data, tire, channels)
+            rows = _drawn(Rows.of(table, tire, channels), stage)
             self._ends.append((end, self._problem_of(stage, tire, rows, end.free)))
         self._tire = replace(self._tire, values=state.values)
         self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
@@ -158,7 +157,11 @@ class FitRun:
     def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
         """Return all rows of a stage, and its channels."""
         channels = self._channels_of(stage)
-        return selected(stage, self._data, channels), channels
+        chosen = stage.select(self._data)
+        if not channels:
+            return chosen[:0], channels
+        present = chosen[channels].notna().any(axis=1)
+        return chosen if present.all() else chosen[present], channels
 
     def _rows_of(self, table: pd.DataFrame, channels: Sequence[str]) -> Rows:
         """Return the rows of a table; those of all data have the inputs of one object."""
@@ -181,7 +184,7 @@ class FitRun:
         rows = self._rows_of(table, channels)
         self._set_initial_values(stage)
         bounds = {name: self._bounds(name, stage) for name in self._candidates(stage)}
-        part = rows_of_stage(stage, rows, self._fit_data, self._tire, channels)
+        part = _drawn(rows, stage)
         free = self._determined(bounds, part, stage)
         if not free:
             self._notes.append(f"stage {stage.name!r} skipped: its rows determine none of its coefficients")
@@ -192,8 +195,7 @@ class FitRun:
             del self._stages[solved:], self._ends[ended:]
             self._simulate_states(free)
             rows = self._rows_of(self._table(stage)[0], channels)
-            part = rows_of_stage(stage, rows, self._fit_data, self._tire, channels)
-            self._solve(stage, part, {name: self._bounds(name, stage) for name in free}, channels)
+            self._solve(stage, _drawn(rows, stage), {name: self._bounds(name, stage) for name in free}, channels)
 
     def _simulate_states(self, free: Collection[str]) -> None:
         """Put the course of the states of effects, simulated with the present values, into the data.
@@ -271,7 +273,7 @@ class FitRun:
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
-        if stage.rows is None or (len(rows) < stage.rows and not self._fit_data.stored):
+        if stage.rows is None or len(rows) < stage.rows:
             # A random sample has no correlation in time.
             self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))
         self._stages.append(
@@ -368,7 +370,7 @@ class FitRun:
             evidence=Residuals(table, tuple(sources), self._tire, self._tire.signs),
             covariance=covariance,
             prediction_covariance=complete,
-            solved=tuple(self._solved(*end) for end in self._ends) if not self._fit_data.stored else (),
+            solved=tuple(self._solved(*end) for end in self._ends),
         )  # fmt: skip
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:
@@ -396,3 +398,8 @@ class FitRun:
         return FittedCoefficient(
             name, declaration.unit, guess, lower, upper, value, at_bound, freed.determined, freed.stage
         )
+
+
+def _drawn(rows: Rows, stage: Stage) -> Rows:
+    """Return the random rows of a stage, or all of them."""
+    return rows.sample(stage.rows) if stage.rows else rows

@@ -116,15 +116,11 @@ class StageSolver:
         first = solve(sampled(self.problem, SAMPLE), start, local=True)
         if self.stop():
             return replace(first, cost=self.problem.cost(first.x), converged=False)
-        if not self.problem.rows.whole:  # to read a file takes longer than many steps with the rows in memory
-            last = first
-            first = solve(sampled(self.problem, len(self.problem.rows)), last.x, local=True)
-            first = replace(first, iterations=last.iterations + first.iterations)
         after = solve(self.problem, first.x, refine=True)  # near the optimum undamped steps are the shortest way
         return replace(after, iterations=first.iterations + after.iterations)
 
 
 def sampled(problem: Problem, n: int) -> Problem:
-    """Return a problem with n random rows, of about the same cost; with all that were drawn of rows in files."""
+    """Return a problem with n random rows, of about the same cost."""
     rows = problem.rows.sample(n)
     return replace(problem, rows=rows, weights=problem.weights * (len(problem.rows) / len(rows)))

@@ -2,13 +2,12 @@
 
 What is checked for a table in memory is checked for a survey of a large one: random rows, and the rows with the
 smallest and the largest value of each channel. So a single value beyond the limits of its channel is found; shares of
-rows and correlations are those of the random rows. What needs the course of time is computed from an excerpt: passages
-of consecutive rows.
+rows and correlations are those of the random rows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 
@@ -32,8 +31,6 @@ LARGE = 500_000
 PART = 50_000
 #: Random rows of a survey.
 SURVEYED = 200_000
-#: Rows of an excerpt, and of each of its passages: 25 s at 100 Hz, several sweeps of a slip.
-EXCERPT, PASSAGE = 200_000, 2_500
 
 
 class LargeTable:
@@ -64,12 +61,12 @@ class LargeTable:
         self.rows, self.columns = self._file.rows, tuple(column.name for column in self._file.columns)
 
     @classmethod
-    def of(cls, path: Path, signs: str | None = None, *, least: int | None = None) -> LargeTable | None:
-        """Return the table of a file; None if it is no Parquet table with `least` rows, by default `LARGE`."""
+    def of(cls, path: Path, signs: str | None = None) -> LargeTable | None:
+        """Return the table of a file; None if it is no Parquet table with at least `LARGE` rows."""
         if path.suffix.lower() != ".parquet" or not path.is_file():
             return None
         table = cls(path, signs or "iso")
-        return table if table.rows >= (LARGE if least is None else least) else None
+        return table if table.rows >= LARGE else None
 
     def rows_are_independent(self, tire: Tire, *, steady: bool = False) -> bool:
         """Return whether the result of a tire in a row depends on that row only, so that parts can be evaluated.
@@ -85,8 +82,8 @@ class LargeTable:
         rolled = "distance" in tire.inputs and "distance" not in self.columns
         return not rolled and (steady or not (tire.lags or tire.states))
 
-    def parts(self, most: int | None = None) -> Iterator[pd.DataFrame]:
-        """Yield the rows in their order, `most` at most at a time, by default `PART`.
+    def parts(self) -> Iterator[pd.DataFrame]:
+        """Yield the rows in their order, `PART` at most at a time.
 
         Raises
         ------
@@ -95,7 +92,7 @@ class LargeTable:
             changed.
         """
         count = 0
-        for start, table in self._file.tables(PART if most is None else most):
+        for start, table in self._file.tables(PART):
             self._check_finite(table, start)
             yield table
             count += len(table)
@@ -120,41 +117,9 @@ class LargeTable:
             for name in CHANNELS:
                 if name in table and table[name].notna().any():
                     _update_extremes(extremes, table, name)
-        return self._checked([*chosen, *(row for _, row in extremes.values())])
-
-    @cached_property
-    def excerpt(self) -> Recording:
-        """Passages of the table after all checks, in the order of the rows: one at random in each equal part of it.
-
-        The whole table if it has `EXCERPT` rows or fewer.
-
-        Raises
-        ------
-        DataError
-            As `survey`.
-        """
-        check_names(self.columns, str(self._path))
-        edges = np.linspace(0, self.rows, EXCERPT // PASSAGE + 1).astype(np.int64)
-        spare = np.maximum(np.diff(edges) - PASSAGE, 0)
-        starts = edges[:-1] + (np.random.default_rng(0).random(len(spare)) * (spare + 1)).astype(np.int64)
-        chosen, first = [], 0
-        for table in self.parts():
-            rows = np.arange(first, first + len(table))
-            before = np.searchsorted(starts, rows, side="right") - 1  # the passage that begins at or before a row
-            inside = (before >= 0) & (rows < starts[before] + PASSAGE)
-            chosen.append(table[inside] if self.rows > EXCERPT else table)
-            first += len(table)
-        return self._checked(chosen)
-
-    @property
-    def name(self) -> str:
-        """The name of the file."""
-        return self._path.name
-
-    def _checked(self, rows: Sequence[pd.DataFrame]) -> Recording:
-        """Return the recording of some of the rows after checks of their values."""
+        rows = pd.concat([*chosen, *(row for _, row in extremes.values())], ignore_index=True)
         declared = " ".join(column.name for column in self._file.columns if column.unit is not None)
-        recording = Recording(pd.concat(rows, ignore_index=True), self.signs, self.name, {"declared": declared})
+        recording = Recording(rows, self.signs, self._path.name, {"declared": declared})
         check_plausible(recording)
         return recording
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -18,8 +17,6 @@ from tirefmu.measurements import (
     group_by_condition,
     identity_notes,
 )
-from tirefmu.measurements.excerpts import IN_MEMORY
-from tirefmu.measurements.large_table import LargeTable
 from tirefmu.measurements.operating_conditions.held_levels import held_levels
 from tirefmu.measurements.operating_conditions.phases import Motions, motions_of
 from tirefmu.measurements.quality.row_exclusion import check_inputs
@@ -27,7 +24,6 @@ from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
 from .same_tire import tire_notes
-from .stored_recording import StoredRecording
 
 #: The inputs of which at least one has to vary by `LEAST_VARIATION` for a channel to be fitted; none for My.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
@@ -36,10 +32,6 @@ LEAST_VARIATION = 0.01
 #: condition with each channel of a recording weighted by its effective sample size, or as for conditions with errors
 #: relative to the load.
 ROWS = ("condition", "equal", "independent", "load")
-#: Random rows of recordings that are too large for the memory, from which samples of stages are drawn.
-DRAWN = 100_000
-#: Rows that are evaluated at a time.
-PART = 65_536
 #: Smallest load, relative to the largest, to which errors are relative. Judgement: a row near lift-off is all noise.
 LEAST_LOAD = 0.1
 
@@ -85,34 +77,18 @@ class FitData:
         Implausible data, missing information, channels that are not fitted.
     rows : str
         Weights of rows: a name of `ROWS`.
-    stored : dict of int to StoredRecording
-        Recordings that are too large for the memory, by number: `table` contains excerpts of them.
-    drawn : pandas.DataFrame
-        If there are such recordings, random ones of the fitted rows of all recordings, `DRAWN` of all of them.
     """
 
     table: pd.DataFrame
     excluded_rows: tuple[ExcludedRows, ...]
     notes: tuple[str, ...]
     rows: str = "condition"
-    stored: Mapping[int, StoredRecording] = field(default_factory=dict)
-    drawn: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
     def fitted(self) -> pd.DataFrame:
         """The included rows."""
         included = self.table["included"].to_numpy()
         return self.table if included.all() else self.table[included]
-
-    def parts(self, recording: int) -> Iterator[pd.DataFrame]:
-        """Yield all rows of a recording by its number, some at a time, with the columns of the table."""
-        if recording in self.stored:
-            for part in self.stored[recording].parts():
-                yield part if part.columns.equals(self.table.columns) else part.reindex(columns=self.table.columns)
-            return
-        first, stop = np.searchsorted(self.table["recording"].to_numpy(), [recording, recording + 1])
-        for start in range(first, stop, PART):
-            yield self.table.iloc[start : min(start + PART, stop)]
 
 
 def prepare(
@@ -121,7 +97,6 @@ def prepare(
     *,
     screening: bool = True,
     rows: str = "condition",
-    large: Mapping[int, LargeTable] = MappingProxyType({}),
 ) -> FitData:
     """Combine recordings in one table, mark excluded rows, and set the weights of rows.
 
@@ -133,8 +108,6 @@ def prepare(
         Whether to exclude rows (`tirefmu.measurements.exclude_rows`).
     rows : str
         Weights of rows: a name of `ROWS`.
-    large : mapping of int to LargeTable
-        The tables of which recordings, by number, are excerpts. They are read once.
 
     Returns
     -------
@@ -147,12 +120,10 @@ def prepare(
     DataError
         If a recording has no measured output, or every row is excluded.
     FitError
-        If no output varies over a varying slip, or weights of this name need all rows in memory.
+        If no output varies over a varying slip.
     """
     if rows not in ROWS:
         raise UnknownName("weighting of rows", rows, ROWS)
-    if large and rows == "load":
-        raise FitError(f"rows {rows!r} needs all rows in memory ({IN_MEMORY})")
     tables: list[pd.DataFrame] = []
     excluded_rows: list[ExcludedRows] = []
     for each in recordings:
@@ -160,32 +131,18 @@ def prepare(
     notes = [note for each in recordings for note in coverage_notes(each)]
     notes += identity_notes(recordings) or tire_notes(recordings)
     unfitted: list[str] = []
-    segments, stored = 0, dict[int, StoredRecording]()
-    share = DRAWN / sum(large[n].rows if n in large else len(each) for n, each in enumerate(recordings))
+    segments = 0
     for number, recording in enumerate(recordings):
         if screening:
             check_inputs(recording)  # before they are compared with levels
         motions = motions_of(recording) if screening or rows != "equal" else None
         included, found = _screened(recording, motions) if screening else (np.ones(len(recording), dtype=np.bool_), ())
-        excluded_rows += found if number not in large else ()
+        excluded_rows += found
         weight = _weights(recording, included, rows, motions)
         segment = recording.segment_numbers() + segments
         segments = int(segment[-1]) + 1
-        table, unfitted_channels = _without_information(recording.with_signs("adapted-sae").table, included, book)
-        unfitted += [f"{recording.source}: {note}" for note in unfitted_channels.values()]
-        if number in large:
-            stored[number] = own = StoredRecording.screened(
-                large[number], number, [*unfitted_channels], screening=screening, rows=rows, share=share
-            )
-            notes.append(
-                f"{recording.source}: its {large[number].rows:,} rows are read from the file part by part; early "
-                f"stages use {DRAWN:,} random rows; initial values, findings and figures are of an excerpt of "
-                f"{len(recording):,} rows"
-            )
-            excluded_rows += [
-                ExcludedRows(recording.source, reason, EXCLUSION_REASONS[reason], count, large[number].rows, ())
-                for reason, count in own.counts.items()
-            ]
+        table, unfitted_here = _without_information(recording.with_signs("adapted-sae").table, included, book)
+        unfitted += [f"{recording.source}: {note}" for note in unfitted_here]
         tables.append(table.assign(recording=number, segment=segment, included=included, weight=weight))
     data = pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0].reset_index(drop=True)
     if not data["included"].any():
@@ -195,16 +152,7 @@ def prepare(
         raise FitError(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
-    drawn = _drawn(data, stored, share) if stored else pd.DataFrame()
-    return FitData(data, tuple(excluded_rows), (*notes, *unfitted), rows, stored, drawn)
-
-
-def _drawn(table: pd.DataFrame, stored: Mapping[int, StoredRecording], share: float) -> pd.DataFrame:
-    """Return random rows of all recordings, in their order."""
-    numbers, random = table["recording"].to_numpy(), np.random.default_rng(0)
-    kept = table["included"].to_numpy() & (random.random(len(table)) < share) & ~np.isin(numbers, list(stored))
-    parts = [table[kept], *(each.drawn.reindex(columns=table.columns) for each in stored.values())]
-    return pd.concat([part for part in parts if len(part)], ignore_index=True)
+    return FitData(data, tuple(excluded_rows), (*notes, *unfitted), rows)
 
 
 def _weights(
@@ -243,24 +191,24 @@ def _screened(recording: Recording, motions: Motions | None) -> tuple[npt.NDArra
 
 def _without_information(
     table: pd.DataFrame, included: npt.NDArray[np.bool_], book: Model
-) -> tuple[pd.DataFrame, dict[str, str]]:
+) -> tuple[pd.DataFrame, list[str]]:
     """Set channels to NaN that have no information in a recording: the slip or the channel does not vary.
 
     A channel of zeros has no scale for its noise, and no Magic Formula has a constant force over a varying slip.
-    Returns notes on these channels, too, by channel.
+    Returns notes on these channels, too.
     """
-    notes = {}
+    notes = []
     fitted = table if included.all() else table[included]
     for channel in (quantity.name for quantity in book.outputs if quantity.name in table):
         by = EXCITED_BY[channel]
         if by and not any(slip in table and _width(fitted[slip]) >= LEAST_VARIATION for slip in by):
             table = table.assign(**{channel: np.nan})
-            notes[channel] = f"{channel} is not fitted, {' or '.join(by)} does not vary there"
+            notes.append(f"{channel} is not fitted, {' or '.join(by)} does not vary there")
             continue
         values = fitted[channel].dropna().to_numpy(dtype=float)
         if len(values) and np.ptp(values) == 0.0 and (by or values[0] == 0.0):
             table = table.assign(**{channel: np.nan})
-            notes[channel] = f"{channel} is not fitted, it is {values[0]:.4g} in every row"
+            notes.append(f"{channel} is not fitted, it is {values[0]:.4g} in every row")
     return table, notes
 
 

@@ -230,7 +230,7 @@ def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, F
                 over = np.abs(own) / problem.limits[group, channel]
                 own, slope = own * problem.loss.weight(over), float(np.mean(problem.loss.slope(over)))
             length, variance = correlation_length(own, rows.segment[present[channel]]), float(np.mean(own**2))
-            effective[group, channel] = len(own) * rows.represented[group] / length
+            effective[group, channel] = len(own) / length
             curvature[np.ix_(free, free)] += slope * squares
             noise[channel] = variance, NoiseCorrelation.of(own, rows.segment[present[channel]], length)
             noise_of_rows[group, channel] = length * variance * problem.weights[group, channel]

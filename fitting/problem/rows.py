@@ -1,8 +1,8 @@
-"""Measured rows of a least-squares problem, in memory or in a file, which are gone through block by block."""
+"""Measured rows of a least-squares problem, which are gone through block by block."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -74,22 +74,8 @@ class Rows:
     def __len__(self) -> int:
         return len(self.measured)
 
-    @property
-    def whole(self) -> bool:
-        """Whether the arrays are all rows; otherwise they are some of them (`StoredRows`)."""
-        return True
-
-    @property
-    def represented(self) -> FloatArray:
-        """Number of rows for each row of the arrays, by recording, shape (n_groups,)."""
-        return np.ones(int(self.group.max(initial=0)) + 1)
-
     def blocks(self) -> Iterator[Rows]:
-        """Yield all rows in their order, `BLOCK` at most at a time."""
-        return self.slices()
-
-    def slices(self) -> Iterator[Rows]:
-        """Yield the rows of the arrays in their order, `BLOCK` at most at a time, without a copy."""
+        """Yield the rows in their order, `BLOCK` at most at a time, without a copy."""
         for start in range(0, len(self.group), BLOCK):
             rows = slice(start, start + BLOCK)
             yield Rows(
@@ -136,53 +122,3 @@ class Rows:
             self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen],
             self.weight[chosen],
         )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class StoredRows(Rows):
-    """Rows in files. The arrays are a survey of them: whole passages, in which residuals are correlated as in all rows.
-
-    Attributes
-    ----------
-    parts : callable
-        Takes the number of a recording, and yields its rows, some at a time.
-    totals : dict of int to int
-        Number of rows of each recording.
-    drawn : Rows
-        Random ones of all rows.
-    """
-
-    parts: Callable[[int], Iterator[Rows]] = field(kw_only=True)
-    drawn: Rows = field(kw_only=True)
-    totals: dict[int, int] = field(kw_only=True)
-
-    def __len__(self) -> int:
-        return sum(self.totals.values())
-
-    @property
-    def whole(self) -> bool:
-        """Whether the arrays are all rows: they are a survey."""
-        return False
-
-    @property
-    def represented(self) -> FloatArray:
-        """Number of rows for each row of the arrays, by recording, shape (n_groups,)."""
-        counts = np.bincount(self.group)
-        totals = np.array([self.totals.get(number, 0) for number in range(len(counts))])
-        return np.asarray(totals / np.maximum(counts, 1))
-
-    def blocks(self) -> Iterator[Rows]:
-        """Yield all rows in their order, `BLOCK` at most at a time."""
-        for number in self.totals:
-            for part in self.parts(number):
-                yield from part.slices()
-
-    def sample(self, n: int, seed: int = 0) -> Rows:
-        """Return n random rows, in their order; all that were drawn if they are no more."""
-        return self.drawn.sample(n, seed)
-
-    def of_recording(self, group: int) -> StoredRows:
-        """Return the rows of one recording."""
-        own = self.take(np.flatnonzero(self.group == group))
-        arrays = {name: getattr(own, name) for name in ("inputs", "measured", "group", "segment", "weight")}
-        return replace(self, **arrays, totals={group: self.totals[group]})

@@ -1,7 +1,7 @@
 """The least-squares problem: measured rows, weights, free coefficients; cost, gradient, Gauss-Newton matrix.
 
 All signs are adapted SAE, the convention of the bounds in declarations and recipes. Rows are gone through in blocks, so
-that many of them need little memory beyond their own, and rows in files no more than a block.
+that many of them need little memory beyond their own.
 """
 
 from __future__ import annotations
@@ -103,7 +103,6 @@ class Problem:
         self._applied: FloatArray | None = None  # the weights of the next attributes
         self._only: _Block | None = None  # all rows, if they are few
         self._latest: tuple[FloatArray, float, tuple[FloatArray, FloatArray] | None] | None = None
-        self._equations: tuple[FloatArray, list[Part]] | None = None
 
     def __reduce__(self) -> tuple[type[Problem], tuple[object, ...]]:
         """Let other processes build the problem from its arguments: compiled code cannot be sent."""
@@ -180,8 +179,6 @@ class Problem:
     def by_output(self, x: FloatArray) -> list[Part]:
         """Return the contribution of each weighted output: its index, its free coefficients, gradient and matrix."""
         self._follow_weights()
-        if self._equations is not None and np.array_equal(self._equations[0], x):
-            return self._equations[1]
         parameters, entries = self.parameters(x), [entries for entries, _ in self._entries]
         cost, sums = 0.0, dict[int, tuple[FloatArray, FloatArray]]()
         for block, own_cost, root, residual in self._residuals(x):
@@ -199,8 +196,6 @@ class Problem:
             parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
         if not self._kept(x):
             self._latest = x.copy(), cost, None
-        if not self.rows.whole:
-            self._equations = x.copy(), parts
         return parts
 
     def jacobian_chunks(
@@ -221,13 +216,13 @@ class Problem:
                 yield block.segment[chunk], block.root[:, chunk], chosen
 
     def residual(self, x: FloatArray) -> FloatArray:
-        """Return computed minus measured of the rows in memory, shape (n_forces, n).
+        """Return computed minus measured of the rows, shape (n_forces, n).
 
         It is 0 if a channel was not measured or has no weight.
         """
         parameters, found = self.parameters(x), np.zeros(self.rows.measured.T.shape)
         start = 0
-        for block in self._blocks(self.rows.slices()):
+        for block in self._blocks():
             stop = start + len(block.group)
             residual = self._residual(block, parameters)
             for output in block.present:  # zeros that nobody writes need no memory
@@ -237,8 +232,6 @@ class Problem:
 
     def _cost_of_rows(self, x: FloatArray) -> float:
         self._follow_weights()
-        if not self.rows.whole:
-            self.by_output(x)  # to read the rows takes longer than their derivatives
         if not self._kept(x):
             cost = sum(own for _, own, _, _ in self._residuals(x))
             if not self._kept(x):
@@ -284,13 +277,13 @@ class Problem:
     def _follow_weights(self) -> None:
         """Forget what was computed with earlier `weights`."""
         if self._applied is not self.weights:
-            self._applied, self._only, self._latest, self._equations = self.weights, None, None, None
+            self._applied, self._only, self._latest = self.weights, None, None
 
-    def _blocks(self, blocks: Iterator[Rows] | None = None) -> Iterator[_Block]:
-        """Go through blocks of rows, by default of all; few rows are one block, which is made once."""
+    def _blocks(self) -> Iterator[_Block]:
+        """Go through blocks of rows; few rows are one block, which is made once."""
         self._follow_weights()
-        if not self.rows.whole or len(self.rows) > BLOCK:
-            yield from map(self._block, self.rows.blocks() if blocks is None else blocks)
+        if len(self.rows) > BLOCK:
+            yield from map(self._block, self.rows.blocks())
             return
         if self._only is None:
             self._only = self._block(self.rows)

@@ -75,7 +75,7 @@ def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = 
     """
     weights, robust = np.zeros_like(problem.weights), np.isfinite(problem.loss.constant)
     weighted_rows = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
-    count = problem.rows.represented[problem.rows.group] @ weighted_rows.sum(axis=1)
+    count = weighted_rows.sum()
     for group, channel, residual, least in _by_channel(problem, x):
         deviation = robust_scale(residual) if robust else float(np.sqrt(np.mean(residual**2)))
         weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * count)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -39,9 +39,8 @@ def channel_fits(
     units = {quantity.name: quantity.unit for quantity in tire.book.outputs}
     found = []
     for number, name in enumerate(sources):
-        every, included = _moments(data.parts(number), tire, fitted)
         table = data.table if len(sources) == 1 else data.table[data.table["recording"] == number]
-        floors = _floors(table, tire, fitted)
+        every, included, floors = _compared(table, tire, fitted)
         for index, channel in enumerate(tire.outputs):
             n, rmse, r2, uncentred = every[index].quality
             if n:
@@ -53,27 +52,20 @@ def channel_fits(
     return tuple(found)
 
 
-def _moments(parts: Iterable[pd.DataFrame], tire: Tire, fitted: Sequence[str]) -> tuple[list[Moments], list[Moments]]:
-    """Return the sums of each output over all rows, and over the included ones."""
+def _compared(
+    table: pd.DataFrame, tire: Tire, fitted: Sequence[str]
+) -> tuple[list[Moments], list[Moments], dict[str, NoiseFloor]]:
+    """Return the sums of each output over all rows and over the included ones, and noise floors of fitted channels."""
     every = [Moments() for _ in tire.outputs]
     included = list(every)
-    for part in parts:
-        rows, own = Rows.of(part, tire, fitted), part["included"].to_numpy()
-        computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
-        for index, measured in enumerate(rows.measured.T):
-            every[index] += Moments.of(measured, computed[index])
-            included[index] += Moments.of(measured[own], computed[index][own])
-    return every, included
-
-
-def _floors(table: pd.DataFrame, tire: Tire, fitted: Sequence[str]) -> dict[str, NoiseFloor]:
-    """Return the noise floor of each channel that was fitted."""
     residuals = {channel: np.empty(len(table)) for channel in fitted}
     for start in range(0, len(table), BLOCK):
-        chunk = slice(start, start + BLOCK)
-        rows = Rows.of(table.iloc[chunk], tire, fitted)
+        part = table.iloc[start : start + BLOCK]
+        rows, own = Rows.of(part, tire, fitted), part["included"].to_numpy()
         computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
-        for channel, residual in residuals.items():
-            index = tire.outputs.index(channel)
-            residual[chunk] = rows.measured[:, index] - computed[index]
-    return noise_floor(table, residuals, with_history=False)
+        for index, (channel, measured) in enumerate(zip(tire.outputs, rows.measured.T, strict=True)):
+            every[index] += Moments.of(measured, computed[index])
+            included[index] += Moments.of(measured[own], computed[index][own])
+            if channel in residuals:
+                residuals[channel][start : start + BLOCK] = measured - computed[index]
+    return every, included, noise_floor(table, residuals, with_history=False)

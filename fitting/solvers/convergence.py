@@ -73,13 +73,13 @@ def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
     least : float
     effective_rows : float
     """
-    residual, signal, effective, represented = problem.residual(x), 0.0, 0.0, problem.rows.represented
+    residual, signal, effective = problem.residual(x), 0.0, 0.0
     for group, channel in np.argwhere(problem.weights > 0):
         rows = (problem.rows.group == group) & np.isfinite(problem.rows.measured[:, channel])
         if rows.any():
             squares = np.sum(problem.rows.weight[rows] * problem.rows.measured[rows, channel] ** 2)
-            signal += 0.5 * float(problem.weights[group, channel] * squares) * represented[group]
-            effective += effective_sample_size(residual[channel, rows], problem.rows.segment[rows]) * represented[group]
+            signal += 0.5 * float(problem.weights[group, channel] * squares)
+            effective += effective_sample_size(residual[channel, rows], problem.rows.segment[rows])
     return LEAST_NOISE**2 * signal, effective
 
 

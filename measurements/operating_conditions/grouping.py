@@ -90,54 +90,6 @@ def _factors(
     return factor
 
 
-def weights_of_parts(parts: Sequence[Grouping], counts: Sequence[NDArray[np.intp]]) -> list[NDArray[np.float64]]:
-    """Return the weight of a row of each condition of each part of a recording, as if it had been grouped as a whole.
-
-    Conditions of different parts are the same if the same inputs were swept and their levels are equal within the
-    tolerance. The swept range is the largest one of the parts.
-
-    Parameters
-    ----------
-    parts : sequence of Grouping
-    counts : sequence of ndarray of int, shape (n_conditions,)
-        For each part, the number of rows to weight in each condition.
-
-    Returns
-    -------
-    list of ndarray, shape (n_conditions,)
-        With mean 1 over these rows.
-
-    Examples
-    --------
-    >>> one, other = (Grouping(np.zeros(n, int), ((("Fz", load),),)) for n, load in ((300, 900.0), (100, 1800.0)))
-    >>> [each.round(3).tolist() for each in weights_of_parts([one, other], [one.counts, other.counts])]
-    [[0.667], [2.0]]
-    """
-    listed = [
-        (moving, dict(condition))
-        for part in parts
-        for moving, condition in zip(part.moving or ((),) * len(part.conditions), part.conditions, strict=True)
-    ]
-    numbers = {name: _equal_levels(name, [at[name] for _, at in listed if name in at]) for name in CONTROLLED_INPUTS}
-    keys = [(moving, tuple((name, numbers[name][level]) for name, level in at.items())) for moving, at in listed]
-    index = {key: number for number, key in enumerate(dict.fromkeys(keys))}
-    label = np.array([index[key] for key in keys], dtype=np.intp)
-    every, extent = np.concatenate(counts), np.zeros(len(index))
-    own = np.concatenate([part.extent if len(part.extent) else np.ones(len(part.conditions)) for part in parts])
-    np.maximum.at(extent, label, own)
-    factor = _factors(np.bincount(label, every, len(index)), extent, [moving for moving, _ in index])[label]
-    factor /= (factor @ every) / max(every.sum(), 1)
-    return np.split(factor, np.cumsum([len(each) for each in counts])[:-1])
-
-
-def _equal_levels(name: str, found: Sequence[float]) -> dict[float, int]:
-    """Return a number for each level of an input, the same one for levels that are equal within the tolerance."""
-    ordered = np.unique(found)
-    tolerance = level_tolerance(ordered, name) or 1.0
-    number = np.cumsum(np.diff(ordered, prepend=ordered[:1]) > tolerance)
-    return dict(zip(ordered.tolist(), number.tolist(), strict=True))
-
-
 def group_by_condition(
     recording: Recording, *, most_levels: int | None = None, motions: Motions | None = None
 ) -> Grouping:

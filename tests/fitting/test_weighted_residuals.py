@@ -9,11 +9,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.fitting.evidence.uncertainty import sandwich
+from tirefmu.fitting.problem import rows as rows_module
 from tirefmu.fitting.problem import weighted_residuals as module
 from tirefmu.fitting.problem.loss import LOSSES
 from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.problem.weights import LEAST_NOISE, emphasis, equal_weights, limits_of, noise_weights
+from tirefmu.fitting.solvers.convergence import noise_of
 from tirefmu.tires.code import code_for, fastest_code
 from tirefmu.tires.code.normal_equations import equations_by_chunks
 
@@ -224,3 +227,21 @@ def test_a_sample_is_random_and_reproducible(problem):
     np.testing.assert_array_equal(one.group, rows.group[indices])
     assert rows.sample(60) is rows
     assert rows.sample(99) is rows
+
+
+@pytest.mark.parametrize("loss", ["squares", "cauchy"])
+def test_blocks_of_rows_are_all_rows(problem, x, loss, monkeypatch):
+    """Cost, derivatives, residuals, weights, noise and intervals do not depend on the size of a block."""
+
+    def computed():
+        rows = replace(problem.rows, weight=np.random.default_rng(0).uniform(0.5, 1.5, len(problem.rows)))
+        one = replace(problem, rows=rows, weights=equal_weights(rows), loss=LOSSES[loss])
+        one.weights = noise_weights(one, x)
+        one.limits = limits_of(one, x)
+        return [one.weights, *one.derivatives(x), one.residual(x), *sandwich(one, x), noise_of(one, x)]
+
+    whole = computed()
+    for each in (rows_module, module):
+        monkeypatch.setattr(each, "BLOCK", 7)
+    for expected, found in zip(whole, computed(), strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * np.max(np.abs(expected)))

@@ -6,12 +6,9 @@ import json
 import subprocess
 import sys
 
-import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.commands.fit_command import fit
-from tirefmu.measurements.excerpts import STREAM_FROM
 from tirefmu.tires.signs import convert_signs
 
 from .conftest import EFFECTS
@@ -163,20 +160,3 @@ def test_the_tables_are_short_unless_all_is_requested(chain, command, bench_csv,
     assert stages[0] == "preparing the fit"
     assert stages[-1] == "evidence and intervals"
     assert len(stages) == 2 + len(found["stages"])
-
-
-@pytest.mark.parametrize("option", [("--bootstrap", "200"), ("--cross-validate", "3"), ("--profile", "PDY1")])
-def test_what_needs_all_rows_in_memory_is_refused_for_a_table_that_stays_in_its_file(command, tmp_path, option):
-    pytest.importorskip("pyarrow", reason="Parquet needs pyarrow")
-    alpha = np.linspace(-0.2, 0.2, 100)
-    table = pd.DataFrame({"alpha": alpha, "Fz": 900.0, "Fy": -1500.0 * np.tanh(20.0 * alpha)})
-    table.to_parquet(tmp_path / "in.parquet")
-    outcome = command("fit", tmp_path / "in.parquet", "-o", tmp_path / "out.tir", "--stream-from", "50", *option)
-    assert outcome.status == 2
-    assert "need all rows in memory (--stream-from" in outcome.err
-    assert not (tmp_path / "out.tir").exists()
-
-
-def test_the_command_and_the_function_leave_the_same_tables_in_their_files():
-    (option,) = (each for each in fit.params if each.name == "stream_from")
-    assert option.default == STREAM_FROM

@@ -177,19 +177,3 @@ def test_an_fmu_is_checked_in_parts(command, published_fmu, recorded, tmp_path, 
     for name in ("rmse", "relative_rmse", "r2", "r2_uncentred"):
         assert found["channels"]["Fy"].pop(name) == pytest.approx(expected["channels"]["Fy"].pop(name), rel=1e-12)
     assert found == expected
-
-
-def test_an_excerpt_has_whole_passages_of_every_part_of_the_table(rows, tmp_path, monkeypatch):
-    monkeypatch.setattr(large_table, "EXCERPT", 300)
-    monkeypatch.setattr(large_table, "PASSAGE", 30)
-    write_table(rows.assign(t=np.arange(ROWS) / 100.0), tmp_path / "in.parquet")
-    found = LargeTable.of(tmp_path / "in.parquet").excerpt.table
-    numbers = np.round(100.0 * found["t"].to_numpy()).astype(int)
-    assert len(found) == 300
-    passages = numbers.reshape(10, 30)
-    assert (np.diff(passages, axis=1) == 1).all()
-    assert (passages // 90 == np.arange(10)[:, None]).all()
-    pd.testing.assert_frame_equal(found[["alpha", "Fz"]], rows.loc[numbers, ["alpha", "Fz"]].reset_index(drop=True))
-    monkeypatch.setattr(large_table, "EXCERPT", ROWS)
-    whole = LargeTable.of(tmp_path / "in.parquet").excerpt.table
-    np.testing.assert_array_equal(whole["alpha"], rows["alpha"])

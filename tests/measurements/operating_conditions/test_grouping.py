@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tirefmu.measurements import Grouping, Recording, VirtualBench, alpha_sweeps, concatenate, group_by_condition
-from tirefmu.measurements.operating_conditions.grouping import weights_of_parts
 from tirefmu.tires import published
 
 
@@ -108,22 +107,3 @@ def test_measured_files_are_grouped_by_their_conditions(data_folder):
         assert of_sweeps.sum() == conditions
         assert groups.counts[of_sweeps].min() > fewest
         assert groups.counts[~of_sweeps].sum() < 50  # one change of load that was not cut out
-
-
-@pytest.mark.parametrize("split", [3, 5])
-def test_weights_of_parts_are_those_of_the_whole_recording(split):
-    """Sweeps at three loads, those at the first one five times: parts that end between sweeps change no weight."""
-    bench = VirtualBench(published("trento_hoosier"))
-    loads = [500.0] * 5 + [800.0, 1100.0]
-    sweeps = [bench.run(alpha_sweeps([load], sample_rate=20.0)).table for load in loads]
-    for number, sweep in enumerate(sweeps):
-        sweep["t"] += 1000.0 * number
-    whole = group_by_condition(Recording(pd.concat(sweeps, ignore_index=True), "iso", "run.csv"))
-    parts = [
-        group_by_condition(Recording(pd.concat(some, ignore_index=True), "iso", "run.csv"))
-        for some in (sweeps[:split], sweeps[split:])
-    ]
-    weights = weights_of_parts(parts, [each.counts for each in parts])
-    found = np.concatenate([weight[part.labels] for weight, part in zip(weights, parts, strict=True)])
-    np.testing.assert_allclose(found, whole.weights(), rtol=1e-12)
-    assert found.min() < 0.7 < 1.0 < found.max()  # the weights have something to do
