@@ -40,7 +40,7 @@ pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider set
 
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read, a million random calls of hub FMUs; a traceback is printed if a test hangs for a minute
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
-	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fmu/test_robustness.py tests/fmu/test_sti_file.py -k "random_calls or random_faults" $(PYTEST_ARGS)
+	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fmu/test_robustness.py -k random_calls $(PYTEST_ARGS)
 
 mutants: $(VENV)/installed-dev  ## 33 single-line faults in a copy of the tree: lists those that the nearest tests miss
 	$(BIN)/python benchmarks/mutants.py $(MUTANTS_ARGS)
@@ -79,8 +79,7 @@ wheel: $(VENV)/installed prebuilt  ## the wheel with these binaries in dist
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
 
 sanitize: $(VENV)/installed-dev  ## the FMU's C code under AddressSanitizer and UBSan: invalid calls, malformed values
-	TIREFMU_SANITIZE=1 $(BIN)/pytest tests/fmu/test_robustness.py tests/fmu/test_prebuilt.py \
-		tests/fmu/test_sti_file.py -k "robust or prebuilt or random" $(PYTEST_ARGS)
+	TIREFMU_SANITIZE=1 $(BIN)/pytest tests/fmu/test_robustness.py tests/fmu/test_prebuilt.py $(PYTEST_ARGS)
 
 examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, and a vehicle on four tire FMUs
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"

@@ -11,18 +11,11 @@ from tirefmu.tires.code.modules import c_folder
 from ..description.interface import Interface
 from ..description.model_description import xml_bytes
 from .model_code import model_files, split_code
-from .tir_keys import tir_keys
 from .written_headers import model_config, tire_values
 
 #: The translation units of the wrapper, by FMI version; those of the Standard Tyre Interface.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c", "arrays.c")}
 STI = ("sti.c", "sti_entries.c")
-#: The source of a library's tire: compiled in, or read from the property file that the host names.
-STI_VALUES = {False: ("sti_built_in.c",), True: ("sti_file.c", "tir_text.c", "tir_entries.c", "tir_tire.c")}
-STI_HEADERS = {
-    False: ("sti.h", "sti_values.h"),
-    True: ("sti.h", "sti_values.h", "tir_text.h", "tir_entries.h", "tir_tire.h"),
-}
 COMMON = (
     "instance.c", "stepping.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "events.c",
     "continuous.c", "saved_state.c",
@@ -40,7 +33,7 @@ HEADERS = (
     "hub.h", "spin.h", "root.h", "tangents.h", "terms.h", "chain_rule.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
-STI_TIRE, TIR_KEYS = "sti_tire.h", "tir_keys.h"
+STI_HEADER, STI_TIRE = "sti.h", "sti_tire.h"
 #: The source of the tire's values: compiled for one tire, or read from a file of the FMU.
 BUILT_IN, FROM_FILE = "built_in_tire.c", "tire_file.c"
 #: The sources of files of the FMU, and of a road inside it.
@@ -83,7 +76,7 @@ def _common_files(shown: Interface) -> tuple[str, ...]:
     return (*files, *model_files(shown.tire.model))
 
 
-def sti_sources(shown: Interface, tire_header: str, *, from_file: bool) -> dict[str, bytes]:
+def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
     """Return every source file of a library with the Standard Tyre Interface.
 
     Parameters
@@ -92,19 +85,14 @@ def sti_sources(shown: Interface, tire_header: str, *, from_file: bool) -> dict[
         With hub inputs.
     tire_header : str
         Content of sti_tire.h.
-    from_file : bool
-        Whether the library reads the values from the file that the host names.
 
     Returns
     -------
     dict of str to bytes
         By file name.
     """
-    code = code_files((*STI, *STI_VALUES[from_file], BUILT_IN, *_common_files(shown)), shown)
-    wrapper = files("tirefmu.fmu") / "wrapper"
-    code |= {name: (wrapper / name).read_bytes() for name in STI_HEADERS[from_file]}
+    code = code_files((*STI, STI_HEADER, BUILT_IN, *_common_files(shown)), shown)
     written = {CONFIG: model_config(shown), VALUES: tire_values(shown, ""), STI_TIRE: tire_header}
-    written |= {TIR_KEYS: tir_keys(shown)} if from_file else {}
     return {**code, **{name: text.encode() for name, text in written.items()}}
 
 

@@ -9,24 +9,18 @@ from pathlib import Path
 from tirefmu.symbolic.errors import FmuError, path_from
 from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.printers.definitions import comment
-from tirefmu.tires import TireLike, tire_from
+from tirefmu.tires import Tire, TireLike, tire_from
 from tirefmu.tires.code.compiler import suffix
 
 from ..description.hub_variables import known_value
-from ..description.interface import Interface, interface
+from ..description.interface import interface
 from .binaries import SYSTEMS, binary, chosen_platforms, host_binary, host_platform
 from .cross_compiler import PLATFORMS, ziglang
 from .export import fmi_headers, write_file
 from .sources import sti_sources
-from .tir_keys import nominal_inputs
-from .written_headers import table
 
 #: Texts of the interface have 256 characters with their end.
 _LONGEST_TITLE = 200
-
-
-#: Where a library has the values of its tire: compiled in, or in the property file that the host names.
-VALUES = ("built-in", "file")
 
 
 def export_sti(
@@ -34,7 +28,6 @@ def export_sti(
     path: str | os.PathLike[str],
     *,
     platforms: str | Iterable[str] = "host",
-    values: str = "built-in",
 ) -> Path:
     """Write a tire as a library with the tyre subroutine of the Standard Tyre Interface.
 
@@ -49,10 +42,6 @@ def export_sti(
     platforms : str or iterable of str
         One platform, as for `export`. ``host`` with the ending of another system is the platform of that system with an
         x86_64 processor.
-    values : {"built-in", "file"}
-        ``built-in``: the values of the tire are part of the library, which needs no other file. ``file``: the library
-        reads the property file (.tir) that the host names, of any tire with the same model; the tire determines the
-        model, and whether turn slip is part of it.
 
     Returns
     -------
@@ -62,8 +51,7 @@ def export_sti(
     Raises
     ------
     FmuError
-        If the platform does not have libraries with this ending, `values` is unknown, the tire has added effects and
-        `values` is ``file``, there is no compiler or it fails, or the file cannot
+        If the platform does not have libraries with this ending, there is no compiler or it fails, or the file cannot
         be written. No partial file remains.
     UnknownName
         If there is neither a file nor a published tire of that name.
@@ -83,14 +71,9 @@ def export_sti(
     """
     requested, target = chosen_platforms(platforms), path_from(path)
     platform = _platform(requested, target)
-    if values not in VALUES:
-        raise FmuError(f"values {values!r} are unknown: known are {', '.join(VALUES)}")
-    iso, from_file = tire_from(tire).in_signs("iso"), values == "file"
-    if from_file and iso.added:
-        names = ", ".join(effect.name for effect in iso.added)
-        raise FmuError(f"a library that reads property files has no added effects ({names}): use values built-in")
+    iso = tire_from(tire).in_signs("iso")
     shown = interface(iso, inputs="hub")
-    sources = sti_sources(shown, tire_header(shown, from_file=from_file), from_file=from_file)
+    sources = sti_sources(shown, tire_header(iso))
     include = fmi_headers()
     if platform == host_platform():
         write_file(target, host_binary(sources, iso.model, include))
@@ -99,15 +82,12 @@ def export_sti(
     return target
 
 
-def tire_header(shown: Interface, *, from_file: bool = False) -> str:
+def tire_header(tire: Tire) -> str:
     """Return the header with what a library knows of its tire without the values of its equations.
 
     Parameters
     ----------
-    shown : Interface
-        With hub inputs.
-    from_file : bool
-        Whether the library reads the file of its tire.
+    tire : Tire
 
     Returns
     -------
@@ -116,19 +96,14 @@ def tire_header(shown: Interface, *, from_file: bool = False) -> str:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> shown = interface(published("trento_hoosier"), inputs="hub")
-    >>> print(tire_header(shown).splitlines()[1])
+    >>> print(tire_header(published("trento_hoosier")).splitlines()[1])
     #define TIRE_TITLE "tirefmu: Hoosier 6.0/18.0-10 LCO (Trento team 6), Magic Formula 1996, Trento form"
     """
-    tire = shown.tire
-    title = "" if from_file else f"{tire.name or 'tire'}, "
-    title = f"tirefmu: {title}{tire.book.title}"[:_LONGEST_TITLE]
-    width = repr(float(known_value(tire, "WIDTH", 0.0)))
-    macros = {"TITLE": c_string(title), "WIDTH": width, "FROM_FILE": int(from_file)}
+    title = f"tirefmu: {tire.name or 'tire'}, {tire.book.title}"[:_LONGEST_TITLE]
     lines = [
         comment("Written by tirefmu for one tire."),
-        *(f"#define TIRE_{name} {text}" for name, text in macros.items()),
-        *table("TIRE_NOMINAL_INPUTS", nominal_inputs(shown)),
+        f"#define TIRE_TITLE {c_string(title)}",
+        f"#define TIRE_WIDTH {float(known_value(tire, 'WIDTH', 0.0))!r}",
     ]
     return "\n".join(lines) + "\n"
 

@@ -1,5 +1,5 @@
 /* The jobs of the Standard Tyre Interface.  See sti.h. */
-#include "sti_values.h"
+#include "sti.h"
 
 #include "wheel_kinematics.h"
 
@@ -54,11 +54,10 @@ static int error_of(Status status)
     return status == STATUS_OK ? GOOD : status == STATUS_WARNING ? WARNING : status == STATUS_DISCARD ? DO_NOT_USE : FATAL;
 }
 
-/* The tire at its start values; `takes`: those of the host's file, which are then stored. */
-static int begin(Instance *self, Call *call, int takes)
+/* The tire at its start values. */
+static int begin(Instance *self, Call *call)
 {
     const char *missing;
-    int error;
 
     memset(self, 0, sizeof *self);
     self->log_message = write_line;
@@ -71,10 +70,8 @@ static int begin(Instance *self, Call *call, int takes)
         sti_write(call, missing);
         return FATAL;
     }
-    error = takes ? sti_take_values(call, &self->tire) : sti_stored_values(call, &self->tire);
-    if (error == GOOD)
-        instance_reset(self);
-    return error;
+    instance_reset(self);
+    return GOOD;
 }
 
 /* ---------------------------------------------------------------- jobs before the simulation */
@@ -110,30 +107,25 @@ double sti_radius(const Call *call) { return call->parameters[UNLOADED_RADIUS_OF
 /* Parameters and the states of a freely rolling tire. */
 static int initialize(Call *call)
 {
-    const int takes = *call->job != INITIAL_CONDITIONS;
     Instance self;
-    char title[STI_TITLE];
     int error = check_sizes(call);
 
     if (error == GOOD)
-        error = begin(&self, call, takes);
+        error = begin(&self, call);
     if (error != GOOD)
         return error;
-    memset(call->parameters, 0, STI_OWN_PARAMETERS * sizeof *call->parameters);
+    memset(call->parameters, 0, STI_PARAMETERS * sizeof *call->parameters);
     call->parameters[UNLOADED_RADIUS_OF_HOST] = own(&self, OWN_UNLOADED_RADIUS);
 #ifdef OWN_VERTICAL_STIFFNESS
     call->parameters[STIFFNESS_OF_HOST] = own(&self, OWN_VERTICAL_STIFFNESS);
 #endif
     call->parameters[DAMPING_OF_HOST] = own(&self, OWN_VERTICAL_DAMPING);
     call->integers[WARNED] = 0;
-    sti_write(call, sti_title(call, title));
+    sti_write(call, TIRE_TITLE);
     instance_enter_initialization(&self);
     error = error_of(instance_exit_initialization(&self));
     if (error == GOOD)
         error = error_of(instance_get_states(&self, call->initial, N_STATES));
-    /* The start values of the motion are not those of the file's tire; without added effects, all states are 0. */
-    if (TIRE_FROM_FILE)
-        memset(call->initial, 0, N_STATES * sizeof *call->initial);
     return error;
 }
 
@@ -207,7 +199,7 @@ static int evaluate(Call *call)
     int by_road, error = check_sizes(call);
 
     if (error == GOOD)
-        error = begin(&self, call, 0);
+        error = begin(&self, call);
     if (error != GOOD)
         return error;
     by_road = find_road(call, &road);

@@ -2,7 +2,7 @@
  *
  * sti_entries.c has the subroutines that hosts call; each puts its arguments into a `Call`.  sti.c evaluates it with the
  * equations of an FMU with hub inputs for Model Exchange: the host integrates the states.  Nothing is stored between
- * two calls except in the host's arrays (TYPARR, IWRKAR), so that any number of tires and threads may call.
+ * two calls except in the host's array IWRKAR, so that any number of tires and threads may call.
  */
 #ifndef STI_H
 #define STI_H
@@ -30,10 +30,7 @@ enum { GOOD = 0, WARNING = 1, DO_NOT_USE = 2, FATAL = 3 };
 /* Lengths of the arrays, and the indices of values in them. */
 enum {
     STI_TEXT = 256,
-    STI_OWN_PARAMETERS = 16,
-    /* With the values of a tire file: mark, width, parameters, ranges.  Adams has 300 places. */
-    STI_PARAMETERS = STI_OWN_PARAMETERS + TIRE_FROM_FILE * (2 + N_HOST_PARAMETERS + 2 * N_INPUTS),
-    MOST_PARAMETERS = 300,
+    STI_PARAMETERS = 16,
     STI_RESULTS = 75,
     STI_WORK = 1,
     STI_INTEGERS = 1,
@@ -61,8 +58,6 @@ struct Call {
     const double *states;
     int *n_parameters;
     double *parameters;
-    const int *n_file_name;
-    const char *file_name; /* of the tire */
     void (*host_road)(void);
     int *road_id, *n_road;
     double *road_parameters;

@@ -9,7 +9,6 @@
  */
 #include "sti.h"
 
-#include "sti_values.h"
 #include "wheel_kinematics.h"
 
 #include <string.h>
@@ -37,13 +36,13 @@ enum { HIGH_ROAD_PROPERTIES = 1 };
     {                                                                                                                \
         .job = jobflg, .tire = idtyre, .time = time, .position = dis, .axes = tramat, .velocity = vel,               \
         .turning = omega, .spin = omegar, .n_states = ndeqvr, .states = deqvar, .n_parameters = ntypar,              \
-        .parameters = typarr, .n_file_name = nchtds, .file_name = chtdst, .host_road = (void (*)(void)) road, .road_id = idroad, .n_road = nropar,               \
+        .parameters = typarr, .host_road = (void (*)(void)) road, .road_id = idroad, .n_road = nropar,               \
         .road_parameters = ropar, .n_road_name = nchrds, .road_name = chrdst, .force = forces, .moment = torque,     \
         .initial = deqini, .rates = deqder, .text = tyrmod, .n_results = nvars, .results = varinf, .n_work = nwork,  \
         .n_integers = niwork, .integers = iwrkar                                                                     \
     }
 /* Arguments that no equation reads. */
-#define UNUSED_ARGUMENTS (void) ndev, (void) iswtch, (void) angtwc, (void) wrkarr
+#define UNUSED_ARGUMENTS (void) ndev, (void) iswtch, (void) angtwc, (void) wrkarr, (void) nchtds, (void) chtdst
 
 /* ---------------------------------------------------------------- results */
 
@@ -102,8 +101,7 @@ static const double SHAPE[2] = {0.0, 0.0};
 static int find_adams_road(Call *call, const double place[3], Road *road)
 {
     double volume = 0.0, penetration = 0.0;
-    const int is_known = *call->job != INQUIRE;
-    const double radius = is_known ? sti_radius(call) : 0.0, width = is_known ? sti_width(call) : 0.0;
+    const double radius = *call->job == INQUIRE ? 0.0 : sti_radius(call), width = TIRE_WIDTH;
     char text[STI_TEXT];
     int text_size = STI_TEXT, error = GOOD;
 

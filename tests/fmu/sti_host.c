@@ -1,10 +1,10 @@
 /* A multibody program of one wheel, which calls a tire by the Standard Tyre Interface.
  *
- *     sti_host ENTRY JOBS [FILE [FAULT]] < MOTION > RESULTS
+ *     sti_host ENTRY JOBS [FAULT] < MOTION > RESULTS
  *
  * ENTRY is the subroutine (tirefmu_sti_, tirefmu_sti, dtyre_), JOBS the values of JOBFLG before the simulation, such as
  * 1,2,11,6.  A row of MOTION has time, DIS, TRAMAT, VEL, OMEGA and OMEGAR: 20 numbers.  The program integrates the states
- * of the tire, whose file is FILE, by Euler's explicit method from row to row, and writes FORCES, TORQUE, states, derivatives and VARINF.
+ * of the tire by Euler's explicit method from row to row, and writes FORCES, TORQUE, states, derivatives and VARINF.
  * The road is a slope with waves.  Exits with IERR if a call fails; the text of the tire is on the error output.
  */
 #include <math.h>
@@ -147,24 +147,22 @@ int main(int argc, char *argv[])
         return 11;
     entry = argv[1];
     memset(tire_name, ' ', TEXT);
-    if (argc > 3 && strlen(argv[3]) <= TEXT)
-        memcpy(tire_name, argv[3], strlen(argv[3]));
     memset(road_name, strcmp(entry, "tirefmu_sti") == 0 ? 0 : ' ', TEXT);
     memcpy(road_name, "road.rdf", 8);
     for (jobs = argv[2]; *jobs; jobs += *jobs == ',')
         call((int) strtol(jobs, &jobs, 10));
     fprintf(stderr, "%d states, %d parameters, %d results, %d %d: %.*s\n", n_states, n_parameters, n_results, n_work,
             n_integers, 40, text);
-    if (argc == 5) { /* a fault that the tire has to report */
-        if (strcmp(argv[4], "road") == 0)
+    if (argc == 4) { /* a fault that the tire has to report */
+        if (strcmp(argv[3], "road") == 0)
             failing = 1;
-        else if (strcmp(argv[4], "job") == 0)
+        else if (strcmp(argv[3], "job") == 0)
             call(7);
-        else if (strcmp(argv[4], "states") == 0)
+        else if (strcmp(argv[3], "states") == 0)
             n_states--;
-        else if (strcmp(argv[4], "results") == 0)
+        else if (strcmp(argv[3], "results") == 0)
             n_results = 10;
-        else if (strcmp(argv[4], "number") == 0)
+        else if (strcmp(argv[3], "number") == 0)
             row[2] = unknown / unknown;
     }
     memcpy(states, initial, (size_t) n_states * sizeof *states);

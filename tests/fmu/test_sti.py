@@ -69,7 +69,7 @@ def motion(manoeuvre, radius):
     return np.stack([x, y, z], axis=-1), turned, v, np.stack([zero, zero, rate], axis=-1), speed / radius * (1 + slip)
 
 
-def run(program, entry, r, turned, v, w, spin, *fault, tire_file=""):
+def run(program, entry, r, turned, v, w, spin, *fault):
     """Return the numbers by row, the error output and the exit status of the C host."""
     matrices = turned.as_matrix()
     rows = np.column_stack([
@@ -77,7 +77,7 @@ def run(program, entry, r, turned, v, w, spin, *fault, tire_file=""):
         np.einsum("nji,nj->ni", matrices, v), np.einsum("nji,nj->ni", matrices, w), spin,
     ])  # fmt: skip
     text = "\n".join(" ".join(map(repr, map(float, row))) for row in rows)
-    command = [str(program), entry, ENTRIES[entry], str(tire_file), *fault]
+    command = [str(program), entry, ENTRIES[entry], *fault]
     done = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
     return np.array([line.split() for line in done.stdout.splitlines()], dtype=float), done.stderr, done.returncode
 

@@ -17,7 +17,7 @@ from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
 
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import fmi_headers
-from tirefmu.fmu.packaging.sources import STI, STI_VALUES, c_files, sources, sti_sources
+from tirefmu.fmu.packaging.sources import STI, c_files, sources, sti_sources
 from tirefmu.fmu.packaging.sti import tire_header
 from tirefmu.fmu.simulation.simulate import loaded
 
@@ -44,12 +44,11 @@ def compile_strictly(compiler, folder, names):
     assert done.stderr == ""
 
 
-@pytest.mark.parametrize("from_file", [False, True])
-def test_a_library_with_sti_compiles_without_a_warning(compiler, tires, tmp_path, from_file):
+def test_a_library_with_sti_compiles_without_a_warning(compiler, tires, tmp_path):
     shown = interface(tires["second"], inputs="hub")
-    for file, content in sti_sources(shown, tire_header(shown, from_file=from_file), from_file=from_file).items():
+    for file, content in sti_sources(shown, tire_header(tires["second"])).items():
         (tmp_path / file).write_bytes(content)
-    compile_strictly([*compiler, "-O2"], tmp_path, [*STI, *STI_VALUES[from_file]])
+    compile_strictly([*compiler, "-O2"], tmp_path, STI)
 
 
 @pytest.mark.parametrize("target", ["aarch64-linux-gnu", "arm-linux-gnueabihf"])

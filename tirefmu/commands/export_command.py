@@ -41,13 +41,6 @@ from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, com
     show_default=True,
     help="host, all, or FMI 3 names separated by commas (x86_64-windows, ...); to compile for others needs ziglang.",
 )
-@click.option(
-    "--values",
-    type=click.Choice(["built-in", "file"]),
-    default="built-in",
-    show_default=True,
-    help="With --kind sti: the library has the values of TIRE, or reads the .tir file that the host names.",
-)
 @common
 def export(
     tires: tuple[Path, ...],
@@ -61,7 +54,6 @@ def export(
     quantities: bool,
     kind: str,
     platforms: str,
-    values: str,
     road: Path | None,
     arrays: bool,
     quiet: bool,
@@ -81,8 +73,6 @@ def export(
         raise TirefmuError(f"--ssp packs native FMUs, not kind {kind}")
     if kind == "sti" and (fmi, inputs, axes, quantities) != (None, "slip", "iso", False):
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
-    if kind != "sti" and values != "built-in":
-        raise TirefmuError("--values file is for --kind sti: a host sets the parameters of an FMU")
     if (road or arrays) and (ssp or kind != "native"):
         raise TirefmuError("--road and --arrays are for one native FMU")
     if vehicle and not ssp:
@@ -107,7 +97,7 @@ def export(
         elif kind == "ssv":
             written = export_parameters(loaded[0], target, **shared)
         elif kind == "sti":
-            written = export_sti(loaded[0], target, platforms=platforms, values=values)
+            written = export_sti(loaded[0], target, platforms=platforms)
         else:
             several: dict[str, Any] = {"quantities": quantities, "kind": kind, "platforms": platforms, "road": road}
             several["arrays"] = arrays
@@ -126,6 +116,6 @@ def export(
     }[what]
     shown = "" if kind == "sti" else f"{inputs} inputs, "
     terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
-    if (inputs != "slip" or (kind == "sti" and values == "built-in")) and (note := with_lengths(loaded[0])[1]):
+    if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
     return 0
