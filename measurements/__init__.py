@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from .operating_conditions.grouping import Grouping, group_by_condition
     from .operating_conditions.levels import level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
-    from .operating_conditions.selection import Condition, Near, near, select
     from .quality.convention import check_convention, convention_notes, fitting_conventions
     from .quality.coverage import Coverage, coverage, coverage_notes
     from .quality.outliers import Outlier, outliers
@@ -51,11 +50,9 @@ _ON_DEMAND = {
     "READERS": "files.reading",
     "Channel": "channels",
     "ChannelNoise": "virtual_bench.sensor_noise",
-    "Condition": "operating_conditions.selection",
     "Coverage": "quality.coverage",
     "Finding": "findings.finding",
     "Grouping": "operating_conditions.grouping",
-    "Near": "operating_conditions.selection",
     "Noise": "virtual_bench.sensor_noise",
     "Outlier": "quality.outliers",
     "Phase": "operating_conditions.phases",
@@ -82,14 +79,12 @@ _ON_DEMAND = {
     "kappa_sweeps": "virtual_bench.programs",
     "level_tolerance": "operating_conditions.levels",
     "levels": "operating_conditions.levels",
-    "near": "operating_conditions.selection",
     "outliers": "quality.outliers",
     "phases": "operating_conditions.phases",
     "read_recording": "files.reading",
     "recording_from": "table_argument",
     "recordings_from": "table_argument",
     "residual_findings": "findings.residual_causes",
-    "select": "operating_conditions.selection",
     "selected": "row_selection.selected",
     "small_tire_program": "virtual_bench.programs",
     "steady_points": "virtual_bench.programs",
@@ -107,11 +102,9 @@ __all__ = [
     "READERS",
     "Channel",
     "ChannelNoise",
-    "Condition",
     "Coverage",
     "Finding",
     "Grouping",
-    "Near",
     "Noise",
     "Outlier",
     "Phase",
@@ -138,14 +131,12 @@ __all__ = [
     "kappa_sweeps",
     "level_tolerance",
     "levels",
-    "near",
     "outliers",
     "phases",
     "read_recording",
     "recording_from",
     "recordings_from",
     "residual_findings",
-    "select",
     "selected",
     "small_tire_program",
     "steady_points",

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from tirefmu.measurements import check_plausible, convention_notes, levels, near, read_recording, select
+from tirefmu.measurements import check_plausible, convention_notes, levels, read_recording
 from tirefmu.symbolic.errors import DataError
 
 ROWS = 12
@@ -241,7 +241,11 @@ def test_real_levels(measured):
 def test_real_levels_split_the_file_into_its_conditions(measured):
     table = measured.with_signs("iso").table
     conditions = [
-        select(table, Fz=near(load, 250.0), gamma=near(camber, radians(0.5)), p=near(pressure, 3e3))
+        table[
+            table["Fz"].between(load - 250.0, load + 250.0)
+            & table["gamma"].between(camber - radians(0.5), camber + radians(0.5))
+            & table["p"].between(pressure - 3e3, pressure + 3e3)
+        ]
         for load in levels(table["Fz"])
         for camber in levels(table["gamma"])
         for pressure in levels(table["p"])

@@ -1,4 +1,4 @@
-"""Selections contain exactly the matching rows. Levels are found where a channel was held, and only there."""
+"""Levels are found where a channel was held, and only there."""
 
 import numpy as np
 import pandas as pd
@@ -7,42 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import find_peaks
 
-from tirefmu.measurements import Condition, level_tolerance, levels, near, select
+from tirefmu.measurements import level_tolerance, levels
 from tirefmu.measurements.operating_conditions.levels import _peaks, _prominences
 from tirefmu.symbolic.errors import DataError
 
-numbers = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=50)
 
-
-@given(values=numbers, center=st.floats(-1e3, 1e3), tolerance=st.floats(0.0, 500.0))
-def test_a_selection_and_its_complement_are_the_table(values, center, tolerance):
-    table = pd.DataFrame({"Fz": values})
-    inside = select(table, Fz=near(center, tolerance))
-    assert (abs(inside["Fz"] - center) <= tolerance).all()
-    assert (abs(table.drop(inside.index)["Fz"] - center) > tolerance).all()
-
-
-@given(values=numbers)
-def test_intersection_is_selection_twice_in_any_order(values):
-    table = pd.DataFrame({"Fz": values, "alpha": values[::-1]})
-    load, angle = Condition("Fz", 0.0, 300.0), Condition("alpha", 100.0, 500.0)
-    both = select(table, load, angle)
-    pd.testing.assert_frame_equal(both, select(select(table, angle), load))
-    pd.testing.assert_frame_equal(both, select(table, load, alpha=near(100.0, 500.0)))
-    pd.testing.assert_frame_equal(select(table), table)
-
-
-def test_nan_is_near_no_level():
-    table = pd.DataFrame({"Fy": [np.nan, 1.0]})
-    assert select(table, Fy=near(0.0, 1e9)).index.tolist() == [1]
-
-
-def test_bad_conditions():
-    with pytest.raises(DataError, match="no column 'gama' to select by: did you mean gamma"):
-        select(pd.DataFrame({"gamma": [0.0]}), gama=near(0.0, 1.0))
-    for tolerance in (-1.0, float("nan")):
-        with pytest.raises(DataError, match="tolerance"):
-            near(0.0, tolerance)
+def test_a_tolerance_is_positive():
     with pytest.raises(DataError, match="positive tolerance"):
         levels([1.0, 2.0], tolerance=0.0)
 
