@@ -1,7 +1,7 @@
 """Evaluation time per point: C code of CasADi, SymPy's lambdify and the generated code, in one run.
 
-CPU time of the process; elapsed time for two threads. Repetitions are interleaved, so that other load of the machine
-affects all equally. The result is the median.
+CPU time of the process. Repetitions are interleaved, so that other load of the machine affects all equally. The result
+is the median.
 
     python benchmarks/evaluation.py [--model mf61] [--points 100,10000,1000000] [--only NAME;...] [--json FILE]
 """
@@ -33,7 +33,6 @@ from tirefmu.tires.code.modules import casadi_module
 FloatArray = npt.NDArray[np.float64]
 RANGES = {"kappa": (-0.3, 0.3), "alpha": (-0.3, 0.3), "gamma": (-0.1, 0.1), "p": (1.8e5, 2.8e5), "V": (8.0, 30.0)}
 CASADI = "CasADi C, -O2"
-TWO_THREADS = "batch, 2 threads"
 #: s, time limit of one repetition. A slower candidate is skipped for larger numbers of points.
 TIME_LIMIT = 30.0
 LOOP = """
@@ -121,8 +120,8 @@ def candidates(book: Model, values: FloatArray, only: list[str]) -> dict[str, Ca
     def scalar() -> Code:
         return code_for(book, "c")
 
-    def batch(threads: int = 1) -> Code:
-        return code_for(book, "batch", threads)
+    def batch() -> Code:
+        return code_for(book, "batch")
 
     builders: dict[str, Callable[[], Callable[[FloatArray], object]]] = {
         CASADI: lambda: casadi_c(book, values),
@@ -130,7 +129,6 @@ def candidates(book: Model, values: FloatArray, only: list[str]) -> dict[str, Ca
         "NumPy, chunks": lambda: forces_of(numpy(), values),
         "scalar C": lambda: forces_of(scalar(), values),
         "batch": lambda: forces_of(batch(), values),
-        TWO_THREADS: lambda: forces_of(batch(2), values),
         "scalar C, by inputs": lambda: by_inputs_of(scalar(), values),
         "batch, by inputs": lambda: by_inputs_of(batch(), values),
         "scalar C, by coefficients": lambda: partial(in_calls, scalar().jacobian_parameters, values),
@@ -162,11 +160,10 @@ def measured(book: Model, numbers: list[int], repetitions: int, only: list[str])
         calls = max(1, 20_000 // n)
         for repetition in range(repetitions + 1):  # the first one is a warm-up
             for name in list(times):
-                clock = time.perf_counter if name == TWO_THREADS else time.process_time
-                start = clock()
+                start = time.process_time()
                 for _ in range(calls):
                     functions[name](rows)
-                taken = (clock() - start) / calls
+                taken = (time.process_time() - start) / calls
                 if repetition:
                     times[name].append(taken / n * 1e9)
                 if 10 * taken > TIME_LIMIT:

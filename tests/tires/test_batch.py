@@ -1,4 +1,4 @@
-"""The batch kernels: the same numbers as NumPy, whatever the rows, the threads and the machine."""
+"""The batch kernels: the same numbers as NumPy, whatever the rows and the machine."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ from tirefmu.tires.code import (
     selection,
 )
 from tirefmu.tires.code.compiler import CompilerError
-from tirefmu.tires.code.kernel import BLOCK
 from tirefmu.tires.code.normal_equations import STEP, TILE
 
+#: Rows of a block in the kernels.
+BLOCK = 64
 #: Rounding of the terms of a force, relative to the largest force.
 ROUNDING = 1e-12
 
@@ -207,15 +208,6 @@ def test_options_and_turn_slip_everywhere(name):
     for option in book.options:
         values = np.array([known.get(key, float(key == option.parameter)) for key in book.parameters])
         assert_same(name, code_for(name, "batch").forces(rows, values), code_for(name, "numpy").forces(rows, values))
-
-
-def test_threads_change_nothing(model, parameters):
-    rows = rows_of(model, 10 * BLOCK + 3)
-    for routine in ("forces", "jacobian_entries"):
-        alone = getattr(code_for(model, "batch"), routine)(rows, parameters)
-        for threads in (2, 3, 100):
-            together = getattr(code_for(model, "batch", threads), routine)(rows, parameters)
-            np.testing.assert_array_equal(together, alone)
 
 
 def test_numpy_in_chunks_is_numpy(model, parameters, monkeypatch):

@@ -22,15 +22,15 @@ FloatArray = npt.NDArray[np.float64]
 ROWS_IN_CACHE = 1016
 
 
-def batch_code(book: Model, threads: int = 1) -> Code:
-    """Return the batch kernels of a model, among whose threads the rows of a table are divided.
+def batch_code(book: Model) -> Code:
+    """Return the batch kernels of a model.
 
     Raises
     ------
     CompilerError
         If they cannot be compiled.
     """
-    return _BatchCode(book, threads)
+    return _BatchCode(book)
 
 
 def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> FloatArray:
@@ -96,8 +96,8 @@ def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> 
 class _BatchCode:
     """Kernels for whole tables; what they do not cover is computed row by row in C."""
 
-    def __init__(self, book: Model, threads: int) -> None:
-        self._book, self._threads = book, threads
+    def __init__(self, book: Model) -> None:
+        self._book = book
         self._module = numpy_module(book)
         self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
         self.entries = jacobian_entries_of(self._module)
@@ -148,7 +148,7 @@ class _BatchCode:
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         forces = len(self._module.FORCES)
-        if self._threads > 1 or not all_straight(self._book, inputs, parameters):
+        if not all_straight(self._book, inputs, parameters):
             return as_matrices(self._table("jacobian_inputs", inputs, parameters), forces)
         n, columns = inputs.shape[1], len(self._module.INPUTS)
         matrices = RESULTS.empty((n, forces * columns))
@@ -211,7 +211,7 @@ class _BatchCode:
         )
         if straight is not None and not straight.any():
             return self._row_by_row(routine, inputs, parameters)
-        results, undone = self._kernel(routine)(inputs, parameters, self._threads)
+        results, undone = self._kernel(routine)(inputs, parameters)
         if straight is not None:
             undone |= ~straight
         if np.count_nonzero(undone):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,6 @@ from .result_memory import RESULTS
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-#: Rows of a block in the kernels: where one thread's share ends.
-BLOCK = 64
 #: Fused multiplications round once instead of twice; the order of operations stays, and NaN with it.
 FUSED = ("-ffp-contract=fast", "-fno-trapping-math")
 #: What GCC alone knows, on x86. Constants are loaded where they are used: gathered before the loop, there are more than
@@ -61,7 +58,7 @@ class Kernel:
         self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 4]
 
     def __call__(
-        self, inputs: FloatArray, parameters: FloatArray, threads: int = 1, into: FloatArray | None = None
+        self, inputs: FloatArray, parameters: FloatArray, into: FloatArray | None = None
     ) -> tuple[FloatArray, BoolArray]:
         """Return results and which rows have none.
 
@@ -69,8 +66,6 @@ class Kernel:
         ----------
         inputs : ndarray, shape (n_inputs, n)
         parameters : ndarray, shape (n_parameters,)
-        threads : int
-            Each takes an equal share of the rows.
         into : ndarray, shape (n_results, n), optional
             Where the results go; a new array where None.
 
@@ -86,19 +81,8 @@ class Kernel:
         results = RESULTS.empty((self.n_results, n)) if into is None else into
         undone = np.empty(n, dtype=np.bool_)
         given, out, marks, coefficients = _address(columns), _address(results), _address(undone), _address(values)
-        share = -(-n // (BLOCK * max(threads, 1))) * BLOCK
-        if n <= share:
-            if n:
-                self._call(n, n, given, coefficients, out, marks)
-            return results, undone
-
-        def run(start: int) -> None:
-            size = columns.itemsize * start
-            self._call(min(share, n - start), n, given + size, coefficients, out + size, marks + start)
-
-        starts = range(0, n, share)
-        with ThreadPoolExecutor(len(starts)) as pool:  # a call through ctypes lets the other threads run
-            list(pool.map(run, starts))
+        if n:
+            self._call(n, n, given, coefficients, out, marks)
         return results, undone
 
     def each(self, inputs: FloatArray, population: FloatArray) -> tuple[FloatArray, BoolArray]:

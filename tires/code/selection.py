@@ -18,11 +18,11 @@ from .numpy_code import numpy_code
 
 LANGUAGES = ("numpy", "c", "casadi", "batch")
 
-#: Rows from which on the kernels' blocks and threads pay.
+#: Rows from which on the kernels' blocks pay.
 MANY_ROWS = 2000
 
 
-def code_for(model: str | Model, language: str, threads: int = 1) -> Code:
+def code_for(model: str | Model, language: str) -> Code:
     """Return the code of a model in a language.
 
     Parameters
@@ -31,8 +31,6 @@ def code_for(model: str | Model, language: str, threads: int = 1) -> Code:
         Its name, or the model itself where it has added effects.
     language : {"numpy", "c", "casadi", "batch"}
         "batch" is C for whole tables, vectorized for this machine.
-    threads : int
-        Processors among which "batch" divides the rows.
 
     Returns
     -------
@@ -50,17 +48,16 @@ def code_for(model: str | Model, language: str, threads: int = 1) -> Code:
     >>> code_for("mf96", "numpy").quantities_names[-2:]
     ('M_zr', 's')
     """
-    return _code_for(model_of(model) if isinstance(model, str) else model, language, threads)
+    return _code_for(model_of(model) if isinstance(model, str) else model, language)
 
 
-def fastest_code(model: str | Model, n_rows: int = MANY_ROWS, threads: int = 1) -> Code:
+def fastest_code(model: str | Model, n_rows: int = MANY_ROWS) -> Code:
     """Return the fastest code for a number of rows, with a compiler or without.
 
     Parameters
     ----------
     model : str or Model
     n_rows : int
-    threads : int
 
     Returns
     -------
@@ -70,16 +67,16 @@ def fastest_code(model: str | Model, n_rows: int = MANY_ROWS, threads: int = 1) 
     if n_rows < MANY_ROWS:
         return code_for(model, "numpy")
     try:
-        return code_for(model, "batch", threads)
+        return code_for(model, "batch")
     except CompilerError:
         return code_for(model, "numpy")
 
 
 @lru_cache(maxsize=64)
-def _code_for(book: Model, language: str, threads: int) -> Code:
-    kinds: dict[str, Callable[[Model], Code]] = {"numpy": numpy_code, "c": c_code, "casadi": casadi_code}
-    if language == "batch":
-        return batch_code(book, threads)
+def _code_for(book: Model, language: str) -> Code:
+    kinds: dict[str, Callable[[Model], Code]] = {
+        "numpy": numpy_code, "c": c_code, "casadi": casadi_code, "batch": batch_code,
+    }  # fmt: skip
     if language not in kinds:
         raise UnknownName("language of the generated code", language, LANGUAGES)
     return kinds[language](book)
