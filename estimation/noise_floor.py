@@ -21,7 +21,6 @@ from scipy.ndimage import uniform_filter1d
 from .smoothing import noise_of
 
 FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 #: Length scales of the smooth function, as shares of half an input's range: of the slips, which a program sweeps
 #: through the whole curve, and of all other inputs, on which forces depend weakly.

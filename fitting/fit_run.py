@@ -8,7 +8,6 @@ from functools import partial
 from math import nan
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements.recording import distinct
@@ -42,7 +41,6 @@ from .solvers.selection import Solver
 from .stage_solution import StageSolver
 from .stiffness_targets import StiffnessTargets
 
-FloatArray = npt.NDArray[np.float64]
 #: Strength of the regularization of scaled coefficients, by the weights of the stage: with noise weights the cost is
 #: about 1/2, with equal weights about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
@@ -137,7 +135,7 @@ class FitRun:
             stage = self._plan.stages[end.stage]
             table, channels = self._table(stage)
             tire = replace(self._tire, values=end.values)
-            rows = _drawn(Rows.of(table, tire, channels), stage)
+            rows = Rows.of(table, tire, channels).sample(stage.rows)
             self._ends.append((end, self._problem_of(stage, tire, rows, end.free)))
         self._tire = replace(self._tire, values=state.values)
         self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
@@ -184,7 +182,7 @@ class FitRun:
         rows = self._rows_of(table, channels)
         self._set_initial_values(stage)
         bounds = {name: self._bounds(name, stage) for name in self._candidates(stage)}
-        part = _drawn(rows, stage)
+        part = rows.sample(stage.rows)
         free = self._determined(bounds, part, stage)
         if not free:
             self._notes.append(f"stage {stage.name!r} skipped: its rows determine none of its coefficients")
@@ -195,7 +193,7 @@ class FitRun:
             del self._stages[solved:], self._ends[ended:]
             self._simulate_states(free)
             rows = self._rows_of(self._table(stage)[0], channels)
-            self._solve(stage, _drawn(rows, stage), {name: self._bounds(name, stage) for name in free}, channels)
+            self._solve(stage, rows.sample(stage.rows), {name: self._bounds(name, stage) for name in free}, channels)
 
     def _simulate_states(self, free: Collection[str]) -> None:
         """Put the course of the states of effects, simulated with the present values, into the data.
@@ -397,8 +395,3 @@ class FitRun:
         return FittedCoefficient(
             name, declaration.unit, guess, lower, upper, value, at_bound, freed.determined, freed.stage
         )
-
-
-def _drawn(rows: Rows, stage: Stage) -> Rows:
-    """Return the random rows of a stage, or all of them."""
-    return rows.sample(stage.rows) if stage.rows else rows

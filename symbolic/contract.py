@@ -168,17 +168,15 @@ def curvature(quantity: str, *over: str, effect: str = "") -> PhysicalConstraint
     return PhysicalConstraint(quantity, -inf, 1.0, over, kind="curvature", effect=effect)
 
 
-def friction_falling(quantity: str, *over: str, effect: str = "load_friction") -> PhysicalConstraint:
+def friction_falling(quantity: str, *over: str) -> PhysicalConstraint:
     """Return the constraint that friction does not grow with load."""
-    return PhysicalConstraint(quantity, -inf, 0.0, over, 1.0, "friction_falling", "growth", effect)
+    return PhysicalConstraint(quantity, -inf, 0.0, over, 1.0, "friction_falling", "growth", "load_friction")
 
 
-def stiffness_saturating(
-    quantity: str, *over: str, effect: str = "load_stiffness", on_request: bool = False
-) -> PhysicalConstraint:
+def stiffness_saturating(quantity: str, *over: str, on_request: bool = False) -> PhysicalConstraint:
     """Return the constraint that a slip stiffness grows no faster than load."""
     kind = "stiffness_saturating"
-    return PhysicalConstraint(quantity, -inf, 0.0, over, 1e4, kind, "excess", effect, on_request)
+    return PhysicalConstraint(quantity, -inf, 0.0, over, 1e4, kind, "excess", "load_stiffness", on_request)
 
 
 def with_extrapolation(

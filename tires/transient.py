@@ -117,14 +117,7 @@ def recursion(start: float, decay: FloatArray, gained: FloatArray) -> FloatArray
 
 
 def lagged_course(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> Course:
-    """Return the course of a lagged slip; the parameters are those of `lagged`."""
-    with np.errstate(divide="ignore"):
-        rate = np.where(sigma > AT_ONCE, np.abs(speed) / np.maximum(sigma, AT_ONCE), np.inf)
-    return followed(t, slip, rate, slip, hold=hold)
-
-
-def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> FloatArray:
-    """Return the slip that acts in each row of a recording.
+    """Return the course of the slip that acts in each row of a recording.
 
     Parameters
     ----------
@@ -142,18 +135,18 @@ def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray
 
     Returns
     -------
-    ndarray, shape (n,)
+    Course
 
     Examples
     --------
     >>> t = np.array([0.0, 0.1, 0.2])
     >>> step, ones = np.array([0.0, 1.0, 1.0]), np.ones(3)
-    >>> lagged(t, step, 10 * ones, ones, hold=True).round(4).tolist()
+    >>> lagged_course(t, step, 10 * ones, ones, hold=True).value.round(4).tolist()
     [0.0, 0.0, 0.6321]
     """
-    if not (sigma > AT_ONCE).any():
-        return slip
-    return lagged_course(t, slip, speed, sigma, hold=hold).value
+    with np.errstate(divide="ignore"):
+        rate = np.where(sigma > AT_ONCE, np.abs(speed) / np.maximum(sigma, AT_ONCE), np.inf)
+    return followed(t, slip, rate, slip, hold=hold)
 
 
 def rolled_distance(t: FloatArray, speed: FloatArray, *, hold: bool = False) -> FloatArray:

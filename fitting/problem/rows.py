@@ -96,13 +96,13 @@ class Rows:
         measured[:, dropped] = np.nan
         return replace(self, measured=measured)
 
-    def sample(self, n: int, seed: int = 0) -> Rows:
-        """Return n random rows, in their order; all rows if there are no more.
+    def sample(self, n: int | None, seed: int = 0) -> Rows:
+        """Return n random rows, in their order; all rows if n is None or there are no more.
 
         Every k-th row would alias with sweeps. Rows are drawn from the recordings in the order of their size, so the
         sample does not depend on the order in which they are given.
         """
-        if n >= len(self.group):
+        if n is None or n >= len(self.group):
             return self
         groups, sizes = np.unique(self.group, return_counts=True)
         equal = np.isin(

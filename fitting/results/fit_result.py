@@ -8,7 +8,6 @@ from math import nan
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import TableLike
@@ -27,8 +26,6 @@ from .resampled import Bootstrap, Profile
 from .solved_stage import SolvedStage
 from .summary import fit_html, fit_text
 from .verdict import Verdict, verdict_of
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

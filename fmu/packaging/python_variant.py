@@ -18,9 +18,6 @@ from tirefmu.tires.code.modules import code_folder
 from ..description.model_description import xml_bytes
 from ..description.variables import Variable
 
-#: The FMI version of pythonfmu.
-FMI = 2
-
 
 def python_contents(
     tire: Tire, identifier: str, token: str, description: bytes, variables: Sequence[Variable]

@@ -52,7 +52,7 @@ class Outlier:
         return f"row {self.row + 1}: {self.channel} is {self.value:.4g} {unit}, the running median is {self.median:.4g}"
 
 
-def outliers(recording: Recording, *, sigmas: float = OUTLIER_SIGMAS) -> list[Outlier]:
+def outliers(recording: Recording) -> list[Outlier]:
     """Return values that deviate from the running median of their channel by many standard deviations.
 
     The Hampel identifier (Davies and Gather, 1993), applied to segments that are time series. The standard deviation is
@@ -65,8 +65,6 @@ def outliers(recording: Recording, *, sigmas: float = OUTLIER_SIGMAS) -> list[Ou
     Parameters
     ----------
     recording : Recording
-    sigmas : float
-        Robust standard deviations beyond which a value is an outlier.
 
     Returns
     -------
@@ -93,7 +91,7 @@ def outliers(recording: Recording, *, sigmas: float = OUTLIER_SIGMAS) -> list[Ou
         median = _running_median(values, series)
         for segment in series:
             own = segment.rows
-            for row in np.flatnonzero(_far(values[own], median[own], segment.interval, sigmas, tolerance)).tolist():
+            for row in np.flatnonzero(_far(values[own], median[own], segment.interval, tolerance)).tolist():
                 at = own.start + row
                 found.append(Outlier(at, name, float(values[at]), float(median[at])))
     return found
@@ -149,9 +147,7 @@ def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
     return lines
 
 
-def _far(
-    values: NDArray[np.float64], median: NDArray[np.float64], step: float, sigmas: float, tolerance: float
-) -> NDArray[np.bool_]:
+def _far(values: NDArray[np.float64], median: NDArray[np.float64], step: float, tolerance: float) -> NDArray[np.bool_]:
     known, none = np.isfinite(values), np.zeros(len(values), dtype=np.bool_)
     if np.count_nonzero(known) < FEWEST_WINDOW_ROWS:
         return none
@@ -160,7 +156,7 @@ def _far(
     largest = float(sizes.max())
     if largest <= tolerance:
         return none
-    limit = sigmas * SIGMA_PER_DEVIATION * median_of(sizes)
+    limit = OUTLIER_SIGMAS * SIGMA_PER_DEVIATION * median_of(sizes)
     if largest <= limit:
         return none
     own = median[known]
@@ -169,7 +165,7 @@ def _far(
     far = known & (deviation > max(limit, least))
     if far.any():  # the local scatter takes long to compute and is rarely needed
         size = _window(step, SCATTER_WINDOW, len(deviation))
-        far &= deviation > sigmas * SIGMA_PER_DEVIATION * median_filter(
+        far &= deviation > OUTLIER_SIGMAS * SIGMA_PER_DEVIATION * median_filter(
             _interpolated(deviation), size=size, mode="mirror"
         )
     return _jumping(far, values, deviation) if FEWEST_WINDOW_ROWS * step > OUTLIER_WINDOW else np.asarray(far)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError
 
-from ..channels import INPUTS, OUTPUTS
+from ..channels import INPUTS
 from ..operating_conditions.phases import Motions, transitions
 from ..recording import Recording
 from ..thresholds import (
@@ -56,8 +56,6 @@ class RowExclusion:
     >>> result = exclude_rows(Recording(rows, "iso", "a.csv"))
     >>> result.included.tolist(), result.counts
     ([True, True, False, True], {'lifted': 1})
-    >>> result.masked().table["Fy"].tolist()
-    [-1.0, -1.0, nan, -1.0]
     """
 
     recording: Recording
@@ -75,49 +73,13 @@ class RowExclusion:
         found = {reason: int(np.count_nonzero(self.reasons == reason)) for reason in EXCLUSION_REASONS}
         return {reason: count for reason, count in found.items() if count}
 
-    def masked(self) -> Recording:
-        """Return the recording with the outputs of excluded rows replaced by NaN.
 
-        Inputs, clock and the number of rows do not change, so that transient slips can be computed and rows keep their
-        numbers.
-
-        Returns
-        -------
-        Recording
-
-        Raises
-        ------
-        DataError
-            If every row is excluded. The message contains the reasons.
-        """
-        if not self.included.any():
-            why = ", ".join(f"{count} {reason} ({EXCLUSION_REASONS[reason]})" for reason, count in self.counts.items())
-            raise DataError(
-                f"{self.recording.source}: none of {len(self.recording)} rows can be used: {why or 'no rows'}"
-            )
-        table = self.recording.table
-        measured = {name: table[name].where(self.included) for name in OUTPUTS if name in table}
-        return replace(self.recording, table=table.assign(**measured))
-
-
-def exclude_rows(
-    recording: Recording,
-    *,
-    warm_up: bool = True,
-    transition: bool = True,
-    outlier: bool = True,
-    settling: float = SETTLING_TIME,
-    motions: Motions | None = None,
-) -> RowExclusion:
+def exclude_rows(recording: Recording, *, motions: Motions | None = None) -> RowExclusion:
     """Return the rows of a recording that do not represent the steady, warm tire.
 
     Parameters
     ----------
     recording : Recording
-    warm_up, transition, outlier : bool
-        Whether to exclude rows for these reasons.
-    settling : float
-        s after a transition until the tire has settled.
     motions : Motions, optional
         Those of the recording (`motions_of`), if they are known.
 
@@ -142,14 +104,12 @@ def exclude_rows(
 
     exclude(_lifted(recording), "lifted", EXCLUSION_REASONS["lifted"])
     exclude(_standing(recording), "standing", EXCLUSION_REASONS["standing"])
-    if warm_up:
-        rows, details = _warm_up(recording)
-        exclude(rows, "warm-up", details)
-    if transition:
-        changing = transitions(recording, settling=settling, motions=motions)
-        for name in INPUTS:
-            exclude(changing == name, "transition", f"{name} changes from one level to another")
-    for value in outliers(recording) if outlier else ():
+    rows, details = _warm_up(recording)
+    exclude(rows, "warm-up", details)
+    changing = transitions(recording, settling=SETTLING_TIME, motions=motions)
+    for name in INPUTS:
+        exclude(changing == name, "transition", f"{name} changes from one level to another")
+    for value in outliers(recording):
         if reasons[value.row] in ("", "outlier"):
             reasons[value.row] = "outlier"
             notes.append(f"outlier: {value}")

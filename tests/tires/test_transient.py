@@ -13,7 +13,7 @@ from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.symbolic.models import model
 from tirefmu.symbolic.quantities import AT_ONCE
 from tirefmu.tires import Tire
-from tirefmu.tires.transient import followed, lagged, segment_starts
+from tirefmu.tires.transient import followed, lagged_course, segment_starts
 
 SIX = ["mf52", "mf61", "mf62"]
 #: A small car's tire, with the relaxation lengths of MF5.2 in addition to SIGX and SIGY.
@@ -22,6 +22,10 @@ BODY = {
     "LATERAL_STIFFNESS": 1.2e5, "LONGITUDINAL_STIFFNESS": 2.8e5, "PTX1": 1.1, "PTX2": 0.2, "PTY1": 2.0,
     "SIGX": 0.2, "SIGY": 0.45, "SIGC": 0.4, "SIGK": 1.0, "QSX3": -0.05, "QSY1": 0.01,
 }  # fmt: skip
+
+
+def lagged(t, slip, speed, sigma, *, hold):
+    return lagged_course(t, slip, speed, sigma, hold=hold).value
 
 
 def lagging(name="mf61", *effects, **values):

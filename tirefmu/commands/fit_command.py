@@ -29,7 +29,6 @@ from ..arguments import (
 
 if TYPE_CHECKING:
     from tirefmu.measurements import Finding, Recording
-    from tirefmu.measurements.large_table import LargeTable
     from tirefmu.tires import Tire
 
 
@@ -75,9 +74,6 @@ if TYPE_CHECKING:
 @click.option("--rows", default="condition", show_default=True,
               help="Weights of rows: condition (equal per operating condition), equal, independent (by effective "
                    "sample size), or load (errors relative to the load).")  # fmt: skip
-@click.option("--stream-from", type=click.IntRange(min=1), default=2_000_000, show_default=True, metavar="ROWS",
-              help="Number of rows from which on a Parquet table stays in its file and is read part by part; early "
-                   "stages, findings and figures are then of some of its rows.")  # fmt: skip
 @click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
               help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Continue an interrupted fit.")
@@ -100,7 +96,7 @@ def fit(
     without: tuple[str, ...], recipe: str | None, method: str, iterations: int | None, seed: int,
     constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, where: str | None, all_rows: bool,
-    rows: str, stream_from: int, stiffness_weight: float, resume: bool, folds: int | None,
+    rows: str, stiffness_weight: float, resume: bool, folds: int | None,
     replicates: int | None, profiled: tuple[str, ...], workers: int | None, scheduler: str | None,
     figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
@@ -117,18 +113,11 @@ def fit(
         raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
     check_input_paths(*tables)
     from tirefmu.measurements import check_convention, recordings_from
-    from tirefmu.measurements.excerpts import IN_MEMORY, excerpts_from
 
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    large: dict[int, LargeTable] = {}
-    if where is None:
-        recordings, large = excerpts_from(tables, signs=signs, stream_from=stream_from)
-    else:
-        recordings = recordings_from(tables, signs=signs, where=where)
-    if large and (folds or replicates or profiled):
-        raise TirefmuError(f"--cross-validate, --bootstrap and --profile need all rows in memory ({IN_MEMORY})")
+    recordings = recordings_from(tables, signs=signs, where=where)
     for recording in recordings:  # before the slower imports
         check_convention(recording)
     terminal.selection(*recordings)
@@ -149,8 +138,7 @@ def fit(
     }  # fmt: skip
     spread: dict[str, Any] = {"scheduler": scheduler, "workers": workers}
     with terminal.fitting() as progress:
-        given = [large.get(number, recording) for number, recording in enumerate(recordings)]
-        result = run(given, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
+        result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
     if folds and not result.interrupted:
         # The fit of a fold has the other folds' rows.
         expected = None if any(spread.values()) else (folds, (folds - 1) * result.seconds)
@@ -170,7 +158,7 @@ def fit(
     if profiled and not result.interrupted:
         with terminal.counting("profile likelihood") as counted:
             result = profile(result, profiled, progress=counted, **spread)
-    chosen = [*(["--signs", signs] if signs else []), *(["--where", where] if where else [])]
+    chosen = [part for name, value in (("--signs", signs), ("--where", where)) if value for part in (name, value)]
     findings = _findings(result.tire, output, tables, recordings, chosen)
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     warned = {finding.text for finding in findings if finding.serious}

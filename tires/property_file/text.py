@@ -21,8 +21,6 @@ from tirefmu.symbolic.escaping import excerpt, quoted
 MOST_BYTES, MOST_LINES, LONGEST_LINE = 10_000_000, 50_000, 200_000
 #: The longest text of a number, characters. The exact decimals of the smallest doubles have 1,077.
 LONGEST_NUMBER = 1500
-#: Characters of a value that a message quotes.
-LONGEST_QUOTE = 80
 
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _SECTION = re.compile(r"\[([^\[\]]*)\](.*)")
