@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -80,6 +80,9 @@ wheel: $(VENV)/installed prebuilt  ## the wheel with these binaries in dist
 
 sanitize: $(VENV)/installed-dev  ## the FMU's C code under AddressSanitizer and UBSan: invalid calls, malformed values
 	TIREFMU_SANITIZE=1 $(BIN)/pytest tests/fmu/test_robustness.py tests/fmu/test_prebuilt.py $(PYTEST_ARGS)
+
+warnings: $(VENV)/installed-dev  ## gcc, clang and cppcheck have no warning in the C sources of FMUs: every model, kind of inputs and version
+	TIREFMU_WARNINGS=1 $(BIN)/pytest tests/fmu/test_warnings.py $(PYTEST_ARGS) --dist load
 
 examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, and a vehicle on four tire FMUs
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"

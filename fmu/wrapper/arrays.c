@@ -15,7 +15,7 @@ static Status expect_count(const Instance *self, size_t n, size_t n_values)
 
 Status arrays_expand(const Instance *self, const unsigned references[], size_t n, size_t n_values, Scalars *found)
 {
-    size_t i, k, size, total = 0;
+    size_t i, k, total = 0;
 
     found->references = references;
     found->n = n;
@@ -25,8 +25,8 @@ Status arrays_expand(const Instance *self, const unsigned references[], size_t n
         return expect_count(self, n, n_values);
     for (i = 0; i < n; i++) {
         const unsigned first = is_array(references[i]) ? ARRAY[references[i] - FIRST_ARRAY][0] : references[i];
+        const size_t size = is_array(references[i]) ? ARRAY[references[i] - FIRST_ARRAY][1] : 1;
 
-        size = is_array(references[i]) ? ARRAY[references[i] - FIRST_ARRAY][1] : 1;
         if (size > N_VALUES - total)
             return instance_refuse(self, STATUS_ERROR, "a call is for %d values at most", (int) N_VALUES);
         for (k = 0; k < size; k++)

@@ -56,7 +56,6 @@ static double result(unsigned code, double x, double y, double z)
 void chain_values(const double inputs[N_INPUTS], const double parameters[N_PARAMETERS], double turning,
                   double values[N_SLOTS])
 {
-    const unsigned short *row;
     size_t i;
 
     memcpy(values, inputs, N_INPUTS * sizeof *values);
@@ -64,7 +63,8 @@ void chain_values(const double inputs[N_INPUTS], const double parameters[N_PARAM
     values[TURNING_LEAF] = turning;
     memcpy(values + N_LEAVES, constants, sizeof constants);
     for (i = 0; i < N_OPERATIONS; i++) {
-        row = operations[i];
+        const unsigned short *row = operations[i];
+
         values[FIRST_RESULT + i] = result(row[CODE], values[row[1]], values[row[2]], values[row[3]]);
     }
 }
@@ -97,15 +97,14 @@ static void partials(const unsigned short row[N_COLUMNS], const double values[],
 
 void chain_forward(const double values[N_SLOTS], double tangents[N_SLOTS])
 {
-    double by[N_OPERANDS], sum;
-    const unsigned short *row, *slots;
+    double by[N_OPERANDS];
     size_t i, k;
 
     memset(tangents + N_LEAVES, 0, N_CONSTANTS * sizeof *tangents);
     for (i = 0; i < N_OPERATIONS; i++) {
-        row = operations[i];
-        slots = row + FIRST_OPERAND;
-        sum = 0.0;
+        const unsigned short *row = operations[i], *slots = row + FIRST_OPERAND;
+        double sum = 0.0;
+
         if (tangents[slots[0]] != 0.0 || tangents[slots[1]] != 0.0 || tangents[slots[2]] != 0.0) {
             partials(row, values, values[FIRST_RESULT + i], by);
             for (k = 0; k < N_OPERANDS; k++)
@@ -119,11 +118,11 @@ void chain_forward(const double values[N_SLOTS], double tangents[N_SLOTS])
 void chain_backward(const double values[N_SLOTS], double adjoints[N_SLOTS])
 {
     double by[N_OPERANDS];
-    const unsigned short *row;
     size_t i, k;
 
     for (i = N_OPERATIONS; i-- > 0;) {
-        row = operations[i];
+        const unsigned short *row = operations[i];
+
         if (adjoints[FIRST_RESULT + i] == 0.0)
             continue;
         partials(row, values, values[FIRST_RESULT + i], by);

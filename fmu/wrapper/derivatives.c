@@ -73,7 +73,7 @@ static Status expect_arrays(const Instance *self, const double seed[], size_t n_
 static void prepare(State *state, double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
 {
 #if HUB
-    hub_differentiate(state, seeds, tangent->motion + HUB_CHANGE);
+    hub_differentiate(state, seeds, &tangent->motion[HUB_CHANGE]);
 #endif
     tangent_find(state, seeds, radius, tangent);
 #if SPIN
@@ -88,11 +88,12 @@ static void add_forward(State *state, Point point, const Tangent *tangent, const
     const double *inputs = point == GIVEN ? tangent->given : point == DIRECT ? tangent->direct : tangent->acting;
     double values[N_SLOTS], tangents[N_SLOTS];
     Term terms[MOST_TERMS];
-    size_t i, k, count;
+    size_t i, k;
     int carried = 0;
 
     for (i = 0; i < n; i++) {
-        count = terms_find(state, unknowns[i], terms);
+        const size_t count = terms_find(state, unknowns[i], terms);
+
         for (k = 0; k < count; k++) {
             if (terms[k].point != point)
                 continue;
@@ -112,10 +113,11 @@ static void add_forward(State *state, Point point, const Tangent *tangent, const
 static void add_motion(State *state, const Tangent *tangent, const unsigned unknowns[], size_t n, double sensitivity[])
 {
     Term terms[MOST_TERMS];
-    size_t i, k, count;
+    size_t i, k;
 
     for (i = 0; i < n; i++) {
-        count = terms_find(state, unknowns[i], terms);
+        const size_t count = terms_find(state, unknowns[i], terms);
+
         for (k = 0; k < count; k++)
             if (terms[k].point == MOTION)
                 sensitivity[i] += terms[k].factor * tangent->motion[terms[k].slot];
@@ -126,17 +128,20 @@ static void add_motion(State *state, const Tangent *tangent, const unsigned unkn
 static void find_gradient(State *state, Point point, const unsigned unknowns[], size_t n, const double weights[],
                           double gradient[])
 {
-    double values[N_SLOTS], adjoints[N_SLOTS] = {0.0};
+    double adjoints[N_SLOTS] = {0.0};
     Term terms[MOST_TERMS];
-    size_t i, k, count;
+    size_t i, k;
 
     for (i = 0; i < n; i++) {
-        count = terms_find(state, unknowns[i], terms);
+        const size_t count = terms_find(state, unknowns[i], terms);
+
         for (k = 0; k < count; k++)
             if (terms[k].point == point)
                 adjoints[terms[k].slot] += terms[k].factor * weights[i];
     }
     if (point != MOTION) {
+        double values[N_SLOTS];
+
         tangent_find_values(state, point, values);
         chain_backward(values, adjoints);
     }

@@ -111,11 +111,10 @@ void hub_by_forces(const State *state, unsigned result, double by[N_OUTPUTS])
     size_t i;
 
     hub_arguments(state, arguments);
-    memset(arguments + HUB_WRENCH_Fx, 0, (HUB_WRENCH_ARGUMENTS - HUB_WRENCH_Fx) * sizeof *arguments);
     for (i = 0; i < N_OUTPUTS; i++) {
+        memset(arguments + HUB_WRENCH_Fx, 0, (HUB_WRENCH_ARGUMENTS - HUB_WRENCH_Fx) * sizeof *arguments);
         arguments[HUB_WRENCH_Fx + FORCE[i]] = 1.0;
         hub_wrench(arguments, wrench);
-        arguments[HUB_WRENCH_Fx + FORCE[i]] = 0.0;
         by[i] = wrench[result - WRENCH_RESULT];
     }
 }

@@ -48,7 +48,7 @@ Instance *instance_create(const char *name, const char *token, const char *resou
     self->environment = environment;
     self->logs_events = logs_events;
     self->logs_warnings = self->logs_discards = self->logs_errors = 1;
-    self->state.kind = kind;
+    self->state.kind = (int) kind;
     self->name = malloc(strlen(given_name) + 1);
     if (!self->name) {
         free(self);
@@ -190,7 +190,7 @@ Status instance_expect(const Instance *self, Mode mode, Mode other, const char *
         return STATUS_ERROR;
     if (self->state.mode != (int) mode && self->state.mode != (int) other)
         return instance_refuse(self, STATUS_ERROR, "%s is allowed while %s, not while %s", what,
-                               mode_name(mode), mode_name(self->state.mode));
+                               mode_name((int) mode), mode_name(self->state.mode));
     return STATUS_OK;
 }
 

@@ -242,7 +242,7 @@ Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unkn
 /* Saved states.  `*slot` is NULL or a state saved before, which is then reused. */
 Status instance_save(Instance *self, void **slot);
 Status instance_restore(Instance *self, const void *saved);
-Status instance_drop(Instance *self, void **slot);
+Status instance_drop(const Instance *self, void **slot);
 Status instance_serialized_size(Instance *self, const void *saved, size_t *size);
 Status instance_serialize(Instance *self, const void *saved, void *bytes, size_t size);
 Status instance_deserialize(Instance *self, const void *bytes, size_t size, void **slot);

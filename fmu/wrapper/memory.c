@@ -108,11 +108,11 @@ void memory_begin(State *state)
 /* ---------------------------------------------------------------- steps */
 
 /* A state along the path from (a, b) to (a_end, b_end), or from a to a_end if it has one lag. */
-static double follow_path(Law law, double x, double a, double b, double a_end, double b_end, int two, double width)
+static double follow_path(Law law, double x, double a, double b, double a_end, double b_end, int both, double width)
 {
     if (law == PLAY)
-        return two ? state_play_size(x, a, b, a_end, b_end, width) : state_play(x, a, a_end, width);
-    return two ? state_dahl_size(x, a, b, a_end, b_end, width) : state_dahl(x, a, a_end, width);
+        return both ? state_play_size(x, a, b, a_end, b_end, width) : state_play(x, a, a_end, width);
+    return both ? state_dahl_size(x, a, b, a_end, b_end, width) : state_dahl(x, a, a_end, width);
 }
 
 /* The states that forces do not drive, h seconds after a change of the inputs. */

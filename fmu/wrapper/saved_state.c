@@ -33,7 +33,7 @@ Status instance_restore(Instance *self, const void *saved)
     return STATUS_OK;
 }
 
-Status instance_drop(Instance *self, void **slot)
+Status instance_drop(const Instance *self, void **slot)
 {
     if (!self)
         return STATUS_ERROR;

@@ -190,7 +190,6 @@ static Status set_motion(Instance *self, const Call *call, const Road *road)
 static int evaluate(Call *call)
 {
     unsigned outputs[N_OUTPUTS];
-    double forces[N_OUTPUTS];
     const double *results;
     Instance self;
     Road road = {1, {0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, 1.0};
@@ -216,8 +215,11 @@ static int evaluate(Call *call)
         status = set_motion(&self, call, &road);
     if (status == STATUS_OK)
         status = instance_set_states(&self, call->states, N_STATES);
-    if (status == STATUS_OK)
+    if (status == STATUS_OK) {
+        double forces[N_OUTPUTS];
+
         status = instance_get(&self, outputs, N_OUTPUTS, forces);
+    }
     results = self.state.hub.results;
     if (status == STATUS_OK)
         status = instance_expect_finite(&self, results, N_HUB_RESULTS, "a result");

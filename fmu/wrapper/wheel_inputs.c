@@ -31,7 +31,7 @@ static void find_bounds(State *state, double reference)
     Contact *contact = &state->contact;
     const double load = contact->inputs[LOAD] > 0.0 ? contact->inputs[LOAD] : 0.0;
     const double near = 1.0 - contact->speed / standstill_speed(state);
-    double found[N_QUANTITIES], bound, given;
+    double found[N_QUANTITIES];
     size_t i;
 
     for (i = 0; i < N_SLIPS; i++)
@@ -40,9 +40,11 @@ static void find_bounds(State *state, double reference)
         return;
     model_quantities(contact->inputs, model_parameters(state), found);
     for (i = 0; i < N_SLIPS; i++) {
+        const double given = fabs(contact->sliding[i] / reference);
+        double bound;
+
         contact->friction[i] = fabs(found[friction[i]]) * load;
         contact->stiffness[i] = fabs(found[stiffness[i]]);
-        given = fabs(contact->sliding[i] / reference);
         bound = 3.0 * contact->friction[i] / (contact->stiffness[i] * near);
         contact->bounds[i] = bound > given ? bound : given;
         if (!(contact->stiffness[i] > 0.0))
