@@ -38,7 +38,7 @@ SMALL = ("-Os", "-fno-inline")
 RARE = frozenset(
     {
         "chain_rule.c", "derivatives.c", "events.c", "fmi3_not_offered.c", "hub_derivatives.c", "instance.c",
-        "saved_state.c",
+        "life_cycle.c", "saved_state.c",
     }
 )  # fmt: skip
 #: On Windows the system's libraries and windows.c replace the C runtime that zig would link into each binary.

@@ -17,20 +17,17 @@ from .written_headers import model_config, tire_values
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c", "arrays.c")}
 STI = ("sti.c", "sti_entries.c")
 COMMON = (
-    "instance.c", "stepping.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "events.c",
-    "continuous.c", "saved_state.c",
+    "values.c", "outputs.c", "instance.c", "life_cycle.c", "access.c", "stepping.c", "derivatives.c", "tangents.c",
+    "terms.c", "chain_rule.c", "events.c", "continuous.c", "saved_state.c",
 )  # fmt: skip
 #: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.
-CONTACT = {
-    "slip": ("slip_inputs.c",),
-    "wheel": ("wheel_inputs.c", "standstill.c"),
-    "hub": ("wheel_inputs.c", "standstill.c", "hub.c", "hub_derivatives.c", "root.c"),
-    "hub-torque": ("wheel_inputs.c", "standstill.c", "hub.c", "hub_derivatives.c", "root.c", "spin.c"),
-}
+_WHEEL = ("wheel_inputs.c", "standstill.c")
+_HUB = (*_WHEEL, "hub.c", "hub_derivatives.c", "root.c")
+CONTACT = {"slip": ("slip_inputs.c",), "wheel": _WHEEL, "hub": _HUB, "hub-torque": (*_HUB, "spin.c", "spin_steps.c")}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = (
-    "instance.h", "arrays.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h", "memory.h", "standstill.h",
-    "hub.h", "spin.h", "root.h", "tangents.h", "terms.h", "chain_rule.h",
+    "state.h", "outputs.h", "instance.h", "arrays.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h",
+    "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "tangents.h", "terms.h", "chain_rule.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
 STI_HEADER, STI_TIRE = "sti.h", "sti_tire.h"

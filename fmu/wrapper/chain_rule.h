@@ -6,7 +6,7 @@
 #ifndef CHAIN_RULE_H
 #define CHAIN_RULE_H
 
-#include "instance.h"
+#include "state.h"
 
 /* The first parameter among the leaves, and the last leaf. */
 enum { FIRST_PARAMETER_LEAF = N_INPUTS, TURNING_LEAF = N_LEAVES - 1 };

@@ -6,9 +6,9 @@
 #ifndef CONTACT_H
 #define CONTACT_H
 
-#include "instance.h"
+#include "state.h"
 
-/* Compute `state->contact`:
+/* Compute `state->contact`; with hub inputs, at the load among the values:
  *   inputs   the model's inputs, with the given slips (without lag)
  *   target   steady-state value of the lagged slips; their rate is rolling / length (target - slip)
  *   sliding  target times rolling, m/s, finite at standstill
@@ -22,7 +22,7 @@
 void contact_find(State *state);
 
 /* Compute the forces; `inputs` are the model's inputs with the acting slips.  For wheel inputs it is in standstill.c. */
-void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS]);
+void contact_forces(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS]);
 
 /* Tangents of the model's inputs for a change of the host's values. */
 typedef struct {
@@ -42,13 +42,5 @@ int contact_is_smooth(const State *state);
 /* Compute `given`, and the speed and sliding of `motion`, for seeds in the model's signs by value reference.  Slip
    inputs need no radius. */
 void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent);
-
-/* An input or a wheel parameter in the model's signs. */
-double host_value(const State *state, size_t reference);
-/* The parameters as the model reads them: with hub inputs, the friction of the road scales some of them. */
-const double *model_parameters(const State *state);
-double value_direction(unsigned reference);
-/* The sign of an output in a direction of travel: a model whose equations are those of forward rolling is mirrored. */
-double output_sign(double sense, size_t output);
 
 #endif

@@ -1,8 +1,8 @@
 /* Model Exchange: the host's solver integrates the states.  See instance.h. */
 #include "instance.h"
 
-#include "contact.h"
 #include "memory.h"
+#include "outputs.h"
 #include "spin.h"
 
 #include <math.h>
@@ -44,6 +44,9 @@ Status instance_set_time(Instance *self, double time)
     return STATUS_OK;
 }
 
+/* The spin is the last state; the others are behind each other. */
+static unsigned reference_of(size_t i) { return (unsigned) (SPIN && i == N_STATES ? SPIN_VALUE : FIRST_STATE + i); }
+
 /* Copy states or derivatives from the values, in the host's signs. */
 static Status copy_shown(Instance *self, size_t first, double shown[], size_t n, const char *what)
 {
@@ -55,7 +58,7 @@ static Status copy_shown(Instance *self, size_t first, double shown[], size_t n,
         return instance_refuse(self, STATUS_ERROR, "there are no %s while instantiated", what);
     state_compute_outputs(&self->state);
     for (i = 0; i < n; i++)
-        shown[i] = self->state.values[SPIN && first == FIRST_STATE && i == N_STATES ? SPIN_VALUE : first + i];
+        shown[i] = self->state.values[first == FIRST_STATE ? reference_of(i) : first + i];
     return instance_expect_finite(self, shown, n, what);
 }
 
@@ -80,25 +83,9 @@ Status instance_set_states(Instance *self, const double states[], size_t n)
     for (i = 0; i < n; i++)
         if (!isfinite(states[i]))
             return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g",
-                                   value_name((unsigned) (SPIN && i == N_STATES ? SPIN_VALUE : FIRST_STATE + i)), states[i]);
-    for (i = 0; i < n; i++) {
-#if SPIN
-        if (i == N_STATES)
-            self->state.values[SPIN_VALUE] = states[i];
-        else
-#endif
-#ifdef DISTANCE
-        if (i == N_STATES - 1)
-            self->state.distance = states[i];
-        else
-#endif
-#if N_MEMORY > 0
-        if (FIRST_STATE + i >= FIRST_MEMORY)
-            self->state.memory[FIRST_STATE + i - FIRST_MEMORY] = states[i] * value_direction((unsigned) (FIRST_STATE + i));
-        else
-#endif
-            self->state.lagging[i] = states[i] * value_direction((unsigned) (FIRST_STATE + i));
-    }
+                                   value_name(reference_of(i)), states[i]);
+    for (i = 0; i < n; i++)
+        state_set(&self->state, reference_of(i), states[i]);
     state_changed(&self->state);
     return STATUS_OK;
 }
@@ -127,6 +114,7 @@ Status instance_get_indicators(Instance *self, double indicators[], size_t n)
     if (instance_expect_exchange(self, "event indicators") != STATUS_OK ||
         expect_array(self, indicators, n, N_INDICATORS, "event indicators") != STATUS_OK)
         return STATUS_ERROR;
+    state_compute_outputs(&self->state);
 #if N_MEMORY > 0
     memory_rates(&self->state, rates, events);
     for (i = 0; i < N_MEMORY; i++)
@@ -134,7 +122,6 @@ Status instance_get_indicators(Instance *self, double indicators[], size_t n)
             indicators[k++] = events[i];
 #endif
 #if SPIN
-    state_compute_outputs(&self->state);
     indicators[N_INDICATORS - 1] = spin_indicator(&self->state);
 #endif
     return instance_expect_finite(self, indicators, n, "an event indicator");

@@ -10,7 +10,7 @@
 #include "chain_rule.h"
 #include "contact.h"
 #include "hub.h"
-#include "slips.h"
+#include "outputs.h"
 #include "spin.h"
 #include "tangents.h"
 
@@ -176,22 +176,10 @@ static double weighted_derivative(State *state, unsigned known, const Radius *ra
 
 static void move(State *state, unsigned known, double value)
 {
-    state->values[known] = value;
-#if N_STATES > 0
-    if (known >= FIRST_STATE && known < FIRST_DERIVATIVE) {
-#ifdef DISTANCE
-        if (known == FIRST_DERIVATIVE - 1)
-            state->distance = value;
-        else
-#endif
-#if N_MEMORY > 0
-        if (known >= FIRST_MEMORY)
-            state->memory[known - FIRST_MEMORY] = host_value(state, known);
-        else
-#endif
-            state->lagging[known - FIRST_STATE] = host_value(state, known);
-    }
-#endif
+    if (is_state(known))
+        state_set(state, known, value);
+    else
+        state->values[known] = value;
     state_changed(state);
 }
 

@@ -1,19 +1,16 @@
 /* Slips without lag.  See slips.h. */
 #include "slips.h"
 
-#include "memory.h"
-
 #include <string.h>
 
-void slips_acting(State *state, double inputs[N_INPUTS])
+void slips_find_lengths(State *state) { (void) state; }
+
+void slips_acting(const State *state, double inputs[N_INPUTS])
 {
     memcpy(inputs, state->contact.inputs, N_INPUTS * sizeof *inputs);
-#if N_MEMORY > 0
-    memory_fill(state, inputs);
-#endif
 }
 
-int slips_lag(State *state, size_t slip)
+int slips_lag(const State *state, size_t slip)
 {
     (void) state;
     (void) slip;
@@ -34,7 +31,7 @@ void slips_advance(State *state, double h)
     (void) h;
 }
 
-double slips_length(State *state, size_t slip, LengthOrigin *origin)
+double slips_length(const State *state, size_t slip, LengthOrigin *origin)
 {
     (void) state;
     (void) slip;
@@ -42,7 +39,7 @@ double slips_length(State *state, size_t slip, LengthOrigin *origin)
     return 1.0;
 }
 
-void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent)
+void slips_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent)
 {
     (void) state;
     (void) seeds;
@@ -50,7 +47,7 @@ void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *ta
     memset(tangent->motion + LAGGING, 0, N_LAGGING * sizeof *tangent->motion);
 }
 
-void slips_show(State *state, double slips[], double rates[])
+void slips_show(const State *state, double slips[], double rates[])
 {
     (void) state;
     (void) slips;

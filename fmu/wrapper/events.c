@@ -1,6 +1,7 @@
 /* Event mode, of Model Exchange and of Co-Simulation in FMI 3.  See instance.h. */
 #include "instance.h"
 
+#include "outputs.h"
 #include "slips.h"
 #include "spin.h"
 
@@ -52,6 +53,7 @@ Status instance_update_discrete(Instance *self, int *states_changed)
         return STATUS_ERROR;
     *states_changed = 0;
     if (self->state.kind == MODEL_EXCHANGE) {
+        state_find_contact(&self->state);
         *states_changed = slips_settle(&self->state);
         if (*states_changed)
             state_changed(&self->state);

@@ -2,6 +2,7 @@
 #include "hub.h"
 
 #include "contact.h"
+#include "memory.h"
 #include "root.h"
 #include "slips.h"
 #include "wheel_kinematics.h"
@@ -28,49 +29,46 @@ typedef char wrench_fits[(int) HUB_WRENCH_RESULTS == BRAKE_RESULT - WRENCH_RESUL
 static double parameter(const State *state, size_t i) { return state->values[FIRST_PARAMETER + i]; }
 
 #ifdef LOADED_RADIUS
-/* The model's loaded radius under a load.  `state` is a copy, in which the load is set. */
+/* The model's loaded radius under a load. */
 static double radius_under(State *state, double load)
 {
     double inputs[N_INPUTS], quantities[N_QUANTITIES];
 
     state->values[FIRST_INPUT + HOST_LOAD] = load;
-    state->contact_known = state->lengths_known = 0;
+    contact_find(state);
+    slips_find_lengths(state);
     slips_acting(state, inputs);
+    memory_fill(state, inputs);
     model_quantities(inputs, model_parameters(state), quantities);
     return quantities[LOADED_RADIUS];
 }
 
-/* What find_spring solves. */
-typedef struct {
-    State *trial;
-    double radius;
-} Spring;
-
 static double radius_error(void *context, double load)
 {
-    Spring *spring = context;
-    return radius_under(spring->trial, load) - spring->radius;
+    State *state = context;
+    return radius_under(state, load) - state->hub.radius;
 }
 
 static void find_spring(State *state)
 {
     Hub *hub = &state->hub;
-    State trial = *state;
-    const double given = hub->results[RADIUS_RESULT], free_radius = radius_under(&trial, 0.0);
+    const double given = hub->results[RADIUS_RESULT], free_radius = radius_under(state, 0.0);
     const double least = (1.0 - DEEPEST) * free_radius;
-    Spring spring = {&trial, given < least ? least : given};
-    Sample low = {0.0, free_radius - spring.radius}, high = {parameter(state, OWN_FNOMIN), 0.0}, nearest = low;
+    Sample low, high = {parameter(state, OWN_FNOMIN), 0.0}, nearest;
     int i;
 
-    hub->radius = spring.radius;
+    hub->radius = given < least ? least : given;
+    low.x = 0.0;
+    low.value = free_radius - hub->radius;
+    nearest = low;
     if (!(low.value > 0.0)) {
         hub->spring = low.value <= 0.0 ? 0.0 : low.value; /* NaN remains */
         return;
     }
     for (i = 0; i < MOST_LOADS; i++) {
-        high.value = radius_error(&spring, high.x);
+        high.value = radius_error(state, high.x);
         if (!(high.value > 0.0)) {
-            hub->spring = root_between(radius_error, &spring, low, high, ACCURACY * free_radius);
+            hub->spring = root_between(radius_error, state, low, high, ACCURACY * free_radius);
             return;
         }
         low = high;
@@ -110,8 +108,6 @@ void hub_find(State *state)
     Hub *hub = &state->hub;
     size_t i;
 
-    if (state->hub_known)
-        return;
 #if ROAD
     road_plane(state->road, state->values[FIRST_INPUT + WHEEL_MOTION_r_x], state->values[FIRST_INPUT + WHEEL_MOTION_r_y],
                state->values + FIRST_INPUT + WHEEL_MOTION_road_z);
@@ -122,7 +118,6 @@ void hub_find(State *state)
     for (i = 0; scaled[i] >= 0; i++)
         hub->parameters[scaled[i]] *= state->values[FIRST_INPUT + HOST_FRICTION];
     hub->results[DEFLECTION_RESULT] = parameter(state, OWN_UNLOADED_RADIUS) - hub->results[RADIUS_RESULT];
-    state->hub_known = 1; /* before the spring, which evaluates the contact */
     find_spring(state);
     hub->results[LOAD_RESULT] = state->values[FIRST_INPUT + HOST_LOAD] = total_load(state);
 }

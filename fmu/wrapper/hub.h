@@ -10,10 +10,11 @@
 #ifndef HUB_H
 #define HUB_H
 
-#include "instance.h"
+#include "state.h"
 
 #if HUB
-/* Compute the motion of the wheel and its load, which are values, and the model's parameters. */
+/* Compute the motion of the wheel and its load, which are values, and the model's parameters.  The contact is then to be
+   computed for this load. */
 void hub_find(State *state);
 /* Compute the forces at the wheel centre from those at the contact point. */
 void hub_add_forces(State *state);

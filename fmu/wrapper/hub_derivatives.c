@@ -2,6 +2,7 @@
 #include "hub.h"
 
 #include "chain_rule.h"
+#include "slips.h"
 #include "tangents.h"
 #include "wheel_kinematics.h"
 
@@ -37,8 +38,8 @@ static double spring_change(const State *state, const double seeds[N_VALUES], do
     State spring = *state;
 
     spring.values[FIRST_INPUT + HOST_LOAD] = state->hub.spring;
-    spring.contact_known = spring.lengths_known = 0;
     contact_find(&spring);
+    slips_find_lengths(&spring);
     memcpy(at_load, seeds, sizeof at_load);
     at_load[FIRST_INPUT + HOST_LOAD] = 0.0;
     by_load[FIRST_INPUT + HOST_LOAD] = 1.0;

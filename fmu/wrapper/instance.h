@@ -10,140 +10,10 @@
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
-#include <stddef.h>
-
-#include "model_config.h"
-
-/* A value reference is an index into one array of doubles. */
-enum {
-    TIME = 0,
-    FIRST_INPUT = 1,
-    FIRST_COMPUTED = FIRST_INPUT + N_HOST_INPUTS - N_COMPUTED_INPUTS, /* motion of the wheel, for hub inputs */
-    FIRST_OUTPUT = FIRST_INPUT + N_HOST_INPUTS,
-    FIRST_PARAMETER = FIRST_OUTPUT + N_OUTPUTS,
-    FIRST_STATE = FIRST_PARAMETER + N_HOST_PARAMETERS,
-    FIRST_MEMORY = FIRST_STATE + LAGS * 2 + TWISTS, /* the states of effects; the distance is behind them */
-    FIRST_DERIVATIVE = FIRST_STATE + N_STATES,
-    N_CONTINUOUS = N_STATES + SPIN, /* of Model Exchange: the spin is the last one */
-    FIRST_EXTRA = FIRST_DERIVATIVE + N_CONTINUOUS,
-    N_VALUES = FIRST_EXTRA + N_EXTRAS,
-    SPIN_VALUE = SPIN ? FIRST_INPUT + SPIN_PLACE : 0,
-    SPIN_RATE = FIRST_DERIVATIVE + N_STATES
-};
-
-#include "road.h"
-#include "tire.h"
-
-/* The kind of a value: a stored one can be set until initialization ends; a hidden one is not visible to the host and
-   has its start value. */
-enum { INDEPENDENT, INPUT, OUTPUT, PARAMETER, LOCAL, STORED, HIDDEN };
-
-/* The source of an extra output; see EXTRAS in model_config.h. */
-enum {
-    FRICTION_USE,
-    KAPPA_GIVEN,
-    ALPHA_GIVEN,
-    ALPHA_LAGGED,
-    BRAKE_EVENT,
-    FIRST_QUANTITY,
-    FIRST_PATH = FIRST_QUANTITY + N_QUANTITIES,
-    FIRST_HUB = FIRST_PATH + N_MEMORY
-};
-
-/* What an FMU with hub inputs computes: the results of the generated function wheel_motion, of which the first ones are
-   MOTION, then load, deflection, the forces of the generated function hub_wrench, and the torque of the brake. */
-enum {
-    N_MOTION_RESULTS = 5,
-    RADIUS_RESULT = N_MOTION_RESULTS,
-    RADIUS_RATE_RESULT,
-    LOAD_RESULT = N_MOTION_RESULTS + 5,
-    DEFLECTION_RESULT,
-    WRENCH_RESULT,
-    BRAKE_RESULT = WRENCH_RESULT + 12,
-    N_HUB_RESULTS
-};
+#include "state.h"
 
 /* The same numbers in FMI 2 and FMI 3. */
 typedef enum { STATUS_OK = 0, STATUS_WARNING = 1, STATUS_DISCARD = 2, STATUS_ERROR = 3 } Status;
-
-typedef enum { CO_SIMULATION, MODEL_EXCHANGE } Kind;
-
-/* After initialization, Co-Simulation is in STEPPING; Model Exchange is in EVENT or CONTINUOUS. */
-typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, EVENT, CONTINUOUS, TERMINATED } Mode;
-
-/* The lagged quantities: kappa, tan(alpha) and, if the wheel can turn on the spot, the twist of its contact patch. */
-enum { LONGITUDINAL, LATERAL, N_SLIPS, TWIST = N_SLIPS, N_LAGGING = N_SLIPS + TWISTS };
-
-/* What the rates of lagged quantities depend on in addition to the model: |V|, sliding velocities, the yaw rate, the
-   default relaxation length, and the lagged quantities; then the results for the hub at constant contact forces, and
-   the change of the spin, of its rate by torques and inertia, and of the margin of a brake that holds. */
-enum {
-    ROLLING,
-    SLIDING,
-    YAWING = SLIDING + N_SLIPS,
-    DEFAULT_LENGTH,
-    LAGGING,
-    HUB_CHANGE = LAGGING + N_LAGGING,
-    SPIN_MOVED = HUB_CHANGE + HUB * N_HUB_RESULTS,
-    SPIN_PUSHED,
-    SPIN_MARGIN,
-    N_MOTION = SPIN ? SPIN_MARGIN + 1 : SPIN_MOVED
-};
-
-/* The kinematics at the contact point; see contact.h. */
-typedef struct {
-    double inputs[N_INPUTS];
-    double target[N_SLIPS];
-    double sliding[N_SLIPS];
-    double bounds[N_SLIPS];
-    double friction[N_SLIPS], stiffness[N_SLIPS];
-    double sense, frame;
-    double speed, rolling;
-    double yawing;
-} Contact;
-
-#if HUB
-/* The wheel at its hub; see hub.h. */
-typedef struct {
-    double results[N_HUB_RESULTS];
-    double spring; /* load without damping and bottoming, N */
-    double radius; /* loaded radius at which the spring is evaluated, m */
-    double parameters[N_PARAMETERS];
-} Hub;
-#endif
-
-/* Everything that changes in an instance: a copy is a saved state, the bytes a serialized one.  The road is that of the
-   instance, also after a state has been restored. */
-typedef struct {
-    char token[TOKEN_SIZE]; /* identifies the FMU of a serialized state */
-    int kind, mode;
-    /* Whether computed values are valid for the present inputs, parameters, states and mode. */
-    int contact_known, lengths_known, outputs_known, extras_known;
-#if HUB
-    int hub_known;
-    Hub hub;
-#endif
-#if ROAD
-    const RoadGrid *road;
-#endif
-#if SPIN
-    int brake_sense; /* see spin.h */
-    int event; /* whether the brake has locked, released or changed its direction in the last step */
-#endif
-    int stop_defined;
-    double stop_time;
-    double lagging[N_LAGGING]; /* since the end of initialization; see slips.h */
-    double distance;         /* rolled, m */
-#if N_MEMORY > 0
-    double memory[N_MEMORY]; /* the states of effects; see memory.h */
-#endif
-    double lengths[N_SLIPS];
-    int length_is_default[N_SLIPS];
-    Contact contact;
-    int interpolates; /* whether a slope is not 0 */
-    double slopes[N_HOST_INPUTS]; /* of the inputs over the next step */
-    double values[N_VALUES];
-} State;
 
 typedef struct Instance Instance;
 
@@ -181,11 +51,8 @@ Status instance_expect_pointer(const Instance *self, const void *pointer, size_t
 Status instance_expect_finite(const Instance *self, const double values[], size_t n, const char *what);
 /* Reject the call unless the instance is in one of two modes. */
 Status instance_expect(const Instance *self, Mode mode, Mode other, const char *what);
-/* Whether initialization is complete: lagged slips have their own values. */
-int state_has_begun(const State *state);
-/* Invalidate computed values: inputs, parameters, states or the mode have changed. */
-void state_changed(State *state);
 
+/* The life cycle, and steps of Co-Simulation: life_cycle.c, stepping.c. */
 Status instance_set_experiment(Instance *self, double start, int stop_defined, double stop);
 Status instance_enter_initialization(Instance *self);
 Status instance_exit_initialization(Instance *self);
@@ -215,21 +82,8 @@ Status instance_get_rates(Instance *self, double rates[], size_t n);
 Status instance_get_nominals(Instance *self, double nominals[], size_t n);
 Status instance_get_indicators(Instance *self, double indicators[], size_t n);
 
-/* Direct feedthrough: outputs are computed when the host reads them, once after each change.  Extra outputs need the
-   model's named quantities, which are computed only if the host reads one of them. */
-void state_compute_outputs(State *state);
-/* Integrate the states of slips and effects over h seconds with constant inputs. */
-void state_integrate(State *state, double h);
-void state_compute_extras(State *state);
-
+/* Values: access.c. */
 Status instance_expect_known(const Instance *self, const unsigned references[], size_t n);
-const char *value_name(unsigned reference);
-int value_kind(unsigned reference);
-/* The source of an extra output. */
-int value_shows(unsigned reference);
-/* The size of a value or its nominal value, whichever is larger; 1 if both are unknown. */
-double value_scale(const State *state, unsigned reference);
-
 Status instance_get(Instance *self, const unsigned references[], size_t n, double values[]);
 Status instance_set(Instance *self, const unsigned references[], size_t n, const double values[]);
 /* sensitivity = (d unknowns / d knowns) seed; adjoint: sensitivity = seed (d unknowns / d knowns). */

@@ -5,7 +5,6 @@
  */
 #include "slips.h"
 
-#include "memory.h"
 #include "state_laws.h"
 
 #include <math.h>
@@ -41,13 +40,10 @@ static double default_length(const State *state)
 #endif
 }
 
-static void find_lengths(State *state)
+void slips_find_lengths(State *state)
 {
     size_t i;
 
-    contact_find(state);
-    if (state->lengths_known)
-        return;
 #if RELAXES
     model_relaxation(state->contact.inputs, model_parameters(state), state->lengths);
 #else
@@ -58,15 +54,10 @@ static void find_lengths(State *state)
         if (state->length_is_default[i])
             state->lengths[i] = default_length(state);
     }
-    state->lengths_known = 1;
 }
 
 /* False for a length of NaN. */
-int slips_lag(State *state, size_t slip)
-{
-    find_lengths(state);
-    return state->lengths[slip] > SHORTEST_LENGTH;
-}
+int slips_lag(const State *state, size_t slip) { return state->lengths[slip] > SHORTEST_LENGTH; }
 
 static double given(const State *state, size_t slip)
 {
@@ -76,45 +67,40 @@ static double given(const State *state, size_t slip)
 
 static double bounded(const State *state, size_t slip)
 {
-    const double bound = state->contact.bounds[slip], x = state->lagging[slip];
+    const double bound = state->contact.bounds[slip], x = state->continuous.lagging[slip];
     return x > bound ? bound : x < -bound ? -bound : x;
 }
 
-static double acting(State *state, size_t slip)
+static double acting(const State *state, size_t slip)
 {
     return state_has_begun(state) && slips_lag(state, slip) ? bounded(state, slip) : given(state, slip);
 }
 
-void slips_acting(State *state, double inputs[N_INPUTS])
+void slips_acting(const State *state, double inputs[N_INPUTS])
 {
-    find_lengths(state);
     memcpy(inputs, state->contact.inputs, N_INPUTS * sizeof *inputs);
     inputs[KAPPA] = state->contact.sense * acting(state, LONGITUDINAL);
     inputs[ALPHA] = atan(acting(state, LATERAL));
-#if N_MEMORY > 0
-    memory_fill(state, inputs);
-#endif
 }
 
 void slips_begin(State *state)
 {
     size_t i;
 
-    contact_find(state);
     for (i = 0; i < N_SLIPS; i++)
-        state->lagging[i] = given(state, i);
+        state->continuous.lagging[i] = given(state, i);
 }
 
 int slips_settle(State *state)
 {
+    double settled;
     size_t i;
     int moved = 0;
 
     for (i = 0; i < N_SLIPS; i++) {
-        const double settled = acting(state, i);
-
-        moved |= settled != state->lagging[i];
-        state->lagging[i] = settled;
+        settled = acting(state, i);
+        moved |= settled != state->continuous.lagging[i];
+        state->continuous.lagging[i] = settled;
     }
     return moved;
 }
@@ -125,7 +111,7 @@ static double follow(double x, double target, double way) { return state_lag(x, 
 #if TWISTS
 double slips_twist(const State *state)
 {
-    const double share = state_has_begun(state) ? state->lagging[TWIST] / SATURATION_TWIST : 0.0;
+    const double share = state_has_begun(state) ? state->continuous.lagging[TWIST] / SATURATION_TWIST : 0.0;
     return share > 1.0 ? 1.0 : share < -1.0 ? -1.0 : share;
 }
 
@@ -139,7 +125,7 @@ double slips_twist_decay(const State *state, double *by_yawing, double *by_speed
 static double twist_rate(const State *state)
 {
     double by_yawing, by_speed;
-    return state->contact.yawing - slips_twist_decay(state, &by_yawing, &by_speed) * state->lagging[TWIST];
+    return state->contact.yawing - slips_twist_decay(state, &by_yawing, &by_speed) * state->continuous.lagging[TWIST];
 }
 
 /* The exact solution: a twist that the yaw rate builds up to its saturation, and that rolling removes. */
@@ -149,7 +135,7 @@ static void advance_twist(State *state, double h)
     const double decay = slips_twist_decay(state, &by_yawing, &by_speed);
 
     if (decay > 0.0)
-        state->lagging[TWIST] = follow(state->lagging[TWIST], state->contact.yawing / decay, decay * h);
+        state->continuous.lagging[TWIST] = follow(state->continuous.lagging[TWIST], state->contact.yawing / decay, decay * h);
 }
 #endif
 
@@ -161,24 +147,24 @@ void slips_advance(State *state, double h)
 
     for (i = 0; i < N_SLIPS; i++) {
         if (!slips_lag(state, i)) {
-            state->lagging[i] = given(state, i);
+            state->continuous.lagging[i] = given(state, i);
             continue;
         }
-        state->lagging[i] = bounded(state, i);
+        state->continuous.lagging[i] = bounded(state, i);
         if (contact->rolling > STANDSTILL_SPEED) {
             rolled = h * (contact->rolling / state->lengths[i]);
-            state->lagging[i] = follow(state->lagging[i], contact->target[i], rolled);
+            state->continuous.lagging[i] = follow(state->continuous.lagging[i], contact->target[i], rolled);
         } else {
-            state->lagging[i] += contact->sliding[i] * (h / state->lengths[i]);
+            state->continuous.lagging[i] += contact->sliding[i] * (h / state->lengths[i]);
         }
-        state->lagging[i] = bounded(state, i);
+        state->continuous.lagging[i] = bounded(state, i);
     }
 #if TWISTS
     advance_twist(state, h);
 #endif
 }
 
-double slips_length(State *state, size_t slip, LengthOrigin *origin)
+double slips_length(const State *state, size_t slip, LengthOrigin *origin)
 {
     const int lags = slips_lag(state, slip);
 
@@ -186,10 +172,10 @@ double slips_length(State *state, size_t slip, LengthOrigin *origin)
     return lags ? state->lengths[slip] : FOLLOWING_LENGTH;
 }
 
-void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent)
+void slips_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent)
 {
     const double *moved = seeds + FIRST_STATE;
-    const double x = state->lagging[LATERAL];
+    const double x = state->continuous.lagging[LATERAL];
 
     memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
     memcpy(tangent->motion + LAGGING, moved, N_LAGGING * sizeof *moved);
@@ -205,27 +191,27 @@ void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *ta
 }
 
 /* Zero for a slip at its bound that would move outward. */
-static double rate(State *state, size_t slip)
+static double rate(const State *state, size_t slip)
 {
     const Contact *contact = &state->contact;
-    const double x = state->lagging[slip];
+    const double x = state->continuous.lagging[slip];
     LengthOrigin origin;
     const double found = (contact->sliding[slip] - contact->rolling * x) / slips_length(state, slip, &origin);
 
     return fabs(x) >= contact->bounds[slip] && found * x > 0.0 ? 0.0 : found;
 }
 
-void slips_show(State *state, double slips[], double rates[])
+void slips_show(const State *state, double slips[], double rates[])
 {
     size_t i;
 
     for (i = 0; i < N_SLIPS; i++) {
         /* In Model Exchange the state is the value that the solver set. */
-        slips[i] = state->kind == MODEL_EXCHANGE && state_has_begun(state) ? state->lagging[i] : acting(state, i);
+        slips[i] = state->kind == MODEL_EXCHANGE && state_has_begun(state) ? state->continuous.lagging[i] : acting(state, i);
         rates[i] = state_has_begun(state) ? rate(state, i) : 0.0;
     }
 #if TWISTS
-    slips[TWIST] = state->lagging[TWIST];
+    slips[TWIST] = state->continuous.lagging[TWIST];
     rates[TWIST] = state_has_begun(state) ? twist_rate(state) : 0.0;
 #endif
 }

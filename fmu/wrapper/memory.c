@@ -93,17 +93,13 @@ void memory_fill(const State *state, double inputs[N_INPUTS])
 {
     double memory[N_MEMORY];
 
-    memcpy(memory, state->memory, sizeof memory);
+    memcpy(memory, state->continuous.memory, sizeof memory);
     if (!state_has_begun(state))
         settle(state, inputs, memory);
     put(memory, inputs);
 }
 
-void memory_begin(State *state)
-{
-    contact_find(state);
-    settle(state, state->contact.inputs, state->memory);
-}
+void memory_begin(State *state) { settle(state, state->contact.inputs, state->continuous.memory); }
 
 /* ---------------------------------------------------------------- steps */
 
@@ -208,7 +204,7 @@ static void advance_part(State *state, const double lines[], const double first[
     double inputs[3][N_INPUTS], values[3][N_MEMORY], lagging[N_LAGGING];
     size_t i;
 
-    memcpy(lagging, state->lagging, sizeof lagging);
+    memcpy(lagging, state->continuous.lagging, sizeof lagging);
     memcpy(values[0], memory, sizeof values[0]);
     follow_inputs(lines, first, middle, values[1]);
     follow_inputs(lines, first, end, values[2]);
@@ -220,7 +216,7 @@ static void advance_part(State *state, const double lines[], const double first[
     if (step_driven(state, inputs, values, end - begin)) {
         memcpy(memory, values[2], sizeof values[2]);
     } else if (halvings < MOST_HALVINGS && is_finite(memory)) {
-        memcpy(state->lagging, lagging, sizeof lagging);
+        memcpy(state->continuous.lagging, lagging, sizeof lagging);
         advance_part(state, lines, first, begin, middle, halvings + 1, memory);
         advance_part(state, lines, first, middle, end, halvings + 1, memory);
     } else {
@@ -230,7 +226,7 @@ static void advance_part(State *state, const double lines[], const double first[
 }
 
 /* The shortest time constant of all that moves, as a rate. */
-static double fastest(State *state, const double lines[])
+static double fastest(const State *state, const double lines[])
 {
     double found = 0.0;
     LengthOrigin origin;
@@ -249,28 +245,27 @@ void memory_advance(State *state, double h)
 {
     double given[N_INPUTS], lines[N_DRIVES], first[N_MEMORY], begin = 0.0, end = 0.0, size;
 
-    contact_find(state);
     memcpy(given, state->contact.inputs, sizeof given);
     find_lines(state, given, lines);
-    memcpy(first, state->memory, sizeof first);
+    memcpy(first, state->continuous.memory, sizeof first);
     size = FIRST_STEP / fastest(state, lines);
     for (; end < h; size *= GROWTH, begin = end) {
         end = size < h - begin ? begin + size : h; /* also for an infinite size */
-        advance_part(state, lines, first, begin, end, 0, state->memory);
+        advance_part(state, lines, first, begin, end, 0, state->continuous.memory);
     }
 }
 
 /* ---------------------------------------------------------------- derivatives */
 
-void memory_rates(State *state, double rates[N_MEMORY], double events[N_MEMORY])
+void memory_rates(const State *state, double rates[N_MEMORY], double events[N_MEMORY])
 {
     double given[N_INPUTS], acting[N_INPUTS], at_given[N_DRIVES], at_acting[N_DRIVES];
     size_t i;
 
-    contact_find(state);
     memcpy(given, state->contact.inputs, sizeof given);
     memory_fill(state, given);
     slips_acting(state, acting);
+    memory_fill(state, acting);
     find_lines(state, given, at_given);
     find_lines(state, acting, at_acting);
     for (i = 0; i < N_MEMORY; i++) {

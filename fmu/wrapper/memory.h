@@ -8,7 +8,13 @@
 
 #include "contact.h"
 
-#if N_MEMORY > 0
+#if N_MEMORY == 0
+static inline void memory_fill(const State *state, double inputs[N_INPUTS]) { (void) state, (void) inputs; }
+static inline void memory_rates(const State *state, double rates[], double events[])
+{
+    (void) state, (void) rates, (void) events;
+}
+#else
 /* Put the states into the model's inputs: their own values, or before the end of initialization their start values. */
 void memory_fill(const State *state, double inputs[N_INPUTS]);
 
@@ -21,7 +27,7 @@ void memory_advance(State *state, double h);
 /* Compute the derivatives of the states, and what changes sign where the derivative of a state along a path jumps: the
    velocity of a hysteresis, the margin of a play (1 - x in its direction, -1 while it is at its limit); 0 for other
    states. */
-void memory_rates(State *state, double rates[N_MEMORY], double events[N_MEMORY]);
+void memory_rates(const State *state, double rates[N_MEMORY], double events[N_MEMORY]);
 
 /* Put the seeds of the states into the tangents of the inputs; call slips_differentiate before. */
 void memory_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent);

@@ -1,6 +1,8 @@
 /* Saving, restoring and serializing an instance's state.  See instance.h. */
 #include "instance.h"
 
+#include "outputs.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,7 +72,7 @@ static int is_state(const Instance *self, const State *state)
 
     if (memcmp(state->token, self->tire.token, sizeof state->token) != 0 || state->mode < INSTANTIATED ||
         state->mode > TERMINATED || (state->kind != CO_SIMULATION && state->kind != MODEL_EXCHANGE) ||
-        state->stop_time != state->stop_time || !isfinite(state->distance))
+        state->stop_time != state->stop_time || !isfinite(state->continuous.distance))
         return 0;
     for (i = 0; i < FIRST_STATE; i++)
         if ((i < FIRST_COMPUTED || i >= FIRST_PARAMETER) &&
@@ -84,11 +86,11 @@ static int is_state(const Instance *self, const State *state)
         if (!isfinite(state->slopes[i]))
             return 0;
     for (i = 0; i < N_LAGGING; i++)
-        if (!isfinite(state->lagging[i]))
+        if (!isfinite(state->continuous.lagging[i]))
             return 0;
 #if N_MEMORY > 0
     for (i = 0; i < N_MEMORY; i++)
-        if (!isfinite(state->memory[i]))
+        if (!isfinite(state->continuous.memory[i]))
             return 0;
 #endif
     return 1;

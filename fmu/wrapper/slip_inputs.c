@@ -12,13 +12,11 @@ void contact_find(State *state)
     Contact *contact = &state->contact;
     size_t i;
 
-    if (state->contact_known)
-        return;
     for (i = 0; i < N_INPUTS; i++)
         contact->inputs[i] =
             HOST_INDEX[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) HOST_INDEX[i]);
 #ifdef DISTANCE
-    contact->inputs[DISTANCE] = state->distance;
+    contact->inputs[DISTANCE] = state->continuous.distance;
 #endif
 #if N_STATES > 0
     contact->speed = contact->rolling = fabs(host_value(state, FIRST_INPUT + HOST_SPEED));
@@ -32,7 +30,6 @@ void contact_find(State *state)
     }
 #endif
     contact->sense = 1.0;
-    state->contact_known = 1;
 }
 
 int contact_is_smooth(const State *state)
@@ -68,7 +65,7 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
 #endif
 }
 
-void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+void contact_forces(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
     model_forces(inputs, model_parameters(state), forces);
 }

@@ -8,11 +8,14 @@
 
 #include "contact.h"
 
-/* Compute the model's inputs with the acting slips; call contact_find before. */
-void slips_acting(State *state, double inputs[N_INPUTS]);
+/* Compute the relaxation lengths for the contact, which all other functions need. */
+void slips_find_lengths(State *state);
+
+/* Compute the model's inputs with the acting slips, without the states of effects. */
+void slips_acting(const State *state, double inputs[N_INPUTS]);
 
 /* Whether this slip has a lag in the present state. */
-int slips_lag(State *state, size_t slip);
+int slips_lag(const State *state, size_t slip);
 
 /* End of initialization: the lagged slips start in steady state. */
 void slips_begin(State *state);
@@ -26,7 +29,7 @@ void slips_advance(State *state, double h);
 /* The origin of a relaxation length: a constant, the parameter DEFAULT_SIGMA, or the model. */
 typedef enum { CONSTANT_LENGTH, DEFAULTED_LENGTH, MODEL_LENGTH } LengthOrigin;
 
-double slips_length(State *state, size_t slip, LengthOrigin *origin);
+double slips_length(const State *state, size_t slip, LengthOrigin *origin);
 
 #if TWISTS
 /* The twist of the contact patch as a share of the twist at which the friction torque is reached, -1 to 1. */
@@ -37,9 +40,9 @@ double slips_twist_decay(const State *state, double *by_yawing, double *by_speed
 #endif
 
 /* Compute the rest of a tangent; call contact_differentiate before. */
-void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent);
+void slips_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent);
 
 /* Compute the slips and their rates as the host reads them. */
-void slips_show(State *state, double slips[], double rates[]);
+void slips_show(const State *state, double slips[], double rates[]);
 
 #endif

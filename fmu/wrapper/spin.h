@@ -12,13 +12,19 @@
 #ifndef SPIN_H
 #define SPIN_H
 
-#include "instance.h"
+#include "state.h"
 
 #if SPIN
 /* The moment about the spin axis, the fifth result of hub_wrench. */
 enum { SPIN_MOMENT = WRENCH_RESULT + 4 };
 
-/* The end of initialization in Co-Simulation. */
+/* The torque on the wheel without that of the brake. */
+double spin_free_torque(const State *state);
+/* The direction of the spin that the brake opposes, 0 while it holds the wheel; that of a wheel with the spin 0. */
+int spin_sense(const State *state);
+int spin_sense_at_rest(const State *state);
+
+/* The end of initialization in Co-Simulation: spin_steps.c. */
 void spin_begin(State *state);
 /* Integrate spin and all other states over h seconds, or up to the end of the part in which the brake locks, releases or
    changes its direction.  Returns the integrated time. */

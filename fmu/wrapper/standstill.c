@@ -17,21 +17,12 @@
 #include <math.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
 /* Converts load to mass, for damping relative to critical damping, m/s^2. */
 #define GRAVITY 9.81
 /* Critical damping of a turning wheel relative to that of its load: the wheel has about 1 % of the mass. */
 #define WHEEL_DAMPING 0.1
 
 static const unsigned FORCE[] = {LONGITUDINAL_FORCE, SIDE_FORCE};
-
-double standstill_speed(const State *state) { return state->values[FIRST_PARAMETER + LOW_SPEED]; }
-
-double standstill_share(const State *state)
-{
-    const double share = state->contact.speed / standstill_speed(state);
-    return share < 1.0 ? 0.5 * (1.0 + cos(PI * share)) : 0.0;
-}
 
 static double load(const State *state)
 {
@@ -116,7 +107,7 @@ static double damped_part(const State *state, size_t slip)
 }
 
 /* The force of a damper relative to the critical damping of the load on the tire's spring. */
-static double damper(State *state, size_t slip)
+static double damper(const State *state, size_t slip)
 {
     const Contact *contact = &state->contact;
     const double ratio = state->values[FIRST_PARAMETER + LOW_SPEED_DAMPING] * standstill_share(state);
@@ -140,7 +131,7 @@ static double largest_share(const double a[N_SLIPS], const double b[N_SLIPS])
     return ab > 0.0 ? rest / (ab + root) : (root - ab) / bb;
 }
 
-static void limit_to_friction(State *state, const double quantities[N_QUANTITIES], double forces[N_OUTPUTS])
+static void limit_to_friction(const State *state, const double quantities[N_QUANTITIES], double forces[N_OUTPUTS])
 {
     static const unsigned friction[] = {FRICTION_X, FRICTION_Y};
     const double free = 1.0 - state->values[FIRST_PARAMETER + FRICTION_LIMIT];
@@ -179,7 +170,7 @@ static double turning_torque(const State *state, const double quantities[N_QUANT
 }
 #endif
 
-void contact_forces(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+void contact_forces(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
     double quantities[N_QUANTITIES];
 

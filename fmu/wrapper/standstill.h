@@ -1,8 +1,9 @@
-/* Where and how the forces of a wheel near standstill are corrected; see standstill.c. */
+/* Where the forces of a wheel near standstill are corrected: the functions are in wheel_inputs.c, the forces in
+   standstill.c. */
 #ifndef STANDSTILL_H
 #define STANDSTILL_H
 
-#include "instance.h"
+#include "state.h"
 
 /* Lowest speed that the model receives: at 0 the direction is undefined, m/s. */
 #define LOWEST_SPEED 0.01

@@ -1,11 +1,8 @@
 /* Steps of Co-Simulation.  See instance.h. */
 #include "instance.h"
 
-#include "contact.h"
-#include "memory.h"
-#include "slips.h"
+#include "outputs.h"
 #include "spin.h"
-#include "state_laws.h"
 
 #include <math.h>
 #include <string.h>
@@ -18,22 +15,10 @@
 static int same_time(double a, double b) { return fabs(a - b) <= 1e-9 * (1.0 + fabs(b)); }
 
 #if N_STATES > 0
-void state_integrate(State *state, double h)
-{
-    contact_find(state);
-#if N_MEMORY > 0
-    memory_advance(state, h);
-#else
-    slips_advance(state, h);
-#endif
-    state->distance = state_sum_linear(state->distance, state->contact.speed, state->contact.speed, h);
-}
-
-/* Integrate the states, which remain unchanged if one would not be finite.  `size` becomes the integrated time. */
+/* Integrate the states, and refuse those that are not finite.  `size` becomes the integrated time. */
 static Status advance(Instance *self, double *size)
 {
     State *state = &self->state;
-    const State before = *state;
     Status status;
 
 #if SPIN
@@ -41,19 +26,17 @@ static Status advance(Instance *self, double *size)
 #else
     state_integrate(state, *size);
 #endif
-    status = instance_expect_finite(self, state->lagging, N_LAGGING, "a lagged slip");
+    status = instance_expect_finite(self, state->continuous.lagging, N_LAGGING, "a lagged slip");
     if (status == STATUS_OK)
-        status = instance_expect_finite(self, &state->distance, 1, "the distance");
+        status = instance_expect_finite(self, &state->continuous.distance, 1, "the distance");
 #if N_MEMORY > 0
     if (status == STATUS_OK)
-        status = instance_expect_finite(self, state->memory, N_MEMORY, "a state");
+        status = instance_expect_finite(self, state->continuous.memory, N_MEMORY, "a state");
 #endif
 #if SPIN
     if (status == STATUS_OK)
         status = instance_expect_finite(self, state->values + FIRST_INPUT + HOST_SPIN, 1, "the spin");
 #endif
-    if (status != STATUS_OK)
-        *state = before;
     return status;
 }
 #endif
@@ -67,7 +50,6 @@ static Status advance_held(Instance *self, double *size)
 #if defined DISTANCE || HUB
     state_changed(&self->state); /* the model reads the distance; the load depends on the slips */
 #endif
-    self->state.outputs_known = self->state.extras_known = 0;
 #else
     (void) self, (void) size;
 #endif
@@ -97,33 +79,38 @@ static Status move_inputs(Instance *self, const double start[], double time)
     return STATUS_OK;
 }
 
-/* Integrate a step; `size` becomes the integrated time.  Inputs with slopes, which FMI 2 has, have their mean value in each
-   part of it, and at its end their last value. */
-static Status integrate(Instance *self, double *size)
+/* Integrate over a step in which inputs have slopes, as FMI 2 has them: they have their mean value in each part of it, and
+   at its end their last value. */
+static Status advance_sloped(Instance *self, double size)
 {
-    const State before = self->state;
-    const double wanted = before.interpolates ? ceil(*size / LONGEST_PART * (1.0 - 1e-9)) : 1.0;
+    const double wanted = ceil(size / LONGEST_PART * (1.0 - 1e-9));
     const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
-    double part = *size / parts;
+    double part = size / parts, start[FIRST_OUTPUT];
     Status status = STATUS_OK;
     int i;
 
-    if (!before.interpolates)
-        return advance_held(self, size);
+    memcpy(start, self->state.values, sizeof start);
     for (i = 0; i < parts && status == STATUS_OK; i++) {
-        status = move_inputs(self, before.values, (i + 0.5) * part);
+        status = move_inputs(self, start, (i + 0.5) * part);
         if (status == STATUS_OK)
             status = advance_held(self, &part);
     }
     if (status == STATUS_OK)
-        status = move_inputs(self, before.values, *size);
-    if (status != STATUS_OK) {
-        self->state = before;
-        return status;
-    }
+        status = move_inputs(self, start, size);
     memset(self->state.slopes, 0, sizeof self->state.slopes);
     self->state.interpolates = 0;
-    return STATUS_OK;
+    return status;
+}
+
+/* Integrate a step, or change nothing; `size` becomes the integrated time. */
+static Status integrate(Instance *self, double *size)
+{
+    const State before = self->state;
+    const Status status = before.interpolates ? advance_sloped(self, *size) : advance_held(self, size);
+
+    if (status != STATUS_OK)
+        self->state = before;
+    return status;
 }
 
 Status instance_set_slopes(Instance *self, const unsigned references[], size_t n, const int orders[],

@@ -15,10 +15,8 @@ void tangent_find_values(State *state, Point point, double values[N_SLOTS])
         slips_acting(state, inputs);
     else
         memcpy(inputs, state->contact.inputs, sizeof inputs);
-#if N_MEMORY > 0
-    if (point == DIRECT)
+    if (point != GIVEN)
         memory_fill(state, inputs);
-#endif
     chain_values(inputs, model_parameters(state), 0.0, values);
 }
 

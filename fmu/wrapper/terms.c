@@ -33,6 +33,7 @@ static size_t friction_terms(State *state, Term terms[MOST_TERMS])
     size_t i, n = 0;
 
     slips_acting(state, inputs);
+    memory_fill(state, inputs);
     model_quantities(inputs, model_parameters(state), quantities);
     for (i = 0; i < N_SLIPS; i++)
         if (load > 0.0 && quantities[friction[i]] != 0.0)
@@ -64,7 +65,7 @@ static size_t rate_terms(State *state, unsigned slip, Term terms[MOST_TERMS])
         return 0;
     n = add(terms, n, MOTION, SLIDING + slip, 1.0 / length);
     n = add(terms, n, MOTION, LAGGING + slip, -state->contact.rolling / length);
-    n = add(terms, n, MOTION, ROLLING, -state->lagging[slip] / length);
+    n = add(terms, n, MOTION, ROLLING, -state->continuous.lagging[slip] / length);
 #if RELAXES
     if (origin == MODEL_LENGTH)
         n = add(terms, n, GIVEN, chain_quantity(lengths[slip]), -rate / length);
@@ -77,7 +78,7 @@ static size_t rate_terms(State *state, unsigned slip, Term terms[MOST_TERMS])
 /* yawing - decay twist */
 static size_t twist_terms(const State *state, Term terms[MOST_TERMS])
 {
-    const double twist = state->lagging[TWIST], way = state->contact.yawing < 0.0 ? -1.0 : 1.0;
+    const double twist = state->continuous.lagging[TWIST], way = state->contact.yawing < 0.0 ? -1.0 : 1.0;
     double by_yawing, by_speed;
     const double decay = slips_twist_decay(state, &by_yawing, &by_speed);
     size_t n = 0;

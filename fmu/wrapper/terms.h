@@ -2,7 +2,7 @@
 #ifndef TERMS_H
 #define TERMS_H
 
-#include "instance.h"
+#include "state.h"
 
 /* The kind of a term: a slot of chain_rule.h with the given slips, with the acting slips and states, or with the given
    slips and the states, or an entry of a tangent's `motion`, see contact.h. */

@@ -12,16 +12,24 @@
 #include "contact.h"
 
 #include "chain_rule.h"
-#include "hub.h"
 #include "rolling_radius.h"
 #include "standstill.h"
 
 #include <math.h>
 
+#define PI 3.14159265358979323846
 #define STANDSTILL_SPEED 1e-12
 
 static const int HOST_INDEX[] = HOST_INPUT_INDICES;
 static const double UNCONNECTED[] = UNCONNECTED_INPUTS;
+
+double standstill_speed(const State *state) { return state->values[FIRST_PARAMETER + LOW_SPEED]; }
+
+double standstill_share(const State *state)
+{
+    const double share = state->contact.speed / standstill_speed(state);
+    return share < 1.0 ? 0.5 * (1.0 + cos(PI * share)) : 0.0;
+}
 
 /* Near standstill: friction, slip stiffness, and the bounds of the lagged slips. */
 static void find_bounds(State *state, double reference)
@@ -59,36 +67,39 @@ static double rolling_speed(double speed)
     return share < 1.0 ? speed * share * (2.0 - share) : speed;
 }
 
-void contact_find(State *state)
+/* The host's values of the model's inputs; those of the motion follow. */
+static void find_inputs(State *state)
 {
-    Contact *contact = &state->contact;
-    double forward, turning, reference;
+    double *inputs = state->contact.inputs;
     size_t i;
 
-    if (state->contact_known)
-        return;
-#if HUB
-    hub_find(state);
-#endif
     for (i = 0; i < N_INPUTS; i++)
-        contact->inputs[i] =
-            HOST_INDEX[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) HOST_INDEX[i]);
+        inputs[i] = HOST_INDEX[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) HOST_INDEX[i]);
 #ifdef DISTANCE
-    contact->inputs[DISTANCE] = state->distance;
+    inputs[DISTANCE] = state->continuous.distance;
 #endif
-    forward = host_value(state, FIRST_INPUT + HOST_SPEED);
-    turning = host_value(state, FIRST_INPUT + HOST_TURNING);
+}
+
+/* Speed and direction of travel. */
+static void find_travel(Contact *contact, double forward)
+{
     contact->speed = fabs(forward);
     contact->rolling = rolling_speed(contact->speed);
     contact->sense = forward < 0.0 ? -1.0 : 1.0;
     contact->frame = REVERSES ? 1.0 : contact->sense;
-    reference = contact->speed;
-    if (reference < standstill_speed(state))
-        reference = 0.5 * (reference * reference / standstill_speed(state) + standstill_speed(state));
 #ifdef SPEED
     contact->inputs[SPEED] =
         contact->frame * contact->sense * (contact->speed < LOWEST_SPEED ? LOWEST_SPEED : contact->speed);
 #endif
+}
+
+/* Sliding velocities, and the slips for a reference speed. */
+static void find_slips(State *state, double forward, double reference)
+{
+    Contact *contact = &state->contact;
+    const double turning = host_value(state, FIRST_INPUT + HOST_TURNING);
+    size_t i;
+
     contact->sliding[LONGITUDINAL] = turning * rolling_radius(contact->inputs, turning, model_parameters(state)) - forward;
     contact->sliding[LATERAL] = host_value(state, FIRST_INPUT + HOST_SIDEWAYS);
     for (i = 0; i < N_SLIPS; i++)
@@ -102,8 +113,19 @@ void contact_find(State *state)
 #ifdef TURN
     contact->inputs[TURN] = contact->frame * contact->yawing / reference * (1.0 - standstill_share(state));
 #endif
+}
+
+void contact_find(State *state)
+{
+    const double forward = host_value(state, FIRST_INPUT + HOST_SPEED), low = standstill_speed(state);
+    double reference = fabs(forward);
+
+    if (reference < low)
+        reference = 0.5 * (reference * reference / low + low);
+    find_inputs(state);
+    find_travel(&state->contact, forward);
+    find_slips(state, forward, reference);
     find_bounds(state, reference);
-    state->contact_known = 1;
 }
 
 int contact_is_smooth(const State *state)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
 from dataclasses import replace
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +22,7 @@ from tirefmu.fmu.packaging.export import fmi_headers
 from tirefmu.fmu.packaging.sources import STI, c_files, sources, sti_sources
 from tirefmu.fmu.packaging.sti import tire_header
 from tirefmu.fmu.simulation.simulate import loaded
+from tirefmu.tires import Tire
 
 OUTPUTS = ("Fx", "Fy", "Mz")
 
@@ -42,6 +45,31 @@ def compile_strictly(compiler, folder, names):
     done = subprocess.run([*compiler, *strictly, "-c", *names], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(("fmi", "inputs"), [(2, "slip"), (3, "hub-torque")])
+def test_no_source_file_calls_one_that_calls_it(compiler, tmp_path, fmi, inputs):
+    """The files of the wrapper have an order, in which each calls earlier ones only."""
+    if not shutil.which("nm"):
+        pytest.skip("nm is not installed")
+    values = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0}
+    tire = Tire("mf61", values, effects={"relax_lat", "relax_lon", "turn_slip", "heat_friction"})
+    shown = interface(tire, inputs=inputs)
+    for file, content in sources(fmi, shown, "{1}").items():
+        (tmp_path / file).write_bytes(content)
+    own = [file for file in c_files(fmi, shown) if not file.startswith("mf61")]
+    compile_strictly([*compiler, "-O0", "-isystem", str(fmi_headers())], tmp_path, own)
+    defined, needed = {}, {}
+    for file in own:
+        listed = subprocess.run(["nm", "-P", file[:-1] + "o"], cwd=tmp_path, capture_output=True, text=True, check=True)
+        for name, kind, *_ in map(str.split, listed.stdout.splitlines()):
+            if kind == "U":
+                needed.setdefault(file, set()).add(name)
+            elif kind.isupper():
+                defined[name] = file
+    calls = {file: {defined[name] for name in names & defined.keys()} for file, names in needed.items()}
+    assert len(calls) > 5
+    assert set(TopologicalSorter(calls).static_order()) == set(own)
 
 
 def test_a_library_with_sti_compiles_without_a_warning(compiler, tires, tmp_path):

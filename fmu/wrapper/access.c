@@ -1,0 +1,108 @@
+/* Reading and setting of values.  See instance.h. */
+#include "instance.h"
+
+#include "outputs.h"
+
+#include <math.h>
+
+static const char *const MODEL_INPUTS[] = MODEL_INPUT_NAMES;
+
+Status instance_expect_known(const Instance *self, const unsigned references[], size_t n)
+{
+    size_t i;
+
+    if (instance_expect_pointer(self, references, n, "value references") != STATUS_OK)
+        return STATUS_ERROR;
+    for (i = 0; i < n; i++)
+        if (references[i] >= self->tire.count || value_kind(references[i]) == HIDDEN)
+            return instance_refuse(self, STATUS_ERROR, "there is no value reference %u", references[i]);
+    return STATUS_OK;
+}
+
+/* Log once that an input is outside the valid range of the tire. */
+static void watch_range(Instance *self)
+{
+    double (*ranges)[2] = self->tire.ranges;
+    size_t i;
+    double x;
+
+    if (self->warned)
+        return;
+    for (i = 0; i < N_INPUTS; i++) {
+        x = self->state.contact.inputs[i];
+        if (x < ranges[i][0] || x > ranges[i][1]) {
+            self->warned = 1;
+            instance_refuse(self, STATUS_WARNING, "%s = %g is outside %g ... %g, the valid range of the tire",
+                            MODEL_INPUTS[i], x, ranges[i][0], ranges[i][1]);
+            return;
+        }
+    }
+}
+
+Status instance_get(Instance *self, const unsigned references[], size_t n, double values[])
+{
+    size_t i;
+
+    if (instance_expect_known(self, references, n) != STATUS_OK ||
+        instance_expect_pointer(self, values, n, "values") != STATUS_OK)
+        return STATUS_ERROR;
+    for (i = 0; i < n; i++) {
+        if (value_kind(references[i]) == OUTPUT || value_kind(references[i]) == LOCAL || value_kind(references[i]) == STORED) {
+            if (self->state.known < OUTPUTS_KNOWN) {
+                state_compute_outputs(&self->state);
+                watch_range(self);
+            }
+            if (references[i] >= FIRST_EXTRA)
+                state_compute_extras(&self->state);
+        }
+        values[i] = self->state.values[references[i]];
+    }
+    for (i = 0; i < n; i++)
+        if (instance_expect_finite(self, values + i, 1, value_name(references[i])) != STATUS_OK)
+            return STATUS_DISCARD;
+    return STATUS_OK;
+}
+
+/* Whether the host may set this value in the present mode. */
+static Status expect_settable(const Instance *self, unsigned reference)
+{
+    const int kind = value_kind(reference), mode = self->state.mode;
+
+    if (kind == INPUT || (kind == STORED && mode <= INITIALIZATION))
+        return STATUS_OK;
+    if (kind == PARAMETER && mode != CONTINUOUS)
+        return STATUS_OK;
+    if (kind == PARAMETER)
+        return instance_refuse(self, STATUS_ERROR, "%s can be set in event mode, not in continuous-time mode",
+                               value_name(reference));
+    return instance_refuse(self, STATUS_ERROR, "%s cannot be set", value_name(reference));
+}
+
+Status instance_set(Instance *self, const unsigned references[], size_t n, const double values[])
+{
+    size_t i;
+    unsigned r;
+
+    if (instance_expect_known(self, references, n) != STATUS_OK ||
+        instance_expect_pointer(self, values, n, "values") != STATUS_OK)
+        return STATUS_ERROR;
+    if (self->state.mode == TERMINATED)
+        return instance_refuse(self, STATUS_ERROR, "values cannot be set while terminated");
+    for (i = 0; i < n; i++) {
+        r = references[i];
+        if (expect_settable(self, r) != STATUS_OK)
+            return STATUS_ERROR;
+        if (!isfinite(values[i]))
+            return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g", value_name(r), values[i]);
+        if (values[i] < self->tire.lower[r] || values[i] > self->tire.upper[r])
+            return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g", value_name(r), values[i],
+                                   self->tire.lower[r], self->tire.upper[r]);
+    }
+    for (i = 0; i < n; i++) {
+        self->state.values[references[i]] = values[i];
+        if (value_kind(references[i]) == STORED)
+            state_set(&self->state, references[i], values[i]);
+    }
+    state_changed(&self->state);
+    return STATUS_OK;
+}
