@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,8 @@ FloatArray = npt.NDArray[np.float64]
 BLOCKS = 4
 #: Largest number of measured points of a block that are drawn.
 POINTS = 400
+#: Distance of two lines, as a share of the range of their panel, that is seen. A line is 0.7 % wide. Convention.
+VISIBLE = 0.02
 #: Inputs in the title of a block, and their decimals.
 CONDITIONS = {"Fz": 0, "gamma": 1, "p": 1, "V": 1, "T": 0}
 
@@ -30,6 +32,8 @@ CONDITIONS = {"Fz": 0, "gamma": 1, "p": 1, "V": 1, "T": 0}
 @own_settings()
 def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     """Draw measured and computed forces over the slip that varies most, for the blocks that the effects improve most.
+
+    These are blocks in which the forces of both tires differ. Without such a block both tires are one line.
 
     Parameters
     ----------
@@ -40,28 +44,43 @@ def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    table = diagnosis.rows
-    computed = {
-        "baseline tire": (_force(diagnosis.base_tire, diagnosis, channel), "C3", "--"),
-        "improved tire" if diagnosis.delivered else "delivered tire": (
-            _force(diagnosis.tire, diagnosis, channel), "C0", "-"
-        ),
-    }  # fmt: skip
+    table, measured = diagnosis.rows, _shown(diagnosis, channel)
+    slips = [name for name in ("alpha", "kappa") if name in table]
+    both = [_force(tire, diagnosis, channel) for tire in (diagnosis.base_tire, diagnosis.tire)]
+    sweeps = [(block, *_swept(table.iloc[block], slips)) for block in _ranked_blocks(diagnosis, channel) if slips]
+    different = [
+        (block, slip, drawn)
+        for block, slip, drawn in sweeps
+        if not coincide(*(force[block][drawn] for force in (*both, measured)))
+    ]
+    names = ("baseline tire", "improved tire") if different else ("baseline tire and delivered tire",)
     figure = Figure(figsize=(13.0, 3.8), layout="constrained")
     axes = figure.subplots(1, BLOCKS, squeeze=False)[0]
-    measured = _shown(diagnosis, channel)
-    for ax, block in zip(axes, _blocks(diagnosis, channel), strict=False):
-        _draw(
-            ax,
-            table.iloc[block],
-            measured[block],
-            {name: (y[block], color, dashes) for name, (y, color, dashes) in computed.items()},
-        )
+    chosen = sorted((different or sweeps)[:BLOCKS], key=lambda sweep: int(sweep[0][0]))
+    for ax, (block, slip, drawn) in zip(axes, chosen, strict=False):
+        computed = {name: force[block] for name, force in zip(names, both, strict=False)}
+        _draw(ax, table.iloc[block], measured[block], computed, slip, drawn)
     for ax in axes:
         ax.set_visible(bool(ax.lines))
     axes[0].set_ylabel(f"{LETTER.get(channel, channel)} ({drawn_unit(channel)})")
     axes[0].legend(fontsize=LEGEND_SIZE)
     return figure
+
+
+def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
+    """Return whether two lines are one in a panel with them and other points; they may have NaN in the same rows.
+
+    Examples
+    --------
+    >>> x = np.linspace(0.0, 100.0, 50)
+    >>> coincide(x, x + 1.0), coincide(x, x + 5.0), coincide(x, x + 5.0, 10.0 * x)
+    (True, False, True)
+    """
+    shown = np.concatenate([first, second, *drawn])
+    known = np.isfinite(first) & np.isfinite(second)
+    if not known.any():
+        return True
+    return bool(np.abs(first - second)[known].max() <= VISIBLE * (np.nanmax(shown) - np.nanmin(shown)))
 
 
 def _force(tire: Tire, diagnosis: Diagnosis, channel: str) -> FloatArray:
@@ -78,32 +97,31 @@ def _shown(diagnosis: Diagnosis, channel: str) -> FloatArray:
     return np.asarray(diagnosis.rows[channel], dtype=np.float64) - own
 
 
-def _blocks(diagnosis: Diagnosis, channel: str) -> list[npt.NDArray[np.int64]]:
-    """Return the rows of the blocks with the largest reduction of the squared misfit, in order of time."""
+def _ranked_blocks(diagnosis: Diagnosis, channel: str) -> list[npt.NDArray[np.int64]]:
+    """Return the rows of each block, those with the largest reduction of the squared misfit first."""
     course = diagnosis.time_course[channel]
     gain = np.asarray(course["before"]) ** 2 - np.asarray(course["after"]) ** 2
     worth = gain if np.ptp(gain) > 0.0 else np.asarray(course["before"])
     starts = np.asarray(course["t"])
     t = diagnosis.rows["t"].to_numpy() if "t" in diagnosis.rows else np.arange(len(diagnosis.rows))
     ends = np.append(starts[1:], t[-1] + 1.0)
-    chosen = sorted(np.argsort(-worth)[:BLOCKS].tolist())
-    return [np.flatnonzero((t >= starts[k]) & (t < ends[k])) for k in chosen]
+    blocks = (np.flatnonzero((t >= starts[k]) & (t < ends[k])) for k in np.argsort(-worth, kind="stable"))
+    return [block for block in blocks if len(block)]
 
 
-def _draw(ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: dict[str, tuple[FloatArray, str, str]]) -> None:
-    slips = [name for name in ("alpha", "kappa") if name in rows]
-    if not slips or not len(rows):
-        return
-    slip, drawn = _swept(rows, slips)
+def _draw(
+    ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: Mapping[str, FloatArray], slip: str,
+    drawn: npt.NDArray[np.bool_],
+) -> None:  # fmt: skip
     x = rows[slip].to_numpy() * per_si(slip)
     shown = np.flatnonzero(drawn)
     thin = shown[:: max(1, len(shown) // POINTS)]
     ax.plot(x[thin], measured[thin], ".", ms=4, color="0.6", label="measured")
-    for name, (force, color, dashes) in computed.items():
+    for (name, force), color, dashes in zip(computed.items(), ("C3", "C0"), ("--", "-"), strict=False):
         # NaN in rows that are not drawn: no line connects two sweeps.
         ax.plot(x, np.where(drawn, force, np.nan), color=color, ls=dashes, lw=1.4, label=name)
     rows = rows[drawn]
-    other = {name: 1 for name in slips if name != slip}
+    other = {name: 1 for name in ("alpha", "kappa") if name in rows and name != slip}
     conditions = [
         f"{LETTER.get(name, name)} {_level_text(rows[name], name, decimals)}"
         for name, decimals in (other | CONDITIONS).items()

@@ -12,6 +12,7 @@ from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_un
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
+from .curves_figure import coincide
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -58,7 +59,8 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
         residual.set_xlabel(f"{LETTER[slip]} ({drawn_unit(slip)})")
     forces[0].set_ylabel(f"{LETTER[channel]} ({drawn_unit(channel)})")
     residuals[0].set_ylabel(f"mean residual of {LETTER[channel]} ({drawn_unit(channel)})")
-    forces[0].legend(fontsize=LEGEND_SIZE)
+    for ax in forces:
+        ax.legend(fontsize=LEGEND_SIZE)
     residuals[0].legend(fontsize=LEGEND_SIZE)
     first: Axes | None = None
     for i, name in enumerate(states):
@@ -90,12 +92,18 @@ def _draw_forces(ax: Axes, diagnosis: Diagnosis, computed: FloatArray, channel: 
     frequent = float(edges[count.argmax()]) + width / 2.0
     near = np.abs(load - frequent) <= width
     measured = rows[channel].to_numpy(dtype=np.float64)
+    values, lines, shown = np.where(np.isfinite(measured), computed, np.nan), [], []
     for label, direction, color, style in DIRECTIONS:
         centers, mean = _means(diagnosis, measured, slip, direction, near, MIN_ROWS_OF_FORCE)
         ax.plot(centers, mean, style[0], ms=4, color=color, label=f"measured, {label}")
-        values = np.where(np.isfinite(measured), computed, np.nan)
-        centers, mean = _means(diagnosis, values, slip, direction, near, MIN_ROWS_OF_FORCE)
-        ax.plot(centers, mean, style[1:], lw=1.3, color=color, label=f"tire, {label}")
+        shown.append(mean)
+        mean = _means(diagnosis, values, slip, direction, near, MIN_ROWS_OF_FORCE)[1]
+        lines.append((mean, style[1:], color, f"tire, {label}"))
+    if coincide(lines[0][0], lines[1][0], *shown):
+        mean = np.where(np.isfinite(lines[0][0]), lines[0][0], lines[1][0])
+        lines = [(mean, "-", "0.2", "tire, both directions")]
+    for mean, dashes, color, label in lines:
+        ax.plot(centers, mean, dashes, lw=1.3, color=color, label=label)
     ax.text(0.98, 0.04, f"{LETTER['Fz']} near {frequent:.0f} N", transform=ax.transAxes, ha="right", fontsize=NOTE_SIZE)
 
 

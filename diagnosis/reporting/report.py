@@ -23,7 +23,7 @@ from .memory_figure import memory_figure
 from .residual_figure import draw_residual_location
 
 #: The parts of a recording in the words of the page.
-ROWS = {"train": "fitted rows", "training": "fitted rows", "cv": "cross-validation", "holdout": "hold-out set"}
+ROWS = {"train": "fitted rows", "cv": "cross-validation", "holdout": "hold-out set"}
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, Normalize, Scalar
 from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, TITLE_SIZE, drawn_unit, per_si, png, write_whole
 
 from ..thresholds import MIN_ROWS_OF_CELL
+from .curves_figure import coincide
 
 #: Mean residual at the ends of the color scale, in noise standard deviations.
 FULL = 3.0
@@ -22,6 +23,8 @@ def draw_residual_location(
     before: Sequence[Mapping[str, Any]], after: Sequence[Mapping[str, Any]], course: Mapping[str, Any], path: str | Path
 ) -> Path:
     """Draw the maps of one channel for the baseline model and the improved model, and its misfit over time.
+
+    Where the misfit of both models over time is the same, both are drawn once.
 
     Parameters
     ----------
@@ -37,19 +40,23 @@ def draw_residual_location(
     Path
     """
     norm, colors = Normalize(-FULL, FULL), colormaps["RdBu_r"]
-    figure = Figure(figsize=(3.6 * max(len(before), 2), 8.2), layout="constrained")
-    grid = figure.add_gridspec(3, len(before), height_ratios=(1.0, 1.0, 0.6))
-    axes = [[figure.add_subplot(grid[i, j]) for j in range(len(before))] for i in range(2)]
-    for row, maps, title in zip(axes, (before, after), ("baseline model", "improved model"), strict=True):
+    misfits = [np.asarray(course[name], dtype=np.float64) for name in ("before", "after")]
+    rows = [("baseline model", before, "before", "C3", "--"), ("improved model", after, "after", "C0", "-")]
+    if coincide(*misfits, np.zeros(1)):
+        rows = [("both models", before, "before and after", "C3", "--")]
+    figure = Figure(figsize=(3.6 * max(len(before), 2), 2.2 + 3.0 * len(rows)), layout="constrained")
+    grid = figure.add_gridspec(len(rows) + 1, len(before), height_ratios=(*(1.0 for _ in rows), 0.6))
+    axes = [[figure.add_subplot(grid[i, j]) for j in range(len(before))] for i in range(len(rows))]
+    for row, (title, maps, *_) in zip(axes, rows, strict=True):
         for ax, shown in zip(row, maps, strict=True):
             _draw_map(ax, shown, norm)
             ax.set_title(f"{title}: largest mean {shown['worst']['mean']:+.1f}", fontsize=TITLE_SIZE)
     flat = [ax for row in axes for ax in row]
     label = "mean residual in noise standard deviations"
     figure.colorbar(ScalarMappable(norm, colors), ax=flat, label=label, extend="both", pad=0.01)
-    ax = figure.add_subplot(grid[2, :])
-    for name, color, dashes in (("before", "C3", "--"), ("after", "C0", "-")):
-        ax.step(course["t"], course[name], color=color, ls=dashes, where="post", label=name)
+    ax = figure.add_subplot(grid[-1, :])
+    for (*_, name, color, dashes), values in zip(rows, misfits, strict=False):
+        ax.step(course["t"], values, color=color, ls=dashes, where="post", label=name)
     ax.axhline(1.0, color="0.6", lw=0.8)
     ax.set(xlabel="t (s)", ylabel="RMS over noise", ylim=(0.0, None))
     ax.legend(fontsize=LEGEND_SIZE)

@@ -163,7 +163,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         detectable=detectable,
         where=residual_maps(before),
         where_after=where_after,
-        time_course=time_course(before, after),
+        time_course=time_course(before, final),
         recording=found_errors,
         extrapolation=extrapolations(
             search.problem, search.solution, added, {name: _inputs_of(outcome, name) for name in added}

@@ -1,6 +1,7 @@
 import json
 import re
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -8,7 +9,8 @@ import pytest
 
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
-from tirefmu.diagnosis.reporting import curves_figure, report
+from tirefmu.diagnosis.reporting import curves_figure, report, residual_figure
+from tirefmu.diagnosis.reporting.memory_figure import memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.search.confirmation import Confirmation
 from tirefmu.diagnosis.search.proposals import FormCorrection
@@ -170,6 +172,56 @@ def test_the_parts_of_a_recording_have_plain_names_on_the_page(thrust, monkeypat
         assert f"<td>{text}</td>" in page
         assert f"<td>{name}</td>" not in page
     assert set(diagnosis.gap) <= set(report.ROWS)
+
+
+def test_the_first_screen_has_the_numbers(thrust, monkeypatch):
+    """Before, after and noise floor of each channel, and the coefficients, before the first figure."""
+    monkeypatch.setattr(report, "_maps", lambda *_: [])
+    case, diagnosis = thrust
+    page = report_page(diagnosis, Recording(case.table, case.signs, "plain"))
+    first = page[page.index(diagnosis.verdict) : page.index("<h2")]
+    assert "<img" not in first
+    for channel, one in diagnosis.gap["train"].items():
+        (row,) = (text for text in first.split("<tr>") if text.startswith(f"<td>{channel} ("))
+        numbers = [f"{one[key]:.4g}" for key in ("before", "after", "floor_with_history")]
+        assert re.findall(r'<td class="n">(\S+)</td>', row)[:3] == numbers
+        assert f'">{channel}</td><td class="n">{numbers[0]}</td><td class="n">{numbers[1]}</td>' in page.replace(
+            f"<td>{channel}", f'<td class="">{channel}'
+        )
+    value = diagnosis.found[0].coefficients["PKY6"].value
+    assert f'<td>PKY6</td><td>camber_thrust</td><td class="n">{value:.4g}</td>' in first
+
+
+def no_lines_coincide(figure):
+    """Assert it of the panels with lines; a line is horizontal (a reference) or has a label."""
+    for ax in figure.axes:
+        lines = [line.get_ydata() for line in ax.lines if line.get_linestyle() != "None" and line.get_label()[0] != "_"]
+        for first, second in combinations(lines, 2):
+            low, high = ax.get_ylim()
+            assert np.nanmax(np.abs(np.asarray(first) - np.asarray(second))) > 0.01 * (high - low)
+
+
+def test_no_panel_has_two_lines_that_coincide(thrust, monkeypatch, tmp_path):
+    _, diagnosis = thrust
+    lines = {}
+    for channel in diagnosis.time_course:
+        figure = curves_figure.curves_figure(diagnosis, channel)
+        no_lines_coincide(figure)
+        lines[channel] = {len(ax.lines) for ax in figure.axes if ax.get_visible()}
+    assert lines == {"Fx": {2}, "Fy": {3}, "Mz": {2}}  # camber thrust changes Fy
+    drawn = []
+    monkeypatch.setattr(residual_figure, "png", lambda figure: drawn.append(figure) or b"")
+    assert len(report._maps(diagnosis, tmp_path)) == len(drawn) == 3
+    for figure in drawn:
+        no_lines_coincide(figure)
+    lagging = replace(
+        diagnosis.tire, values={**diagnosis.tire.values, "SIGY": 2.0}, effects=diagnosis.tire.has | {"relax_lat"}
+    )
+    for tire in (diagnosis.tire, lagging):
+        figure = memory_figure(replace(diagnosis, tire=tire), "Fy")
+        no_lines_coincide(figure)
+    counts = [sum(line.get_label().startswith("tire") for line in ax.lines) for ax in figure.axes[:2]]
+    assert counts == [1, 2]  # without memory, and with it
 
 
 def test_a_block_with_several_conditions_is_drawn_at_one():
