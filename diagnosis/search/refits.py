@@ -138,8 +138,15 @@ def _has_states(refit: Refit, candidates: Mapping[str, Candidate]) -> bool:
 
 
 def distinct(tried: list[Tried]) -> list[Tried]:
-    """Return the first form of each effect, in order; all refinements are distinct."""
+    """Return the first form of each effect, in order; all refinements are distinct.
+
+    A later form that is a part of it is preferred, unless the loss is larger by `PREFERRED_ERRORS` standard errors.
+    """
     seen: dict[str, Tried] = {}
     for one in tried:
-        seen.setdefault(one.name if not one.name.startswith(REFINEMENT) else f"{one.name}{one.form.free}", one)
+        key = one.name if not one.name.startswith(REFINEMENT) else f"{one.name}{one.form.free}"
+        best = seen.setdefault(key, one)
+        excess = one.response.loss - best.response.loss
+        if set(one.form.free) < set(best.form.free) and excess.sum() <= PREFERRED_ERRORS * error_of_sum(excess):
+            seen[key] = one
     return list(seen.values())

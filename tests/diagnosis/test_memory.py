@@ -159,7 +159,8 @@ def test_a_moving_carcass_is_no_skew_and_no_relaxation():
              0.2 * np.sin(1.7 * t)]  # fmt: skip
     alpha = np.where(t % 6.0 < 3.0, *parts)
     load = np.repeat([4000.0, 2500.0, 5500.0, 3200.0], 650)
-    table = pd.DataFrame({"t": t, "alpha": smooth(alpha, 3.0), "Fz": smooth(load, 8.0), "V": 15.0})
+    speed = np.repeat([10.0, 18.0, 10.0, 18.0], 650)  # at one speed, the lag of the spring is nearly a delay
+    table = pd.DataFrame({"t": t, "alpha": smooth(alpha, 3.0), "Fz": smooth(load, 8.0), "V": smooth(speed, 8.0)})
     tire, specimen = tire_with(), SimpleNamespace(radius=0.31)
     acting = memory_laws.carcass_slip(1.0, specimen, {name: table[name].to_numpy() for name in table})
     forces = tire.evaluate(table.assign(alpha=acting).drop(columns="t"), signs=FORMULA_SIGNS)
@@ -173,7 +174,7 @@ def test_a_moving_carcass_is_no_skew_and_no_relaxation():
     assert [one.effect for one in result.found] == ["carcass_2nd_order"]
     assert result.delivered
     assert result.found[0].coefficients["CAFREQ"].value == pytest.approx(45.0, rel=0.1)
-    assert result.recording["skew"] == pytest.approx(0.009, abs=0.0045)  # by half: the spring has another form
+    assert result.recording["skew"] == pytest.approx(0.009, abs=0.002)
 
 
 def test_a_load_error_in_the_direction_of_slip_is_no_effect():

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.search.memory import _simpler
-from tirefmu.diagnosis.search.refits import REFINEMENT, Refit, consistent, preferred, rivals
+from tirefmu.diagnosis.search.refits import REFINEMENT, Refit, Tried, consistent, distinct, preferred, rivals
 from tirefmu.estimation.block_regression import error_of_sum
+from tirefmu.symbolic.detection import Form
 
 
 def refit(name, gains):
@@ -88,3 +89,16 @@ def test_a_rival_explains_nearly_as_much_in_the_blocks_of_time():
     )
     refined = refit(f"{REFINEMENT}core", 5.9 - noise)
     assert rivals(best, [best, near, far, refined]) == {"b"}
+
+
+def test_a_form_of_both_axes_must_explain_significantly_more_than_one_of_one_axis():
+    noise = np.random.default_rng(2).normal(0.0, 1.0, 40)
+
+    def tried(names, loss, name="slip_history"):
+        return Tried(name, Form.each(dict.fromkeys(names, 0.03)), cast(Any, SimpleNamespace(loss=loss)))
+
+    both, one_axis = tried(("SHMUX", "SHMUY"), 20.0 + noise), tried(("SHMUY",), 20.1 + noise[::-1])
+    worse, other = tried(("SHMUY",), 26.0 + noise[::-1]), tried(("SHMUX",), 20.1 + noise[::-1], name="another")
+    assert distinct([both, one_axis]) == [one_axis]
+    assert distinct([both, worse]) == [both]
+    assert distinct([both, other]) == [both, other]

@@ -108,8 +108,8 @@ def filled(template: str, values: Mapping[str, object]) -> str:
     return re.sub("@([a-z_]+)@", lambda found: str(values[found[1]]), template)
 
 
-def wrapped(items: Sequence[str], width: int = 100) -> list[str]:
-    """Return items as lines of limited width, each but the last ending with a comma.
+def wrapped(items: Sequence[str], width: int = 100, separator: str = ", ") -> list[str]:
+    """Return items as lines of limited width, each but the last ending with the separator.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def wrapped(items: Sequence[str], width: int = 100) -> list[str]:
     """
     lines = [""]
     for i, item in enumerate(items):
-        text = item + (", " if i < len(items) - 1 else "")
+        text = item + (separator if i < len(items) - 1 else "")
         if lines[-1] and len(lines[-1]) + len(text) > width:
             lines.append("")
         lines[-1] += text
