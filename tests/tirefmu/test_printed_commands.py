@@ -15,8 +15,11 @@ import pytest
 import tirefmu
 from tirefmu.cli import cli
 from tirefmu.commands.command_help import EXAMPLES
+from tirefmu.commands.fit_command import _testable
+from tirefmu.measurements import Recording
 from tirefmu.progress import FitProgress
 from tirefmu.symbolic.errors import LISTED_BY
+from tirefmu.tires import published
 
 #: A name that a shell would not leave alone.
 HOSTILE = "run ;'$(b) 1.csv"
@@ -101,7 +104,7 @@ def test_an_interrupted_fit_prints_the_command_that_continues_it(folder, command
 
 def late(lag):
     """Return a recording of a side force that lags by seconds."""
-    clock = np.arange(3000) / 50.0
+    clock = np.arange(1200) / 25.0
     alpha = 0.15 * np.sin(2.0 * np.pi * clock / 9.0)
     load = 800.0 + 300.0 * np.sin(2.0 * np.pi * clock / 31.0)
     force = -1.5 * load * np.tanh(12.0 * alpha)
@@ -115,8 +118,8 @@ def test_a_fit_prints_the_diagnosis_of_its_residual(folder, command):
     data = folder / "bench data"
     data.mkdir()
     late(0.15).to_csv(data / HOSTILE, index=False)
-    fit = ["fit", data / HOSTILE, "--nominal", "Fz0=800,R0=0.25", "--where", "t > 1", "--all-rows"]
-    printed = command(*fit, "--model", "mf61", "-o", "my tire.tir", "--json", "fit.json")
+    fit = ["fit", data / HOSTILE, "--model", "mf61", "--nominal", "Fz0=800,R0=0.25", "--where", "t > 1", "--all-rows"]
+    printed = command(*fit, "-o", "my tire.tir", "--json", "fit.json")
     (finding,) = [each for each in json.loads(Path("fit.json").read_text())["data_findings"] if each["effects"]]
     assert finding["command"] in printed.out
     name, options = accepted(finding["command"])
@@ -124,6 +127,11 @@ def test_a_fit_prints_the_diagnosis_of_its_residual(folder, command):
     done = command(*shlex.split(finding["command"])[1:], "--no-fmu")
     assert done.status == 0, done.err
     assert (options["output"] / "diagnosis.json").exists()
-    command(*fit, "--model", "mf96", "-o", "other.tir", "--json", "fit.json")  # which has no relaxation
-    (finding,) = [each for each in json.loads(Path("fit.json").read_text())["data_findings"] if each["effects"]]
-    assert finding["command"] == ""
+
+
+def test_only_effects_that_a_diagnosis_can_test_are_printed():
+    recording, tires = Recording(late(0.1), "iso", "a.csv"), ("trento_hoosier", "unicamp_small_tire")
+    effects = ("relax_lat", "temp_friction")  # MF96 has no relaxation, and the recording no temperature
+    assert [_testable(effects, published(name), recording) for name in tires] == [[], ["relax_lat"]]
+    without = Recording(late(0.1).drop(columns="Fz"), "iso", "a.csv")
+    assert _testable(effects, published("unicamp_small_tire"), without) == []
