@@ -142,10 +142,12 @@ class FitRun:
 
     def _check_state(self, state: State, constraints: Set[str], source: str) -> None:
         stages, inputs = len(self._plan.stages), len(self._tire.inputs)
-        names = {*state.values, *state.freed}.union(*({*end.values, *end.free} for end in state.ended))
+        tires = [state.values, *(end.values for end in state.ended)]
         if (
             state.done > stages
-            or not names <= self._book.coefficients.keys()
+            or any(values.keys() != self._tire.values.keys() for values in tires)
+            or not state.freed.keys() <= self._book.coefficients.keys()
+            or not all(end.free and end.free.keys() <= state.freed.keys() for end in state.ended)
             or not {name for name, _ in state.violated} <= constraints
             or any(len(points) != inputs for _, points in state.violated)
             or any(end.stage >= stages or len(end.x) != len(end.free) for end in state.ended)

@@ -19,6 +19,8 @@ from .errors import TirefmuError
 #: 10,000 tires has 1 MB; the keys and tables of effects, the deepest ones, have 4 levels.
 MOST_BYTES, DEEPEST = 2_000_000, 20
 
+_CHUNK = 1 << 20  # bytes read at a time: a read reserves as many
+
 # Texts and comments, as `tomllib` finds their ends; one without an end, which is an error there, extends to the end. No
 # character is tried twice: the time is proportional to the length.
 _TEXT_OR_COMMENT = re.compile(
@@ -60,11 +62,14 @@ def read_bounded(path: Path, most: int) -> bytes:
     ...         print(error.strerror)
     larger than 2 MB
     """
+    parts, left = [], most
     with path.open("rb") as file:
-        content = file.read(most + 1)
-    if len(content) > most:
-        raise OSError(errno.EFBIG, f"larger than {most / 1e6:g} MB", str(path))
-    return content
+        while part := file.read(_CHUNK):
+            left -= len(part)
+            if left < 0:
+                raise OSError(errno.EFBIG, f"larger than {most / 1e6:g} MB", str(path))
+            parts.append(part)
+    return b"".join(parts)
 
 
 def toml_content(text: str, source: str, error: type[TirefmuError]) -> dict[str, Any]:

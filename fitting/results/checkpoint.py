@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import FitError
 
 from ..problem.recipe import Freed
@@ -23,6 +24,8 @@ from .records import StageFit
 FloatArray = npt.NDArray[np.float64]
 T = TypeVar("T")
 
+#: Upper limit of its size, bytes; with 1,000 violated points of each constraint it has 2 MB.
+LARGEST = 20_000_000
 #: Version of the file format; other versions are rejected.
 VERSION = 3
 
@@ -122,6 +125,7 @@ class Checkpoint:
         content = {"version": VERSION, "identity": dict(self.identity), **_plain(asdict(state))}
         part = self.path.with_name(f".{self.path.name}.part")
         try:
+            part.unlink(missing_ok=True)  # a link would lead elsewhere
             part.write_text(self.sealed(content), encoding="utf-8")
             os.replace(part, self.path)
         except OSError as error:
@@ -148,7 +152,7 @@ class Checkpoint:
             which.
         """
         try:
-            content = json.loads(self.path.read_text(encoding="utf-8"))
+            content = json.loads(read_bounded(self.path, LARGEST))
         except FileNotFoundError:
             raise FitError(f"{self.path}: no such file: there is no interrupted fit to resume") from None
         except OSError as error:
@@ -250,7 +254,10 @@ def _stage(item: Any) -> StageFit:
 
 
 def _freed(item: Any) -> Freed:
-    return Freed(*(_number(_of(dict, item)[key]) for key in ("guess", "lower", "upper")))
+    guess, lower, upper = (_number(_of(dict, item)[key]) for key in ("guess", "lower", "upper"))
+    if not (isfinite(guess) and lower <= upper):
+        raise ValueError(f"{guess:g} and {lower:g} to {upper:g} are no guess and no bounds")
+    return Freed(guess, lower, upper)
 
 
 def _array(numbers: Any, dimensions: int) -> FloatArray:

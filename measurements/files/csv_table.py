@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import csv
 import warnings
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from itertools import islice
 from pathlib import Path
+from typing import TextIO
 
 import pandas as pd
 
@@ -16,6 +20,8 @@ from ..recording import Recording
 from .columns import channels_in_si, parse_header
 
 _SEPARATORS = ",;\t"
+#: Upper limits: characters of a line up to the header's end; cells that the rows of a table lack.
+LONGEST_LINE, MOST_ABSENT = 1_000_000, 10_000_000
 
 
 def read_csv_table(path: Path, signs: str) -> Recording:
@@ -40,7 +46,8 @@ def read_csv_table(path: Path, signs: str) -> Recording:
         With file, line and column of the first error.
     """
     source = str(path)
-    skipped, header, separator = _header(path)
+    with _opened(path) as file:
+        skipped, header, separator = _header(file, path)
     columns = parse_header(header, source)
     # Channels are read as text and converted later, exactly and with the location of a wrong cell.
     as_text: dict[Hashable, str] = {number: "str" for number, column in enumerate(columns) if column.name in CHANNELS}
@@ -56,45 +63,77 @@ def read_csv_table(path: Path, signs: str) -> Recording:
     return Recording(table, signs, path.name, about)
 
 
-def _header(path: Path) -> tuple[int, list[str], str]:
-    """Return the number of lines up to the header's end, the header's cells, and the separator."""
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        for number, line in enumerate(file, start=1):
-            text = line.strip("\r\n")
-            if text.strip() and not text.startswith("#"):
-                separator = max(_SEPARATORS, key=text.count)
-                return number, next(csv.reader([text], delimiter=separator)), separator
+def _header(file: TextIO, path: Path) -> tuple[int, list[str], str]:
+    """Read up to the header's end; return the number of lines, the header's cells, and the separator."""
+    for number, line in enumerate(iter(partial(file.readline, LONGEST_LINE + 1), ""), start=1):
+        if len(line) > LONGEST_LINE:
+            raise DataError(f"{path}: line {number}: more than {LONGEST_LINE} characters")
+        text = line.strip("\r\n")
+        if text.strip() and not text.startswith("#"):
+            separator = max(_SEPARATORS, key=text.count)
+            return number, next(_rows([text], path, number - 1, separator))[1], separator
     raise DataError(f"{path}: the file is empty")
 
 
+def _rows(lines: Iterable[str], path: Path, before: int, separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the line number and the cells of each row that is not blank; `before` is the number of lines above."""
+    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
+    try:
+        for cells in reader:
+            if cells not in ([], [""]):
+                yield before + reader.line_num, cells
+    except csv.Error as error:
+        raise DataError(f"{path}: line {before + reader.line_num}: {error}") from None
+
+
 def _body(path: Path, skipped: int, width: int, separator: str, as_text: Mapping[Hashable, str]) -> pd.DataFrame:
-    with warnings.catch_warnings():
+    _check_size(path, width)
+    # pandas reserves memory for the cells of the first row in every column.
+    _check_cells(path, skipped, width, separator, most=1)
+    with warnings.catch_warnings(), _opened(path, skipped) as file:
         # pandas only warns when it drops the surplus cells of a row.
         warnings.simplefilter("error", pd.errors.ParserWarning)
         # Columns with cells of different types are reported below, with line and column.
         warnings.simplefilter("ignore", pd.errors.DtypeWarning)
         try:
             return pd.read_csv(
-                path, header=None, names=list(range(width)), index_col=False, skiprows=skipped, sep=separator,
-                encoding="utf-8-sig", dtype=as_text, skipinitialspace=True,
+                file, header=None, names=list(range(width)), index_col=False, sep=separator, dtype=as_text,
+                skipinitialspace=True,
             )  # fmt: skip
         except pd.errors.EmptyDataError:
             return pd.DataFrame(columns=list(range(width)))
-        except (pd.errors.ParserError, pd.errors.ParserWarning):
-            line, cells = _first_long_line(path, skipped, width, separator)
-            # Every number with a comma is two cells.
-            hint = ": decimal commas? write decimal points" if separator == "," and width < cells <= 2 * width else ""
-            raise DataError(f"{path}: line {line}: more cells than the header's {width}{hint}") from None
+        except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
+            _check_cells(path, skipped, width, separator)
+            raise DataError(f"{path}: not a table: {error}") from None
 
 
-def _first_long_line(path: Path, skipped: int, width: int, separator: str) -> tuple[int, int]:
-    """Return the number of the first line with too many cells, and how many it has."""
+@contextmanager
+def _opened(path: Path, skipped: int = 0) -> Iterator[TextIO]:
+    """Open a file behind its first lines."""
     with path.open(encoding="utf-8-sig", newline="") as file:
-        reader = csv.reader(file, delimiter=separator)
-        for cells in reader:
-            if reader.line_num > skipped and len(cells) > width:
-                return reader.line_num, len(cells)
-    return skipped + 1, width
+        for _ in range(skipped):
+            file.readline()
+        yield file
+
+
+def _check_size(path: Path, width: int) -> None:
+    """Raise if the lines cannot have the header's cells: pandas would fill so many that they need all memory."""
+    with path.open("rb") as file:
+        lines = sum(max(part.count(b"\n"), part.count(b"\r")) for part in iter(partial(file.read, 1 << 20), b""))
+        size = file.tell()
+    if lines * width > size + MOST_ABSENT:
+        raise DataError(f"{path}: its {lines} lines have far fewer cells than the header's {width}")
+
+
+def _check_cells(path: Path, skipped: int, width: int, separator: str, most: int | None = None) -> None:
+    """Raise if one of the rows, or of the first ones, has more cells than the header."""
+    with _opened(path, skipped) as file:
+        for line, cells in islice(_rows(file, path, skipped, separator), most):
+            if len(cells) > width:
+                # Every number with a comma is two cells.
+                comma = separator == "," and len(cells) <= 2 * width
+                hint = ": decimal commas? write decimal points" if comma else ""
+                raise DataError(f"{path}: line {line}: more cells than the header's {width}{hint}")
 
 
 def _line(path: Path, skipped: int, row: int) -> int:

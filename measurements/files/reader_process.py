@@ -105,6 +105,12 @@ def _parquet_file(path: str) -> Any:
     return ParquetFile(path, buffer_size=1 << 20, pre_buffer=False)  # does not read a group of rows as a whole
 
 
+def _declared_size(path: str) -> int:
+    """Return the bytes of the numbers that a Parquet file declares: constant columns are compressed without limit."""
+    metadata = _parquet_file(path).metadata
+    return 8 * int(metadata.num_rows) * int(metadata.num_columns)
+
+
 LOADERS: dict[str, Callable[..., Any]] = {
     "matlab": load_matlab,
     "parquet": load_parquet,
@@ -117,6 +123,8 @@ def answer(wanted: str, path: str, largest: int, arguments: tuple[Any, ...] = ()
     """Return the pickled answer to a request: ("loaded", content), ("missing", kind) or ("refused", reason)."""
     too_large = pickle.dumps(("refused", "its content is far larger than a file of its size can contain"))
     try:
+        if wanted in ("parquet", "parquet header") and _declared_size(path) > largest:
+            return too_large
         content = pickle.dumps(("loaded", LOADERS[wanted](path, *arguments)))
         return content if len(content) <= largest else too_large
     except MissingPackage as error:

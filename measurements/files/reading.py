@@ -74,6 +74,8 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     try:
         if not file.exists():
             raise DataError(f"{file}: no such file")
+        if not (file.is_file() or file.is_dir()):  # to read a device may never end; the reader names a folder
+            raise DataError(f"{file}: neither a file nor a folder")
         recording = reader(file, chosen)
     except UnicodeDecodeError:
         raise DataError(f"{file}: not a text file (UTF-8)") from None

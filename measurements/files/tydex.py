@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from array import array
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,7 +49,8 @@ class _Quantity:
     def physical(self, raw: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the measured numbers in the declared unit: (raw + offset) * factor + physical offset."""
         factor, offset, shift = (*self.numbers, *(1.0, 0.0, 0.0)[len(self.numbers) :])
-        return (raw + offset) * factor + shift
+        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with its line
+            return (raw + offset) * factor + shift
 
 
 def read_tydex(path: Path, signs: str) -> Recording:
@@ -67,8 +70,8 @@ def read_tydex(path: Path, signs: str) -> Recording:
     Raises
     ------
     DataError
-        If a section or the load in the W axes is missing, a row has more or fewer cells than there are channels, a cell
-        is not a number, or a unit is unknown (with the line).
+        If a section or the load in the W axes is missing, a channel occurs twice, a row has more or fewer cells than
+        there are channels, a cell is not a number, or a unit is unknown (with the line).
     """
     source = str(path)
     with path.open(encoding="latin-1") as file:
@@ -78,6 +81,10 @@ def read_tydex(path: Path, signs: str) -> Recording:
             raise DataError(f"{source}: no section **{wanted}: not a TYDEX file")
     channels = [_quantity(number, text, 3) for number, text in sections["MEASURCHANNELS"]]
     constants = [_quantity(number, text, 1) for number, text in sections.get("CONSTANTS", ())]
+    for given in (channels, constants):
+        for name, count in Counter(quantity.name for quantity in given).items():
+            if count > 1 and any(name in spelled for spelled in NAMES.values()):
+                raise DataError(f"{source}: {name} occurs {count} times")
     rows = sections["MEASURDATA"]
     table = _numbers(rows, channels, source)
     measured = {quantity.name: (quantity, column) for quantity, column in zip(channels, table.T, strict=True)}
@@ -136,14 +143,16 @@ def _in_si(
 def _numbers(rows: Sequence[tuple[int, str]], channels: Sequence[_Quantity], source: str) -> NDArray[np.float64]:
     if not rows:
         raise DataError(f"{source}: no rows")
-    cells = [text.split() for _, text in rows]
-    for (line, _), row in zip(rows, cells, strict=True):
-        if len(row) != len(channels):
-            raise DataError(f"{source}: line {line}: {len(row)} cells for {len(channels)} channels")
-        bad = next((cell for cell in row if not _is_number(cell)), None)
+    numbers = array("d")  # 8 bytes each; a list of texts would need ten times as much
+    for line, text in rows:
+        cells = text.split()
+        if len(cells) != len(channels):
+            raise DataError(f"{source}: line {line}: {len(cells)} cells for {len(channels)} channels")
+        bad = next((cell for cell in cells if not _is_number(cell)), None)
         if bad is not None:
             raise DataError(f"{source}: line {line}: {bad!r} is not a number")
-    return np.array(cells, dtype=np.float64)
+        numbers.extend(map(float, cells))
+    return np.array(numbers).reshape(len(rows), len(channels))
 
 
 def _is_number(cell: str) -> bool:

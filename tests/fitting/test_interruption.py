@@ -211,6 +211,7 @@ def test_an_invalid_progress_file_is_rejected(recording, make, tmp_path, text, m
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal, checkpoint=path, resume=True)
 
 
+BOUNDS = {"bounds": {"guess": 1.0, "lower": 0.0, "upper": 2.0}, "stage": "one", "determined": True}
 #: Invalid content of a progress file: key, value, message.
 WRONG = (
     ("done", "all", "is not of type int"),
@@ -219,7 +220,12 @@ WRONG = (
     ("values", {"PDY1": None}, "TypeError"),
     ("values", {"PDY1": float("nan")}, "nan is not a number"),
     ("values", {"<script>": 1.0}, "not those of this fit"),
+    ("values", {}, "not those of this fit"),
     ("freed", {"PDY1": 1}, "is not of type dict"),
+    ("freed", {"<script>": BOUNDS}, "not those of this fit"),
+    ("freed", {}, "not those of this fit"),
+    ("freed", {"PDY1": {**BOUNDS, "bounds": {"guess": 1.0, "lower": 2.0, "upper": 1.0}}}, "no guess and no bounds"),
+    ("freed", {"PDY1": {**BOUNDS, "bounds": {"guess": "inf", "lower": 1.0, "upper": 2.0}}}, "no guess and no bounds"),
     ("violated", [["no such", [[1.0]]]], "not those of this fit"),
     ("violated", [3], "TypeError"),
     ("stages", [{}], "KeyError"),

@@ -18,6 +18,8 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
+from tirefmu.batch.jobs import read_jobs
+from tirefmu.batch.study_file import read_study
 from tirefmu.commands.diagnose_command import user_effect
 from tirefmu.fitting.problem.recipe import RECIPES, Freed, load_recipe
 from tirefmu.fitting.results.checkpoint import Checkpoint, Ended, Release, State
@@ -27,10 +29,13 @@ from tirefmu.fmu.packaging.export import contents
 from tirefmu.fmu.simulation.archive import unpacked
 from tirefmu.fmu.simulation.simulate import read_description
 from tirefmu.measurements import INPUTS, check_plausible, read_recording
+from tirefmu.project.project_file import read_project
+from tirefmu.project.steps import steps_of
 from tirefmu.symbolic.added import effect_text, read_effect
 from tirefmu.tires import published, read_tir, write_tir
 from tirefmu.tires.property_file.units import unit_factor
 from tirefmu.tires.property_file.writing import tir_text
+from tirefmu.tires.roads.opencrg import read_crg
 
 from ..hostile import HOSTILE
 from .mutations import BINARY, compressed, mutated, rejsoned, rezipped
@@ -178,6 +183,48 @@ def read_table(path: Path) -> None:
 # ------------------------------------------------------------------ files that control a fit and a diagnosis
 
 
+PROJECT = """[data]
+tables = ["a.csv", "b c.mat"]
+signs = "sae"
+where = "t > 120 and p in 70..90 kPa"
+[fit]
+model = "mf61"
+nominal = {Fz0 = 1000.0, R0 = 0.25}
+effects = ["load_friction"]
+cross_validate = 5
+[check]
+tolerance = 0.05
+[diagnose]
+run = true
+[output]
+folder = "results"
+"""
+JOBS = """[defaults]
+model = "mf61"
+nominal = {Fz0 = 1000.0}
+[[jobs]]
+name = "front"
+tables = ["a.csv", "b.mat"]
+iterations = 30
+[[jobs]]
+name = "rear"
+tables = ["c.csv"]
+where = "t > 5"
+"""
+STUDY = """tables = ["a.csv"]
+outputs = ["Fy"]
+series = true
+[parameters]
+LMUY = {from = 0.5, to = 1.0, count = 3}
+LKY = [0.9, 1.1]
+"""
+
+
+def read_steps(path: Path) -> None:
+    """Read a project; its steps have texts for arguments."""
+    assert all(isinstance(text, str) for step in steps_of(read_project(path)) for text in step.arguments)
+
+
 def recipe_seeds() -> list[bytes]:
     return [(ROOT / "fitting" / "recipes" / f"{name}.toml").read_bytes() for name in RECIPES]
 
@@ -227,6 +274,36 @@ def sealed(seed: int, originals: list[bytes]) -> bytes:
     return Checkpoint.sealed(content).encode() if isinstance(content, dict) and seed % 4 else data
 
 
+# ------------------------------------------------------------------ roads
+
+CRG = b"""$CT
+a road
+$ROAD_CRG
+REFERENCE_LINE_INCREMENT = 0.5
+REFERENCE_LINE_START_S = 0.01
+LONG_SECTION_V_RIGHT = -1.0
+LONG_SECTION_V_LEFT = 1.0
+$KD_DEFINITION
+#:LRFI
+D:reference line phi,rad
+D:long section 1,m
+D:long section 2,m
+D:long section 3,m
+$$$$
+**********     0.010     0.000    -0.010
+     0.100     0.020     0.000**********
+     0.200     0.030     0.010    -0.010
+"""
+
+
+def read_road(path: Path) -> None:
+    """Read a road; its points are finite, and so are the planes near them."""
+    road = read_crg(path)
+    assert np.isfinite(road.nodes).all()
+    for x, y in road.nodes[:20]:
+        assert all(np.isfinite(value) for value in road.plane(x, y).values())
+
+
 # ------------------------------------------------------------------ FMUs
 
 
@@ -264,6 +341,19 @@ KINDS = {
     "tydex": Kind(".tdx", lambda: [TYDEX], read_table),
     "recipe": Kind(".toml", recipe_seeds, lambda path: load_recipe(str(path), "mf96")),
     "effect": Kind(".toml", effect_seeds, read_user_effect),
+    "project": Kind(".toml", lambda: [PROJECT.encode()], read_steps),
+    "jobs": Kind(".toml", lambda: [JOBS.encode()], read_jobs),
+    "study": Kind(".toml", lambda: [STUDY.encode()], read_study),
+    "opencrg": Kind(
+        ".crg",
+        lambda: [
+            CRG,
+            CRG.replace(b"D:long section 1,", b"D:long section at v = -1,")
+            .replace(b"section 2,", b"section at v = 0,")
+            .replace(b"section 3,", b"section at v = 2.5,"),
+        ],
+        read_road,
+    ),
     "fmu": Kind(".fmu", fmu_seeds, read_fmu, rezipped),
     "checkpoint": Kind(".progress.json", checkpoint_seeds, read_checkpoint, sealed),
 }

@@ -194,6 +194,7 @@ def write_whole(path: Path, content: bytes) -> Path:
     """Write a file so that nothing half-written is ever seen under its name; return its path."""
     part = path.with_name(f".{path.name}.part")
     try:
+        part.unlink(missing_ok=True)  # a link would lead elsewhere
         part.write_bytes(content)
         part.replace(path)
     finally:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import DataError, nearest, path_from
 from tirefmu.symbolic.escaping import quoted
 
@@ -67,9 +68,7 @@ def read_crg(path: str | Path) -> Road:
     """
     file = path_from(path)
     try:
-        if file.stat().st_size > _LARGEST_FILE:
-            raise DataError(f"{file}: larger than {_LARGEST_FILE // 1_000_000} MB")
-        lines = file.read_text(encoding="latin-1").split("\n")
+        lines = read_bounded(file, _LARGEST_FILE).decode("latin-1").split("\n")
     except OSError as error:
         raise DataError(f"{file} cannot be read: {error.strerror}") from error
     end = next((i for i, line in enumerate(lines) if line.startswith("$$$$")), None)
@@ -78,7 +77,8 @@ def read_crg(path: str | Path) -> Road:
     header = _header(file, lines[:end])
     table = _numbers(file, header, lines[end + 1 :], end + 2)
     try:
-        return _road(header, table)
+        with np.errstate(over="ignore", invalid="ignore"):  # a road has finite numbers
+            return _road(header, table)
     except DataError as error:
         raise DataError(f"{file}: {error}") from None
 
@@ -128,6 +128,8 @@ def _define(header: _Header, line: str, place: str) -> None:
             raise DataError(f"{place}: channel {quoted(name)} is unknown{nearest(name, _REFERENCE)}")
         if section and section[1] and at is None:
             raise DataError(f"{place}: {quoted(section[1])} is no number")
+        if not section and _REFERENCE[name.lower()] in header.channels:
+            raise DataError(f"{place}: channel {quoted(name)} occurs twice")
         header.channels.append("z" if section else _REFERENCE[name.lower()])
         header.sections += [at] if section else []
 

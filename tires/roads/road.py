@@ -15,6 +15,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Distances of points from nodes that are computed at a time.
 _CHUNK = 2_000_000
+#: Largest number, m or rad, and smallest distance of grid points, m: what is beyond them is no road, and overflows.
+LARGEST, SMALLEST_STEP = 1e9, 1e-9
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class Road:
     Raises
     ------
     DataError
-        If shapes do not fit, a number is not finite, or v does not increase.
+        If shapes do not fit, a number is not finite or too large, or v does not increase.
 
     References
     ----------
@@ -63,8 +65,12 @@ class Road:
         if n < 2 or m < 2 or self.v.shape != (m,) or self.headings.shape != (n,):
             raise DataError("a road needs 2 or more points along and across, and a heading for each along")
         numbers = np.concatenate([self.v, self.heights.ravel(), self.headings[1:], [self.increment, *self.start]])
-        if not np.isfinite(numbers).all() or self.increment <= 0.0 or np.any(np.diff(self.v) <= 0.0):
-            raise DataError("a road needs finite numbers, a positive increment, and v that increases")
+        steps = np.array([self.increment, *np.diff(self.v)])
+        if not np.all(np.abs(numbers) <= LARGEST) or np.any(steps < SMALLEST_STEP):
+            raise DataError(
+                f"a road needs finite numbers up to {LARGEST:g}, a positive increment of {SMALLEST_STEP:g} m or more, "
+                "and v that increases"
+            )
 
     @cached_property
     def nodes(self) -> FloatArray:
