@@ -135,7 +135,7 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:4]
-    ['arrays.h', 'built_in_tire.c', 'chain_rule.c', 'chain_rule.h']
+    ['access.c', 'arrays.h', 'built_in_tire.c', 'chain_rule.c']
     """
     code = code_files(c_files(fmi, shown), shown)
     return {**code, CONFIG: model_config(shown).encode(), VALUES: tire_values(shown, token).encode()}
