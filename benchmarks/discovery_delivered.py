@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 from diagnosis.case import Case
+from diagnosis.recomputation import recomputed
 
 from tirefmu.diagnosis import Diagnosis
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS
@@ -77,7 +78,9 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     channels = list(result.gap["train"])
     held = result.holdout_mask(len(case.table))
     tires = (result.base_tire, result.tire)
-    start, final = (_residuals(tire, case, result) for tire in tires)
+    start, final = (
+        recomputed(result, tire, case.table, case.signs, end) for tire, end in zip(tires, ("_base", ""), strict=True)
+    )
     usual = _usual_rows(case, result)
     on_rows = {
         part: [tuple(_rms(one[name][rows & usual[name]]) for one in (start, final)) for name in channels]
@@ -114,26 +117,13 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     )
 
 
-def _residuals(tire: Tire, case: Case, result: Diagnosis) -> dict[str, FloatArray]:
-    """Return the residuals on the recording without the offsets and the drift that the diagnosis lists."""
-    computed = tire.evaluate(case.table.drop(columns=list(result.gap["train"])), signs=case.signs)
-    t = case.table["t"].to_numpy()
-    listed = result.in_signs("iso" if case.signs == "iso" else "adapted-sae").recording
-    first, last = listed["removed_over"]
-    phase = np.pi * (t - first) / (last - first)
-    found = {}
-    for name, removed in listed["removed"].items():
-        drift = sum(size * np.cos(k * phase) for k, size in enumerate(removed["drift"], start=1))
-        found[name] = (case.table[name] - computed[name]).to_numpy() - removed["offset"] - drift
-    return found
-
-
 def _usual_rows(case: Case, result: Diagnosis) -> dict[str, npt.NDArray[np.bool_]]:
-    """Return the rows of each channel that are measured and that the diagnosis does not list as outliers."""
-    found = {}
+    """Return the rows of each channel that are measured, that are compared, and that are not listed as outliers."""
+    found, skipped = {}, np.arange(len(case.table)) % result.recording["compared_every"] > 0
     for name, outliers in result.recording["outlier_rows"].items():
         found[name] = np.isfinite(case.table[name].to_numpy(dtype=np.float64, copy=True))
         found[name][outliers] = False
+        found[name][skipped] = False
     return found
 
 

@@ -52,6 +52,7 @@ def recording_errors(
     return reported_disturbances(disturbances, values, signals) | {
         "ripple": ripple(signals, turning, tire.values["UNLOADED_RADIUS"]),
         "quantisation": {name: quantisation(table[name].to_numpy(np.float64)) for name in signals.channels},
+        "compared_every": int(np.diff(signals.table_rows).min()),
         "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else [],
         "left_aside": dict(signals.excluded_channels),
         "derived_columns": sorted(signals.derived & set(table)),

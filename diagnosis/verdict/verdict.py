@@ -71,7 +71,10 @@ def _missing(
 
 
 def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -> str:
-    """Return the sentence on periodic disturbances: amplitudes by period, in channels with a considerable share."""
+    """Return the sentence on periodic disturbances: amplitudes by period, in channels with a considerable share.
+
+    Considerable is compared with the noise floor and with the channel of the largest ratio. The JSON has all waves.
+    """
     floors, sizes = {one.channel: max(one.floor, 1e-12) for one in adequacy}, dict[str, dict[str, float]]()
     for wave in waves:  # one whose amplitude or period changes slowly is several waves of nearly the same period
         own = sizes.setdefault(f"{1.0 / wave['frequency']:.3g} {'s' if wave['over'] == 't' else 'm of distance'}", {})
@@ -80,7 +83,7 @@ def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -
         f"{size:.3g} {_unit(name)} in {name} every {every} (amplitude, {size / floors[name]:.1f} times the noise floor)"
         for every, own in sizes.items()
         for name, size in own.items()
-        if (size / floors[name]) ** 2 > CHANNEL_SHARE * max((own[other] / floors[other]) ** 2 for other in own)
+        if (size / floors[name]) ** 2 > CHANNEL_SHARE * max(1.0, *((own[other] / floors[other]) ** 2 for other in own))
     ]
     return f"removed as a periodic disturbance of the recording: {'; '.join(texts)}" if texts else ""
 

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
 
 import tirefmu
@@ -25,10 +24,9 @@ from tirefmu.diagnosis.verdict.fit_error import Residuals
 from tirefmu.diagnosis.verdict.operating_range import operating_points, undetermined_change
 from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.estimation.noise_floor import NoiseFloor
-from tirefmu.estimation.smoothing import smoothed
-from tirefmu.tires.transient import rolled_distance
 
 from .independent import kinds as independent
+from .recomputation import recomputed
 from .suite import make_case
 
 
@@ -40,35 +38,14 @@ def worn():
     return case, diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal)
 
 
-def recomputed(diagnosis, tire, signs, end=""):
-    """Return the root mean square residual by channel, without the errors of the recording that the JSON lists."""
-    listed, table = diagnosis.in_signs(signs).recording, diagnosis.rows
-    t = table["t"].to_numpy()
-    late = np.clip(t - listed["skew"], t[0], t[-1])
-    inputs = {
-        name: PchipInterpolator(t, table[name])(late) if listed["skew"] else table[name]
-        for name in table if name not in ("t", "Fx", "Fy", "Mz")
-    }  # fmt: skip
-    computed = tirefmu.evaluate(tire, table[["t"]].assign(**inputs), signs=signs)
-    first, last = listed["removed_over"]
-    axes = {"t": t, "distance": rolled_distance(t, smoothed(table["V"].to_numpy())[0])}
-    used_rows = ~diagnosis.holdout_mask(len(table))
+def reported_error(diagnosis, tire, signs, end=""):
+    """Return the root mean square residual of the fitted rows by channel."""
+    rest = recomputed(diagnosis, tire, diagnosis.rows, signs, end)
     found = {}
-    for channel, one in listed[f"removed{end}"].items():
-        rest = (table[channel] - computed[channel]).to_numpy() - one["offset"]
-        for k, size in enumerate(one["drift"], start=1):
-            rest = rest - size * np.cos(k * np.pi * (t - first) / (last - first))
-        for name, share in listed[f"cross_talk{end}"].items():
-            source, target = name.split("_in_")
-            if target == channel:
-                length = diagnosis.tire.values["UNLOADED_RADIUS"] if target == "Mz" else 1.0
-                rest = rest - length * share * table[source].to_numpy()
-        for wave in listed[f"periodic{end}"]:
-            phase = 2.0 * np.pi * wave["frequency"] * axes[wave["over"]]
-            rest = rest - wave["cosine"][channel] * np.cos(phase) - wave["sine"][channel] * np.sin(phase)
-        used = used_rows.copy()
-        used[listed["outlier_rows"][channel]] = False
-        found[channel] = float(np.sqrt(np.mean(rest[used] ** 2)))
+    for channel, values in rest.items():
+        used = ~diagnosis.holdout_mask(len(values))
+        used[diagnosis.recording["outlier_rows"][channel]] = False
+        found[channel] = float(np.sqrt(np.mean(values[used] ** 2)))
     return found
 
 
@@ -76,7 +53,7 @@ def test_the_reported_error_is_that_of_the_saved_tires(worn, tmp_path):
     case, diagnosis = worn
     diagnosis.save(tmp_path)
     for name, when, end in (("base.tir", "before", "_base"), ("improved.tir", "after", "")):
-        errors = recomputed(diagnosis, tmp_path / name, case.signs, end)
+        errors = reported_error(diagnosis, tirefmu.load(tmp_path / name), case.signs, end)
         assert errors == pytest.approx({c: one[when] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
 
 
@@ -103,7 +80,7 @@ def test_the_reported_error_of_a_tire_that_is_not_delivered_is_that_of_the_basel
     assert "The improved tire is not delivered, because a reason" in diagnosis.verdict
     weights = [screen.problem.inverse_noise for screen in (settled[0].before, settled[0].after)]
     np.testing.assert_array_equal(*weights)
-    errors = recomputed(diagnosis, diagnosis.tire, case.signs)
+    errors = reported_error(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
 
 
@@ -441,7 +418,7 @@ def test_few_rows_have_an_answer(rate, sweeps):
     for one in diagnosis.gap["train"].values():
         assert 0.0 < one["after"] <= 1.05 * one["before"]
     assert diagnosis.delivered or diagnosis.not_delivered_because
-    errors = recomputed(diagnosis, diagnosis.tire, case.signs)
+    errors = reported_error(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
 
 

@@ -298,6 +298,16 @@ def test_a_periodic_disturbance_is_in_the_verdict():
     assert all(one.rating == "green" for one in diagnosis.adequacy)
 
 
+def test_a_wave_far_below_the_noise_floor_is_not_in_the_verdict():
+    wave = {"over": "t", "frequency": 0.5, "amplitude": {"Fy": 2.0}, "cosine": {"Fy": 2.0}, "sine": {"Fy": 0.0}}
+    recording = {"periodic": [wave], "derived_columns": [], "ignored_columns": []}
+    texts = {
+        floor: verdict_text((), (), {}, (), [Adequacy("Fy", floor, floor, "", (), False)], {}, (), recording)
+        for floor in (100.0, 1.0)
+    }
+    assert ["periodic" in text for text in texts.values()] == [False, True]
+
+
 def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
     finding = Finding("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01)
     confounded = {"relax_lat": {"relax_load": 0.71, "relax_slip": 0.95}}
