@@ -24,12 +24,12 @@ static void watch_range(Instance *self)
 {
     double (*ranges)[2] = self->tire.ranges;
     size_t i;
-    double x;
 
     if (self->warned)
         return;
     for (i = 0; i < N_INPUTS; i++) {
-        x = self->state.contact.inputs[i];
+        const double x = self->state.contact.inputs[i];
+
         if (x < ranges[i][0] || x > ranges[i][1]) {
             self->warned = 1;
             instance_refuse(self, STATUS_WARNING, "%s = %g is outside %g ... %g, the valid range of the tire",
@@ -81,7 +81,6 @@ static Status expect_settable(const Instance *self, unsigned reference)
 Status instance_set(Instance *self, const unsigned references[], size_t n, const double values[])
 {
     size_t i;
-    unsigned r;
 
     if (instance_expect_known(self, references, n) != STATUS_OK ||
         instance_expect_pointer(self, values, n, "values") != STATUS_OK)
@@ -89,7 +88,8 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
     if (self->state.mode == TERMINATED)
         return instance_refuse(self, STATUS_ERROR, "values cannot be set while terminated");
     for (i = 0; i < n; i++) {
-        r = references[i];
+        const unsigned r = references[i];
+
         if (expect_settable(self, r) != STATUS_OK)
             return STATUS_ERROR;
         if (!isfinite(values[i]))

@@ -93,12 +93,12 @@ void slips_begin(State *state)
 
 int slips_settle(State *state)
 {
-    double settled;
     size_t i;
     int moved = 0;
 
     for (i = 0; i < N_SLIPS; i++) {
-        settled = acting(state, i);
+        const double settled = acting(state, i);
+
         moved |= settled != state->continuous.lagging[i];
         state->continuous.lagging[i] = settled;
     }

@@ -77,12 +77,12 @@ static double advance_part(State *state, double size)
 {
     const double capacity = capacity_of(state), gain = size / state->values[FIRST_PARAMETER + OWN_WHEEL_INERTIA];
     Part part = {.state = state, .begin = state->continuous, .spin = spin_of(state), .size = size, .gain = gain};
-    double free_spin;
 
     part.turning = state->values[FIRST_INPUT + HOST_TURNING];
     part.moment = state->hub.results[SPIN_MOMENT];
     if (capacity > 0.0) {
-        free_spin = excess(&part, 0.0);
+        const double free_spin = excess(&part, 0.0);
+
         if (fabs(free_spin) <= gain * capacity)
             return -free_spin / gain; /* held; `state` is the one at zero spin */
         part.brake = free_spin > 0.0 ? -capacity : capacity;
@@ -124,11 +124,13 @@ double spin_advance(State *state, double h, int stops_at_event)
     const double wanted = ceil(h / LONGEST_PART * (1.0 - 1e-9));
     const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
     double braked = 0.0;
-    int i = 0, sense;
+    int i = 0;
 
     state_compute_outputs(state);
     state->event = 0;
     while (i < parts && !(state->event && stops_at_event)) {
+        int sense;
+
         braked += advance_part(state, h / parts);
         i++;
         sense = sense_or_released(state);
