@@ -367,13 +367,24 @@ def test_a_planted_edit_is_found_shown_and_repaired(command, generated, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_another_folder_gets_the_jacobians_too(command, generated, tmp_path, monkeypatch):
+    monkeypatch.setattr(generate, "MODELS", {"fiala": MODELS["fiala"]})
+    outcome = command("generate", "-o", str(tmp_path / "all"))
+    assert outcome.status == 0
+    assert (tmp_path / "all" / "numpy" / "fiala_jacobians.py").is_file()
+    assert (tmp_path / "all" / "with_effects" / "c" / "fiala_batch_jacobian_inputs.c").is_file()
+    assert "all/c/fiala_jacobians.c" in outcome.out
+    assert not list(generated.rglob("*_jacobians.*"))
+    assert command("generate", "--check", "-o", str(tmp_path / "all")).status == 2
+
+
 def test_a_missing_and_a_stray_file_are_found(command, generated):
     (generated / "numpy" / "mf96.py").unlink()
-    (generated / "casadi" / "mf00.py").write_text("old = 1\n", encoding="utf-8")
+    (generated / "c" / "mf00.c").write_text("int old = 1;\n", encoding="utf-8")
     outcome = command("generate", "--check")
     assert outcome.status == 1
     assert "generated/numpy/mf96.py" in outcome.out
-    assert "-old = 1" in outcome.out
+    assert "-int old = 1;" in outcome.out
 
 
 # ------------------------------------------------------------------ as a process
