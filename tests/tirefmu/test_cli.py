@@ -190,13 +190,11 @@ def test_data_in_another_convention_are_refused(command, bench_csv, tmp_path):
 
 
 @pytest.mark.parametrize("code", ["numpy", "c", "casadi"])
-def test_evaluate_gives_the_golden_numbers(command, golden, published_tir, code, tmp_path):
+def test_evaluate_gives_the_golden_numbers(command, trento_table, published_tir, code, tmp_path):
     out = tmp_path / "out.csv"
-    outcome = command(
-        "evaluate", published_tir, golden / "mf96_trento.csv", "--signs", "adapted-sae", "--code", code, "-o", out
-    )
+    outcome = command("evaluate", published_tir, trento_table, "--signs", "adapted-sae", "--code", code, "-o", out)
     assert outcome.status == 0, outcome.err
-    found, reference = pd.read_csv(out), pd.read_csv(golden / "mf96_trento.csv")
+    found, reference = pd.read_csv(out), pd.read_csv(trento_table)
     pairs = {
         "FX": "Fx", "FY": "Fy", "FX0": "F_x0", "FY0": "F_y0", "MZ0": "M_z0", "Kya": "K_yalpha", "Kxk": "K_xkappa",
         "Gxa": "G_xa", "Gyk": "G_yk", "SVyk": "S_Vyk", "Bt": "B_t", "Dr": "D_r", "Ey": "E_y",
