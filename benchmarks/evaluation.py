@@ -27,8 +27,8 @@ from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import model as book_of
 from tirefmu.tires.code import CHUNK, Code, code_for
+from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.code.compiler import shared_library
-from tirefmu.tires.code.modules import casadi_module
 
 FloatArray = npt.NDArray[np.float64]
 RANGES = {"kappa": (-0.3, 0.3), "alpha": (-0.3, 0.3), "gamma": (-0.1, 0.1), "p": (1.8e5, 2.8e5), "V": (8.0, 30.0)}
@@ -64,10 +64,9 @@ def points(book: Model, n: int) -> FloatArray:
 
 def casadi_c(book: Model, values: FloatArray) -> Callable[[FloatArray], object]:
     """Return the C code that CasADi generates for the same equations, compiled with -O2, parameters as constants."""
-    module = casadi_module(book)
     x = ca.SX.sym("x", len(book.inputs))
-    lines = getattr(module, "forces_straight", module.forces)
-    function = ca.Function("forces", [x], [lines(x, ca.DM(values))])
+    forces = casadi_expression(book, "forces", x, ca.DM(values), straight=True)
+    function = ca.Function("forces", [x], [forces])
     with tempfile.TemporaryDirectory() as folder:
         generator = ca.CodeGenerator("forces.c")
         generator.add(function)

@@ -21,6 +21,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import model as book_of
 from tirefmu.symbolic.models import with_library
 from tirefmu.tires import TireLike, tire_from
+from tirefmu.tires.code.printed import model_with
 from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.tire import Tire
 
@@ -227,7 +228,7 @@ def _with_added(book: Model, start: Tire | None, effects: Collection[str] | None
     """Return the model with the added effects of the start tire and those of the library that are requested."""
     no_single_text("effects", effects)
     requested = tuple(effects) if effects is not None else tuple(start.has) if start is not None else ()
-    return book_of(book.name, with_library(book.name, requested, start.added if start is not None else ()))
+    return model_with(book.name, with_library(book.name, requested, start.added if start is not None else ()))
 
 
 def _effects(

@@ -1,1 +1,1 @@
-"""Machine-made code, printed from the book by "tirefmu generate"; never edited."""
+"""Machine-made code, printed from the equations by "tirefmu generate"; never edited."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -16,9 +16,11 @@ from .model.discovery import found_models
 #: Every model by name: those of this package's folders; see CONTRIBUTING.md, "Adding a model".
 MODELS: dict[str, Model] = found_models()
 
+#: Finds the stored structure of a model with effects.
+FindStructure = Callable[[str, Sequence[AddedEffect]], Traversable | None]
 #: Where the generated code is; read as data, because the packages of the code build on this one.
 GENERATED: Traversable = files("tirefmu.generated")
-#: The folder in it of the models with the whole library of effects.
+#: The folder in it of the models with the whole library of effects: in a wheel, not in a clone.
 WITH_EFFECTS = "with_effects"
 
 for _model in MODELS.values():
@@ -29,7 +31,7 @@ for _model in MODELS.values():
 _EXTENDED: dict[tuple[Model, tuple[str, ...]], Model] = {}
 
 
-def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
+def model(name: str, added: Sequence[AddedEffect] = (), find: FindStructure = lambda name, added: None) -> Model:
     """Return a model of the book by its name on the command line.
 
     Parameters
@@ -37,6 +39,8 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     name : str
     added : sequence of AddedEffect
         Effects beyond the book to be put into its lines.
+    find : callable, optional
+        Of name and effects: the file with the structure of a model that has been printed before, or None.
 
     Returns
     -------
@@ -61,14 +65,14 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
         return MODELS[name]
     key = (MODELS[name], tuple(effect_text(effect) for effect in added))
     if key not in _EXTENDED:
-        _EXTENDED[key] = MODELS[name].extended(added, _stored_with_library(name, added))
+        _EXTENDED[key] = MODELS[name].extended(added, _stored_with_library(name, added) or find(name, added))
     return _EXTENDED[key]
 
 
 def whole_library(book: Model) -> tuple[AddedEffect, ...]:
     """Return the effects of the library that a diagnosis can find in a model, those with states among them.
 
-    The model with them is printed with the package (`generated/with_effects`).
+    An installed wheel has the model with them (`generated/with_effects`).
 
     Parameters
     ----------

@@ -41,8 +41,8 @@ _MACROS = re.compile(
 )
 _GENERATED = re.compile(
     "(N|TIREFMU|MF[0-9]+)_.*|MF[0-9]+|LANES|LANES_.*|BLOCK|STRIDE|ROUNDING|LARGEST_[A-Z]+|REDUCTION_IS_EXACT|INPUTS|PARAMETERS"
-    "|EXPANDED|CALLED|VECTORS|(PAIR|NUMBER)(_.*)?"
-    "|COEFFICIENTS|OPTIONS|STRAIGHT_OPTIONS|QUANTITIES|FORCES|SLIPS|REACH|CONSTANTS|OPERATIONS|[A-Z]+_SLOTS"
+    "|EXPANDED|CALLED|VECTORS|(PAIR|NUMBER)(_.*)?|PANEL|STEP|TILE_[A-Z]+"
+    "|COEFFICIENTS|OPTIONS|STRAIGHT_OPTIONS|QUANTITIES|FORCES|REACH|CONSTANTS|OPERATIONS|[A-Z]+_SLOTS"
     "|ROLLING_RADIUS|LOW_SPEED(_DAMPING)?"
 )
 #: What Windows has for devices.
@@ -61,7 +61,7 @@ _STATE = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _HIDDEN = re.compile(
     "(a|f|l|ll)?(abs|sin|cos|tan|exp|log|sqrt|pow)[0-9a-z]*|(sin|cos|tan)h|j[01n]|y[01n]|(l|t)?gamma|erfc?|hypot|cbrt"
     "|fm(a|ax|in|od)|fdim|floor|ceil|round|trunc|r?int|div|index|signgam|nan|inf|inputs|parameters|results|function"
-    "|memset|memcpy|time|square|cubed?(_.*)?|cube|fourth|sgn1?|absolute|(fast|called|pair|number|lanes)(_.*)?|ca|np|i|n|model|rows"
+    "|memset|memcpy|time|square|cubed?(_.*)?|cube|fourth|sgn1?|absolute|(fast|called|pair|number|lanes)(_.*)?|ca|np|xp|i|n|model|rows"
 )
 #: Columns of tables, variables of FMUs and lines that a state would hide.
 _PROGRAM = re.compile("t|(kappa|alpha|tan_alpha)_lagged|twist|friction_use|sliding_power")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -52,6 +53,14 @@ def coarse_figures() -> Iterator[None]:
 def golden() -> Path:
     """Return the folder of reference numbers; the header of each file states the source."""
     return Path(__file__).parent / "golden"
+
+
+@pytest.fixture(scope="session")
+def trento_table(golden: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the unpacked table of the Trento team's functions, for commands that read tables."""
+    path = tmp_path_factory.mktemp("golden") / "mf96_trento.csv"
+    path.write_bytes(gzip.decompress((golden / "mf96_trento.csv.gz").read_bytes()))
+    return path
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""The wheel contains what is on disk.
+"""The wheel contains what is on disk, and all printed code.
 
 In a clone, a folder that setup.py misses or a data file that pyproject.toml misses has no effect; an installed wheel
 fails.
@@ -6,12 +6,16 @@ fails.
 
 from __future__ import annotations
 
+import hashlib
+import json
 import shutil
 import subprocess
 import sys
 import tomllib
 import zipfile
 from pathlib import Path
+
+from tirefmu.symbolic.printers.generate import jacobian_files
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -36,12 +40,20 @@ def test_wheel_contains_the_packages(tmp_path):
     built = subprocess.run([*command, "--wheel-dir", tmp_path, source], capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stdout + built.stderr
 
-    (wheel,) = tmp_path.glob("*.whl")
-    packed = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    (path,) = tmp_path.glob("*.whl")
+    wheel = zipfile.ZipFile(path)
+    packed = {name for name in wheel.namelist() if ".dist-info/" not in name}
     expected = {
         "/".join([*package.split("."), *path.parts])
         for package, folder in PACKAGES.items()
         for path in on_disk(ROOT / folder)
     }
+    manifest = json.loads(wheel.read("tirefmu/generated/MANIFEST.json"))
+    printed = {f"tirefmu/generated/{name}": digest for name, digest in manifest["files"].items()}
+    assert {
+        f"tirefmu/generated/{name}" for file in jacobian_files("mf61") for name in (file, f"with_effects/{file}")
+    } < printed.keys()
+    assert all(hashlib.sha256(wheel.read(name)).hexdigest() == digest for name, digest in printed.items())
+    expected |= printed.keys()
     assert sorted(expected - packed) == [], "is in a package, but not in the wheel: see package-data in pyproject.toml"
     assert sorted(packed - expected) == [], "is in the wheel, but in no package"

@@ -16,10 +16,10 @@ from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.errors import TireError, UnknownName, no_single_text
 from tirefmu.symbolic.model import INDISPENSABLE, Model
-from tirefmu.symbolic.models import model as model_of
 from tirefmu.symbolic.models import with_library
 from tirefmu.symbolic.options import OPTIONS
 
+from .code.printed import model_with
 from .signs import TABLE_INPUTS
 
 FloatArray = npt.NDArray[np.float64]
@@ -100,7 +100,7 @@ class TireDefinition:
     @cached_property
     def book(self) -> Model:
         """The model of the book, the added effects in its lines."""
-        return model_of(self.model, self.added)
+        return model_with(self.model, self.added)
 
     @property
     def inputs(self) -> tuple[str, ...]:

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.symbolic.model import Model
-from tirefmu.tires.code.modules import casadi_module
+from tirefmu.tires.code.casadi_code import casadi_expression
+from tirefmu.tires.code.modules import numpy_module
 
 from ..problem.weighted_residuals import Problem
 from .buffered_function import BufferedFunction
@@ -265,11 +266,11 @@ def _functions(book: Model, quantity: str, measure: str) -> tuple[Any, Any, tupl
 
 def _expression(book: Model, quantity: str, measure: str) -> tuple[Any, Any, Any]:
     """Return symbols of inputs and parameters, and the bounded value."""
-    generated = casadi_module(book)
+    module = numpy_module(book)
     inputs, parameters, quantities = _quantities(book)
-    value = quantities[generated.QUANTITIES.index(quantity)]
+    value = quantities[module.QUANTITIES.index(quantity)]
     if measure != "value":
-        load = inputs[generated.INPUTS.index("Fz")]
+        load = inputs[module.INPUTS.index("Fz")]
         growth = load * ca.jacobian(value, load)
         value = growth if measure == "growth" else growth - value
     return inputs, parameters, ca.densify(value)
@@ -278,6 +279,5 @@ def _expression(book: Model, quantity: str, measure: str) -> tuple[Any, Any, Any
 @lru_cache(maxsize=16)
 def _quantities(book: Model) -> tuple[Any, Any, Any]:
     """Return symbols of inputs and parameters, and all named quantities as expressions of them."""
-    generated = casadi_module(book)
-    inputs, parameters = ca.SX.sym("inputs", len(generated.INPUTS)), ca.SX.sym("parameters", len(generated.PARAMETERS))
-    return inputs, parameters, generated.quantities(inputs, parameters)
+    inputs, parameters = ca.SX.sym("inputs", len(book.inputs)), ca.SX.sym("parameters", len(book.parameters))
+    return inputs, parameters, casadi_expression(book, "quantities", inputs, parameters)

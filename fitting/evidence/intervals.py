@@ -12,7 +12,8 @@ import pandas as pd
 
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
-from tirefmu.tires.code.modules import casadi_module
+from tirefmu.tires.code.casadi_code import casadi_expression
+from tirefmu.tires.code.modules import numpy_module
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
@@ -59,16 +60,15 @@ def standard_errors(
 @lru_cache(maxsize=64)
 def _with_derivatives(book: Model, name: str) -> tuple[Any, tuple[int, ...]]:
     """Return an output or a quantity with its nonzero derivatives by parameters, and these parameters."""
-    generated = casadi_module(book)
     outputs = [quantity.name for quantity in book.outputs]
-    known = [*outputs, *generated.QUANTITIES]
-    if name not in known:
-        raise UnknownName(f"output or quantity of {book.name}", name, known)
-    inputs, parameters = ca.SX.sym("inputs", len(generated.INPUTS)), ca.SX.sym("parameters", len(generated.PARAMETERS))
+    quantities = numpy_module(book).QUANTITIES
+    if name not in (*outputs, *quantities):
+        raise UnknownName(f"output or quantity of {book.name}", name, [*outputs, *quantities])
+    inputs, parameters = ca.SX.sym("inputs", len(book.inputs)), ca.SX.sym("parameters", len(book.parameters))
     if name in outputs:
-        value = generated.forces(inputs, parameters)[outputs.index(name)]
+        value = casadi_expression(book, "forces", inputs, parameters)[outputs.index(name)]
     else:
-        value = generated.quantities(inputs, parameters)[generated.QUANTITIES.index(name)]
+        value = casadi_expression(book, "quantities", inputs, parameters)[quantities.index(name)]
     gradient = ca.jacobian(value, parameters)
     reached = tuple(int(column) for column in gradient.sparsity().get_triplet()[1])
     slopes = ca.vertcat(*gradient.nonzeros()) if reached else ca.SX(0, 1)

@@ -127,7 +127,7 @@ class TireSlave(Fmi2Slave):
                     for slip, state, length in zip(slips, self.lagging, lengths, strict=True)
                 ]
             acting = [slips[0], atan(slips[1])]
-            for name, slip in zip(self.code.SLIPS, acting, strict=True):
+            for name, slip in zip(("kappa", "alpha"), acting, strict=True):
                 inputs[self.code.INPUTS.index(name)] = slip
             self.values[self.first_local :] = acting
         with np.errstate(all="ignore"):

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
-from tirefmu.tires.code.modules import code_folder
+from tirefmu.tires.code.printed import code_file
 
 from ..description.model_description import xml_bytes
 from ..description.variables import Variable
@@ -50,7 +50,6 @@ def python_contents(
     installed, license_text = _pythonfmu()
     # Python identifies a module by name: two tires in one process need two names.
     slave = f"tire_{re.sub('[^0-9a-f]', '', token)}"
-    generated = code_folder(tire.book)
     summary = {"model": tire.model, "variables": [_variable_json(variable) for variable in variables]}
     binaries = {
         f"binaries/{path.parent.name}/{identifier}{path.suffix}": path.read_bytes()
@@ -63,7 +62,7 @@ def python_contents(
         "resources/slavemodule.txt": slave.encode(),
         f"resources/{slave}.py": (files("tirefmu.fmu") / "packaging" / "python_slave.py").read_bytes(),
         "resources/state_laws.py": (files("tirefmu.generated") / "numpy" / "state_laws.py").read_bytes(),
-        f"resources/{tire.model}.py": (generated / "numpy" / f"{tire.model}.py").read_bytes(),
+        f"resources/{tire.model}.py": code_file(tire.book, f"numpy/{tire.model}.py").read_bytes(),
         "resources/variables.json": (json.dumps(summary, indent=1, allow_nan=False) + "\n").encode(),
         **{f"resources/pythonfmu/{path.name}": path.read_bytes() for path in installed.glob("*.py")},
         **binaries,

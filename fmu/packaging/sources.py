@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from importlib.resources import files
 
-from tirefmu.tires.code.modules import c_folder
+from tirefmu.tires.code.printed import code_file
 
 from ..description.interface import Interface
 from ..description.model_description import xml_bytes
@@ -154,7 +154,8 @@ def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
     -------
     dict of str to bytes
     """
-    wrapper, generated, model = files("tirefmu.fmu") / "wrapper", c_folder(shown.tire.book), shown.tire.model
+    wrapper, model = files("tirefmu.fmu") / "wrapper", shown.tire.model
+    generated = code_file(shown.tire.book, f"c/{model}.c").parent
     own = [name for name in names if name not in model_files(model)]
     found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))

@@ -9,13 +9,14 @@ import numpy as np
 def wheel_motion(
     r_x, r_y, r_z, R_11, R_12, R_13, R_21, R_22, R_23, R_31, R_32, R_33, v_x, v_y, v_z, w_x, w_y, w_z, road_z,
     road_nx, road_ny, road_nz, road_vx, road_vy, road_vz, omega,
+    xp=np,
 ):
     """Motion of the wheel at its contact point from the motion of the carrier and the road."""
-    n_length = np.sqrt(road_nx**2 + road_ny**2 + road_nz**2)
+    n_length = xp.sqrt(road_nx**2 + road_ny**2 + road_nz**2)
     n_x = road_nx/n_length
     n_y = road_ny/n_length
     n_z = road_nz/n_length
-    s_length = np.sqrt(R_12**2 + R_22**2 + R_32**2)
+    s_length = xp.sqrt(R_12**2 + R_22**2 + R_32**2)
     s_x = R_12/s_length
     s_y = R_22/s_length
     s_z = R_32/s_length
@@ -23,7 +24,7 @@ def wheel_motion(
     ahead_x = n_z*s_y - n_y*s_z
     ahead_y = n_x*s_z - n_z*s_x
     ahead_z = n_y*s_x - n_x*s_y
-    cos_gamma = np.sqrt(ahead_x**2 + ahead_y**2 + ahead_z**2)
+    cos_gamma = xp.sqrt(ahead_x**2 + ahead_y**2 + ahead_z**2)
     x_W_x = ahead_x/cos_gamma
     x_W_y = ahead_y/cos_gamma
     x_W_z = ahead_z/cos_gamma
@@ -33,7 +34,7 @@ def wheel_motion(
     u_x = s_z*x_W_y - s_y*x_W_z
     u_y = s_x*x_W_z - s_z*x_W_x
     u_z = s_y*x_W_x - s_x*x_W_y
-    gamma = np.atan(sin_gamma/cos_gamma)
+    gamma = xp.atan(sin_gamma/cos_gamma)
     R_l = n_z*(r_z - road_z)/cos_gamma
     c_x = r_x - R_l*u_x
     c_y = r_y - R_l*u_y
@@ -54,13 +55,14 @@ def wheel_motion(
 
 def hub_wrench(
     R_11, R_12, R_13, R_21, R_22, R_23, R_31, R_32, R_33, road_nx, road_ny, road_nz, R_l, Fx, Fy, Fz, Mx, My, Mz,
+    xp=np,
 ):
     """Forces and moments at the wheel centre from those at the contact point."""
-    n_length = np.sqrt(road_nx**2 + road_ny**2 + road_nz**2)
+    n_length = xp.sqrt(road_nx**2 + road_ny**2 + road_nz**2)
     n_x = road_nx/n_length
     n_y = road_ny/n_length
     n_z = road_nz/n_length
-    s_length = np.sqrt(R_12**2 + R_22**2 + R_32**2)
+    s_length = xp.sqrt(R_12**2 + R_22**2 + R_32**2)
     s_x = R_12/s_length
     s_y = R_22/s_length
     s_z = R_32/s_length
@@ -68,7 +70,7 @@ def hub_wrench(
     ahead_x = n_z*s_y - n_y*s_z
     ahead_y = n_x*s_z - n_z*s_x
     ahead_z = n_y*s_x - n_x*s_y
-    cos_gamma = np.sqrt(ahead_x**2 + ahead_y**2 + ahead_z**2)
+    cos_gamma = xp.sqrt(ahead_x**2 + ahead_y**2 + ahead_z**2)
     x_W_x = ahead_x/cos_gamma
     x_W_y = ahead_y/cos_gamma
     x_W_z = ahead_z/cos_gamma

@@ -12,7 +12,7 @@ from ..model import Model
 from .definitions import INCLUDES, comment, definitions
 from .expressions import PlainCPrinter
 from .pairs import function_of, in_pairs
-from .python import HEADER, STRAIGHT_ROWS
+from .python import STRAIGHT_ROWS, origin
 from .routines import LOCAL, STRAIGHT, Assignment, Routine, jacobians_of, side_by_side, values_of
 
 #: Above lines that are not in the book's order.
@@ -35,7 +35,7 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     -------
     str
     """
-    quantities, _, slips, *_ = routines
+    quantities = routines[0]
     prefix = model.name.upper()
     remarks = {name: f"{each.description} [{each.unit}]" for name, each in model.coefficients.items()}
     remarks |= {option.parameter: _meaning(option) for option in model.options}
@@ -47,7 +47,6 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
         f"#define {prefix}_N_COEFFICIENTS {len(model.coefficients)}",
         _enumeration(prefix, "FORCES", [(q.name, f"{q.description} [{q.unit}]") for q in model.outputs]),
         _enumeration(prefix, "QUANTITIES", [(name, "") for name in quantities.labels]),
-        f"#define {prefix}_N_SLIPS {len(slips.labels)}",
         f"{comment('Matrices are written row by row, one row a force.')}\n{_prototypes(model, routines, '')}",
         *_straight_prototypes(model, routines),
         f"{comment('Apply a routine to n rows of inputs, each giving n_results numbers.')}\n{_rows_prototype(model)};",
@@ -88,7 +87,7 @@ def _source(model: Model, what: str, routines: tuple[Routine, ...], more: list[s
 
 def heading(model: Model, what: str) -> str:
     """Return the comment at the head of a file."""
-    return comment(f"{model.title}, in {what}.", HEADER.format(name=model.name))
+    return comment(f"{model.title}, in {what}.", origin(model))
 
 
 def _enumeration(prefix: str, kind: str, names: list[tuple[str, str]]) -> str:

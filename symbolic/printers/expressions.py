@@ -75,7 +75,7 @@ def _is_plain_factor(factor: Any) -> bool:
 
 
 class ArrayPrinter(NumberPrinter, PythonCodePrinter):
-    """Python text calling the elementary functions of a module; `NumpyPrinter` and `CasadiPrinter` name it."""
+    """Python text calling the elementary functions of a library of arrays, which the sub-classes name."""
 
     module = ""
     where = ""
@@ -116,6 +116,15 @@ class ArrayPrinter(NumberPrinter, PythonCodePrinter):
         (value, condition), (otherwise, _) = expr.args
         return f"{self.where}({self._print(condition)}, {self._print(value)}, {self._print(otherwise)})"
 
+    def _print_And(self, expr: Any) -> str:
+        return self._joined(f"{self.module}.logical_and", expr)
+
+    def _print_Or(self, expr: Any) -> str:
+        return self._joined(f"{self.module}.logical_or", expr)
+
+    def _joined(self, function: str, expr: Any) -> str:
+        return reduce(lambda joined, arg: f"{function}({joined}, {arg})", [str(self._print(arg)) for arg in expr.args])
+
 
 class NumpyPrinter(ArrayPrinter):
     """Python text calling NumPy.
@@ -133,11 +142,18 @@ class NumpyPrinter(ArrayPrinter):
     where = "np.where"
     other_names: ClassVar[dict[str, str]] = {"sgn": "sign", "absolute": "abs"}
 
-    def _print_And(self, expr: Any) -> str:
-        return " & ".join(f"({self._print(arg)})" for arg in expr.args)
 
-    def _print_Or(self, expr: Any) -> str:
-        return " | ".join(f"({self._print(arg)})" for arg in expr.args)
+class NamespacePrinter(NumpyPrinter):
+    """Python text calling a library of arrays with NumPy's names, which is an argument of the printed function.
+
+    Examples
+    --------
+    >>> NamespacePrinter().doprint(sp.sin(sp.Symbol("F_x0_w")) ** 2)
+    'xp.sin(F_x0_w)**2'
+    """
+
+    module = "xp"
+    where = "xp.where"
 
 
 class CasadiPrinter(ArrayPrinter):
@@ -159,9 +175,6 @@ class CasadiPrinter(ArrayPrinter):
 
     def _print_Or(self, expr: Any) -> str:
         return self._joined("ca.logic_or", expr)
-
-    def _joined(self, function: str, expr: Any) -> str:
-        return reduce(lambda joined, arg: f"{function}({joined}, {arg})", [str(self._print(arg)) for arg in expr.args])
 
 
 #: Powers that C code writes as a call; the inline functions are in `arithmetic.h`.

@@ -1,4 +1,9 @@
-"""Everything that is generated: rendered as text, written, or compared with what is committed."""
+"""Everything that is generated: rendered as text, written, or compared with what is committed.
+
+Committed is what people read: the forces, quantities, operations and structure of each model. The Jacobians, and each
+model with the whole library of effects, are printed when a wheel is built, or at their first use
+(`tirefmu.tires.code.printed`).
+"""
 
 from __future__ import annotations
 
@@ -13,21 +18,24 @@ from ..added import texts_digest
 from ..model import Model
 from ..model.verification import verify
 from ..models import MODELS, WITH_EFFECTS, whole_library
-from .batch import batch_sources
+from .batch import KERNELS, batch_sources
 from .c import c_header, c_sources
 from .laws import law_files
 from .operations import c_operations
-from .python import CASADI, HEADER, NUMPY, python_modules
+from .python import origin, python_modules
 from .routines import routines
 from .wheel.kinematics import kinematic_files
 from .wheel.rolling_radius import c_rolling_radius
 
 
-def render() -> dict[str, str]:
-    """Return every generated file: path relative to the folder, text. Deterministic to the byte.
+def render(everything: bool = False) -> dict[str, str]:
+    """Return the generated files: path relative to the folder, text. Deterministic to the byte.
 
-    Each model is printed as it is, and in the folder `WITH_EFFECTS` with the whole library of effects, for the
-    diagnosis.
+    Parameters
+    ----------
+    everything : bool
+        Also the Jacobians, and in the folder `WITH_EFFECTS` each model with the whole library of effects, for the
+        diagnosis. Without it, what is committed.
 
     Returns
     -------
@@ -39,10 +47,13 @@ def render() -> dict[str, str]:
     """
     files = law_files() | kinematic_files()
     models = [_from_lines(model) for model in MODELS.values()]
+    extended = [_with_library(model) for model in models] if everything else []
     for model in models:
-        files |= render_model(model)
-        files |= {f"{WITH_EFFECTS}/{name}": text for name, text in render_model(_with_library(model)).items()}
-    files["MANIFEST.json"] = _manifest(files, models)
+        printed, derivatives = render_model(model), set(jacobian_files(model.name))
+        files |= {name: text for name, text in printed.items() if everything or name not in derivatives}
+    for model in extended:
+        files |= {f"{WITH_EFFECTS}/{name}": text for name, text in render_model(model).items()}
+    files["MANIFEST.json"] = _manifest(files, models, extended)
     return files
 
 
@@ -59,12 +70,12 @@ def _with_library(model: Model) -> Model:
 
 @lru_cache(maxsize=16)
 def render_model(model: Model) -> dict[str, str]:
-    """Return the files of one model: path relative to the folder, text.
+    """Return the files of one model, Jacobians included: path relative to the folder, text.
 
     Parameters
     ----------
     model : Model
-        Also one with added effects, which no committed file holds.
+        Also one with added effects.
 
     Returns
     -------
@@ -84,29 +95,37 @@ def render_model(model: Model) -> dict[str, str]:
     verify(model)
     parts = routines(model)
     kernels = {f"c/{model.name}_batch_{name}.c": text for name, text in batch_sources(model, parts).items()}
-    sources = {f"c/{name}.c": text for name, text in c_sources(model, parts).items()}
-    modules = {
-        f"{folder}/{name}.py": text
-        for folder, flavor in (("numpy", NUMPY), ("casadi", CASADI))
-        for name, text in python_modules(model, parts, flavor).items()
-    }
     return {
         **kernels,
-        **modules,
-        **sources,
+        **{f"numpy/{name}.py": text for name, text in python_modules(model, parts).items()},
+        **{f"c/{name}.c": text for name, text in c_sources(model, parts).items()},
         f"c/{model.name}.h": c_header(model, parts),
         f"c/{model.name}_operations.h": c_operations(model),
         f"c/{model.name}_rolling_radius.h": c_rolling_radius(model),
-        f"structure/{model.name}.json": model.structure.to_text(HEADER.format(name=model.name)),
+        f"structure/{model.name}.json": model.structure.to_text(origin(model)),
     }
 
 
-def write(folder: Path) -> list[Path]:
+def jacobian_files(name: str) -> list[str]:
+    """Return the files of a model that have its Jacobians: six times as long as the others together.
+
+    Examples
+    --------
+    >>> jacobian_files("mf96")[:2]
+    ['numpy/mf96_jacobians.py', 'c/mf96_jacobians.c']
+    """
+    kernels = [f"c/{name}_batch_{kernel}.c" for kernel in KERNELS if kernel.startswith("jacobian_")]
+    return [f"numpy/{name}_jacobians.py", f"c/{name}_jacobians.c", *kernels]
+
+
+def write(folder: Path, everything: bool = False) -> list[Path]:
     """Write what `render` returns below a folder and remove generated files that are no longer made.
 
     Parameters
     ----------
     folder : Path
+    everything : bool
+        As for `render`.
 
     Returns
     -------
@@ -114,7 +133,7 @@ def write(folder: Path) -> list[Path]:
         The files whose text changed, removed ones included.
     """
     changed = []
-    files = render()
+    files = render(everything)
     for name, text in files.items():
         path = folder / name
         if _text(path) != text:
@@ -128,7 +147,7 @@ def write(folder: Path) -> list[Path]:
 
 
 def difference(folder: Path) -> str:
-    """Return the unified diff from the files in a folder to what would be generated; empty where equal.
+    """Return the unified diff from the committed files in a folder to what would be generated; empty where equal.
 
     Parameters
     ----------
@@ -149,7 +168,7 @@ def difference(folder: Path) -> str:
             committed.splitlines(keepends=True),
             text.splitlines(keepends=True),
             f"generated/{name}",
-            f"the book: {name}",
+            f"the equations: {name}",
         )
     return "".join(diffs)
 
@@ -162,16 +181,17 @@ def _text(path: Path) -> str | None:
 def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
     """Files that look generated but are not made (any more)."""
     made = {folder / name for name in files}
-    kinds = ("numpy/*.py", "casadi/*.py", "c/*.c", "c/*.h", "structure/*.json")
+    kinds = ("numpy/*.py", "c/*.c", "c/*.h", "structure/*.json")
     places = (folder, folder / WITH_EFFECTS)
     found = {path for place in places for kind in kinds for path in place.glob(kind) if path.name != "__init__.py"}
     return sorted(found - made)
 
 
-def _manifest(files: dict[str, str], models: list[Model]) -> str:
+def _manifest(files: dict[str, str], models: list[Model], extended: list[Model]) -> str:
+    """Return the list of the files with their digests, and of what they were printed from."""
     content = {
         "lines": {model.name: _lines_hash(model) for model in models},
-        WITH_EFFECTS: {model.name: texts_digest(whole_library(model)) for model in models},
+        WITH_EFFECTS: {model.name: texts_digest(model.added) for model in extended},
         "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"

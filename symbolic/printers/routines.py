@@ -77,15 +77,14 @@ def routines(model: Model) -> tuple[Routine, ...]:
     Returns
     -------
     tuple of Routine
-        quantities, forces, slip_stiffnesses, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag;
-        drives, where there are states;
-        if options and turn slip are in the lines, all but the first again, straight.
+        quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; drives, where there
+        are states; if options and turn slip are in the lines, all but the first again, straight.
 
     Examples
     --------
     >>> from tirefmu.symbolic.models import model
     >>> [routine.name for routine in routines(model("mf96"))]
-    ['quantities', 'forces', 'slip_stiffnesses', 'jacobian_inputs', 'jacobian_parameters']
+    ['quantities', 'forces', 'jacobian_inputs', 'jacobian_parameters']
     """
     general, straight = model.lines(), model.lines(straight=True)
     printed = [_values("quantities", "Every named quantity of the book.", general, _named(model, general))]
@@ -156,7 +155,7 @@ def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
 
 
 def values_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
-    """Return the routines that are no Jacobians: quantities, forces, slip stiffnesses, relaxation lengths."""
+    """Return the routines that are no Jacobians: quantities, forces, relaxation lengths, drives of states."""
     return tuple(routine for routine in routines if not routine.name.startswith("jacobian_"))
 
 
@@ -213,7 +212,6 @@ def _forces_and_derivatives(model: Model, lines: Sequence[Equation], variant: st
     force_lines = reaching(lines, [str(output) for output in outputs])
     printed = [
         _values("forces", "Forces and moments.", force_lines, outputs),
-        _derivatives("slip_stiffnesses", "Derivatives of the forces by the slips.", force_lines, outputs, inputs[:2]),
         _derivatives("jacobian_inputs", "Derivatives of the forces by the inputs.", force_lines, outputs, inputs),
         _derivatives(
             "jacobian_parameters",

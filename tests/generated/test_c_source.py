@@ -10,14 +10,24 @@ from pathlib import Path
 import pytest
 
 import tirefmu.generated
+from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.printers.generate import jacobian_files
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.printed import code_file
 
 FOLDER = Path(tirefmu.generated.__file__).parent / "c"
 #: Without the rolling radius: one function of an FMU, included after the header of its model.
 HEADERS = sorted(path.stem for path in FOLDER.glob("*.h") if not path.stem.endswith("_rolling_radius"))
-SOURCES = sorted(path.stem for path in FOLDER.glob("*.c") if "_batch_" not in path.stem)
-KERNELS = sorted(path.stem for path in FOLDER.glob("*_batch_*.c"))
+NAMES = [Path(file).stem for model in MODELS for file in (f"{model}_batch_forces", f"{model}.c", *jacobian_files(model))
+         if not file.endswith(".py")]  # fmt: skip
+SOURCES = sorted(name for name in NAMES if "_batch_" not in name)
+KERNELS = sorted(name for name in NAMES if "_batch_" in name)
 STRICT = ["-Wall", "-Wextra", "-Wshadow", "-Wpedantic", "-Wconversion", "-Wstrict-prototypes", "-Werror"]
+
+
+def source_file(name):
+    """Return the path of a C source: committed, or printed."""
+    return code_file(MODELS[name.split("_")[0]], f"c/{name}.c")
 
 
 def compilers():
@@ -40,7 +50,7 @@ STANDARDS = [(source, standard) for source in SOURCES for standard in ("c99", "g
 @pytest.mark.parametrize(("source", "standard"), STANDARDS)
 @pytest.mark.parametrize("compiler", compilers())
 def test_no_warning(compiler, source, standard, tmp_path):
-    command = [*compiler, f"-std={standard}", "-O0", *STRICT, "-c", str(FOLDER / f"{source}.c")]
+    command = [*compiler, f"-std={standard}", "-O0", *STRICT, "-c", str(source_file(source))]
     done = subprocess.run([*command, "-o", str(tmp_path / "model.o")], capture_output=True, text=True, check=False)
     assert done.stderr == ""
     assert done.returncode == 0
@@ -57,7 +67,7 @@ def test_header_is_self_contained_and_may_be_included_twice(header, tmp_path):
 @pytest.mark.parametrize("kernel", KERNELS)
 @pytest.mark.parametrize("compiler", compilers())
 def test_no_warning_in_a_kernel(compiler, kernel, tmp_path):
-    command = [*compiler, "-std=c99", "-O0", *STRICT, "-c", str(FOLDER / f"{kernel}.c")]
+    command = [*compiler, "-std=c99", "-O0", *STRICT, "-c", str(source_file(kernel))]
     done = subprocess.run([*command, "-o", str(tmp_path / "kernel.o")], capture_output=True, text=True, check=False)
     assert done.stderr == ""
     assert done.returncode == 0
@@ -65,7 +75,7 @@ def test_no_warning_in_a_kernel(compiler, kernel, tmp_path):
 
 @pytest.mark.parametrize("source", SOURCES)
 def test_no_slow_power_no_state_no_allocation(source):
-    text = (FOLDER / f"{source}.c").read_text(encoding="ascii")
+    text = source_file(source).read_text(encoding="ascii")
     assert not re.search(r"\bpow\([^,()]*, [0-9.-]+\)", text), "a power by a number is a product or a root"
     assert not re.search(r"\b(malloc|calloc|free)\(", text)
     assert not re.search(r"^static (?!inline|const|EXPANDED|CALLED|void \w+_general)", text, re.MULTILINE)

@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-
 import casadi as ca
 import numpy as np
 import pytest
 
 from tirefmu.symbolic.model.lines import reaching
+from tirefmu.tires.code.casadi_code import casadi_expression
+from tirefmu.tires.code.modules import numpy_routine
 
 ROUTINES = ("jacobian_inputs", "jacobian_parameters")
 
 
 def printed(tire, routine, rows, parameters):
     """Return derivatives as (n, n_forces, n_by)."""
-    module = import_module(f"tirefmu.generated.numpy.{tire.model}")
     with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
-        matrix = getattr(module, routine)(rows, parameters)
+        matrix = numpy_routine(tire.book, routine)(rows, parameters)
     return np.array([[np.broadcast_to(value, rows.shape[1]) for value in row] for row in matrix]).transpose(2, 0, 1)
 
 
 def by_casadi(tire, routine, rows, parameters):
-    module = import_module(f"tirefmu.generated.casadi.{tire.model}")
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
-    jacobian = ca.jacobian(module.forces(x, p), x if routine == "jacobian_inputs" else p)
+    forces = casadi_expression(tire.book, "forces", x, p)
+    jacobian = ca.jacobian(forces, x if routine == "jacobian_inputs" else p)
     function = ca.Function("jacobian", [x, p], [jacobian])
     full = np.stack([np.array(function(point, parameters)) for point in rows.T])
     return full if routine == "jacobian_inputs" else full[:, :, : len(tire.book.coefficients)]
@@ -39,9 +38,9 @@ ROUNDING = 1e-14
 
 
 def forces_at(tire, rows, parameters):
-    module = import_module(f"tirefmu.generated.numpy.{tire.model}")
     with np.errstate(all="ignore"):
-        return np.stack([np.broadcast_to(force, rows.shape[1]) for force in module.forces(rows, parameters)])
+        forces = numpy_routine(tire.book, "forces")(rows, parameters)
+    return np.stack([np.broadcast_to(force, rows.shape[1]) for force in forces])
 
 
 def by_differences(tire, routine, rows, parameters):
@@ -87,13 +86,6 @@ def test_the_chain_rule_is_the_slope_of_the_forces(tire, points, routine):
     noise = rounding_of(tire, routine, rows, parameters, ours.shape[2]) / STEP
     # The remainder of the fifth derivative: a bend within 1e-3 of slip over steps of 1e-5, to the fourth, is 1e-8.
     assert (np.abs(ours - theirs) <= 1e-7 * np.abs(theirs).max(axis=0) + noise).all()
-
-
-def test_slip_stiffnesses_are_the_first_columns_of_the_jacobian(tire, points):
-    rows, parameters = points(tire), tire.parameters()
-    stiffnesses = printed(tire, "slip_stiffnesses", rows, parameters)
-    columns = printed(tire, "jacobian_inputs", rows, parameters)[:, :, :2]
-    assert (np.abs(stiffnesses - columns) <= 1e-11 * np.abs(columns).max(axis=0)).all()
 
 
 def test_every_coefficient_that_leads_to_a_force_moves_one(tire, points):

@@ -15,11 +15,11 @@ from scipy.optimize import brentq
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
 from tirefmu.fmu import check, export
-from tirefmu.generated.casadi import brush
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.drawing.files import draw
 from tirefmu.tires.property_file.reading import read_tir
 
@@ -265,7 +265,7 @@ def test_the_chain_rule_is_casadis(tire, routine):
     parameters = tire.parameters()
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
     by = x if routine == "jacobian_inputs" else p[: len(tire.book.coefficients)]
-    function = ca.Function("jacobian", [x, p], [ca.jacobian(brush.forces(x, p), by)])
+    function = ca.Function("jacobian", [x, p], [ca.jacobian(casadi_expression(tire.book, "forces", x, p), by)])
     expected = np.stack([np.array(function(row, parameters)) for row in rows.T])
     ours = getattr(code_for(tire.book, "c"), routine)(rows, parameters)
     assert (np.abs(ours - expected) <= 1e-11 * np.abs(expected).max(axis=0) + 1e-12).all()

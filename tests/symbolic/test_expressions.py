@@ -39,7 +39,7 @@ EXPRESSIONS = {
     sgn(z) + absolute(z): ("np.abs(z) + np.sign(z)", "fabs(z) + sgn(z)"),
     sgn1(z): ("np.where(z >= 0, 1, np.sign(z))", "sgn1(z)"),
     sp.Piecewise((x, sp.Or(sp.And(x > 1, y < 2), sp.Eq(z, 0))), (y, True)): (
-        "np.where((z == 0) | ((x > 1) & (y < 2)), x, y)",
+        "np.where(np.logical_or(z == 0, np.logical_and(x > 1, y < 2)), x, y)",
         "((z == 0.0) || ((x > 1.0) && (y < 2.0)) ? x : y)",
     ),
     sp.Piecewise((0, x <= 1), (y + z, True)): ("np.where(x <= 1, 0, y + z)", "(x <= 1.0 ? 0.0 : y + z)"),

@@ -13,10 +13,10 @@ from fmpy import simulate_fmu
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
 from tirefmu.fmu import check, export
-from tirefmu.generated.casadi import fiala as casadi_fiala
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.drawing.files import draw
 from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.property_file.reading import read_tir, read_tir_with_notes
@@ -95,7 +95,7 @@ def by_casadi(routine, rows, parameters):
     """Return derivatives by the differentiation of CasADi, shape (n, n_forces, n_by)."""
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
     by = x if routine == "jacobian_inputs" else p[: len(TIRE.book.coefficients)]
-    function = ca.Function("jacobian", [x, p], [ca.jacobian(casadi_fiala.forces(x, p), by)])
+    function = ca.Function("jacobian", [x, p], [ca.jacobian(casadi_expression(TIRE.book, "forces", x, p), by)])
     return np.stack([np.array(function(point, parameters)) for point in rows.T])
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import builtins
 import re
 import subprocess
-from importlib.resources import files
 
 import pytest
 from hypothesis import given, settings
@@ -16,6 +15,7 @@ from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.definitions import INCLUDES
 from tirefmu.symbolic.reserved import LONGEST_NAME, no_coefficient, no_effect
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.printed import code_file
 from tirefmu.tires.property_file.names import OWN_SECTIONS
 
 
@@ -54,15 +54,15 @@ def test_no_macro_of_the_c_library_is_a_coefficient(standard):
 
 
 def test_no_name_that_generated_code_defines_is_a_coefficient():
-    folder = files("tirefmu.generated")
-    for name in ("c/mf61.h", "c/mf61.c", "c/mf61_jacobians.c", "c/mf61_operations.h", "c/mf62_batch_forces.c"):
-        defined = re.findall(r"^#define (?:MF6[12]_)?(\w+)", (folder / name).read_text(encoding="ascii"), re.MULTILINE)
+    kernels = ("mf61_batch_forces.c", "mf61_batch_jacobian_parameters.c")
+    for name in ("mf61.h", "mf61.c", "mf61_jacobians.c", "mf61_operations.h", *kernels):
+        text = code_file(MODELS["mf61"], f"c/{name}").read_text(encoding="ascii")
+        defined = re.findall(r"^#define (?:MF61_)?(\w+)", text, re.MULTILINE)
         assert defined
         assert [macro for macro in defined if not no_coefficient(macro)] == []
-    for language in ("numpy", "casadi"):
-        module = (folder / language / "mf96.py").read_text(encoding="ascii")
-        tables = re.findall(r"^([A-Z_]+) =", module, re.MULTILINE)
-        assert [table for table in tables if not no_coefficient(table)] == []
+    module = code_file(MODELS["mf96"], "numpy/mf96.py").read_text(encoding="ascii")
+    tables = re.findall(r"^([A-Z_]+) =", module, re.MULTILINE)
+    assert [table for table in tables if not no_coefficient(table)] == []
     assert [name for name in dir(builtins) if not no_coefficient(name)] == []
 
 

@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import pytest
 
+from tirefmu.symbolic import models
 from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.model.structure import Structure
 from tirefmu.symbolic.models import MODELS, model, whole_library
+from tirefmu.tires.code.printed import model_with, printed_folder
 
 ALL = sorted(MODELS)
 
@@ -58,14 +60,16 @@ def test_a_changed_model_does_not_use_it(made):
     assert set(toy.coefficients) == {"UNLOADED_RADIUS", "FNOMIN", "UMAX", "USOFT", "CLONG", "CSIDE", "ARM"}
 
 
-def test_it_is_stored_with_the_whole_library_and_with_no_other_effects():
+def test_it_is_stored_with_the_printed_code_for_exactly_these_effects():
     whole = whole_library(MODELS["fiala"])
-    printed = model("fiala", whole)
+    printed_folder(model("fiala", whole))
+    models._EXTENDED.clear()  # as in another process
+    printed = model_with("fiala", whole)
     assert printed.stored is not None
     assert printed.structure == replace(printed).structure  # derived from the lines
     milder = replace(whole[0], physics="another text")
     for added in (whole[1:], whole[::-1], (milder, *whole[1:])):
-        other = model("fiala", added)
+        other = model_with("fiala", added)
         assert other.stored is None
         assert set(other.effects) == {*MODELS["fiala"].effects, *(effect.name for effect in added)}
 

@@ -190,13 +190,11 @@ def test_data_in_another_convention_are_refused(command, bench_csv, tmp_path):
 
 
 @pytest.mark.parametrize("code", ["numpy", "c", "casadi"])
-def test_evaluate_gives_the_golden_numbers(command, golden, published_tir, code, tmp_path):
+def test_evaluate_gives_the_golden_numbers(command, trento_table, published_tir, code, tmp_path):
     out = tmp_path / "out.csv"
-    outcome = command(
-        "evaluate", published_tir, golden / "mf96_trento.csv", "--signs", "adapted-sae", "--code", code, "-o", out
-    )
+    outcome = command("evaluate", published_tir, trento_table, "--signs", "adapted-sae", "--code", code, "-o", out)
     assert outcome.status == 0, outcome.err
-    found, reference = pd.read_csv(out), pd.read_csv(golden / "mf96_trento.csv")
+    found, reference = pd.read_csv(out), pd.read_csv(trento_table)
     pairs = {
         "FX": "Fx", "FY": "Fy", "FX0": "F_x0", "FY0": "F_y0", "MZ0": "M_z0", "Kya": "K_yalpha", "Kxk": "K_xkappa",
         "Gxa": "G_xa", "Gyk": "G_yk", "SVyk": "S_Vyk", "Bt": "B_t", "Dr": "D_r", "Ey": "E_y",
@@ -367,13 +365,24 @@ def test_a_planted_edit_is_found_shown_and_repaired(command, generated, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_another_folder_gets_the_jacobians_too(command, generated, tmp_path, monkeypatch):
+    monkeypatch.setattr(generate, "MODELS", {"fiala": MODELS["fiala"]})
+    outcome = command("generate", "-o", str(tmp_path / "all"))
+    assert outcome.status == 0
+    assert (tmp_path / "all" / "numpy" / "fiala_jacobians.py").is_file()
+    assert (tmp_path / "all" / "with_effects" / "c" / "fiala_batch_jacobian_inputs.c").is_file()
+    assert "all/c/fiala_jacobians.c" in outcome.out
+    assert not list(generated.rglob("*_jacobians.*"))
+    assert command("generate", "--check", "-o", str(tmp_path / "all")).status == 2
+
+
 def test_a_missing_and_a_stray_file_are_found(command, generated):
     (generated / "numpy" / "mf96.py").unlink()
-    (generated / "casadi" / "mf00.py").write_text("old = 1\n", encoding="utf-8")
+    (generated / "c" / "mf00.c").write_text("int old = 1;\n", encoding="utf-8")
     outcome = command("generate", "--check")
     assert outcome.status == 1
     assert "generated/numpy/mf96.py" in outcome.out
-    assert "-old = 1" in outcome.out
+    assert "-int old = 1;" in outcome.out
 
 
 # ------------------------------------------------------------------ as a process

@@ -14,6 +14,8 @@ import tirefmu.batch.fit_many
 import tirefmu.batch.intervals
 import tirefmu.batch.study
 from tirefmu import batch, diagnosis, evaluation, fitting, fmu, measurements, tires
+from tirefmu.symbolic.models import MODELS, model, whole_library
+from tirefmu.tires.code.printed import printed_folder
 from tirefmu.tires.drawing import files as drawing
 
 #: The public contract: where each name comes from.
@@ -129,10 +131,13 @@ def test_importing_and_errors_load_no_large_library(tmp_path, monkeypatch):
 
 def test_a_tire_is_evaluated_fitted_and_exported_without_its_equations(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    printed_folder(MODELS["fiala"])  # a clone prints the Jacobians at their first use
     assert loaded_by(NO_EQUATIONS, ("sympy",)) == []
 
 
 def test_a_diagnosis_needs_no_equations():
+    printed_folder(MODELS["fiala"])
+    printed_folder(model("fiala", whole_library(MODELS["fiala"])))
     assert loaded_by(DIAGNOSIS, ("sympy", "matplotlib", "fmpy")) == []
 
 

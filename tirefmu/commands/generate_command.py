@@ -1,4 +1,4 @@
-"""``tirefmu generate``: the code in generated/ of a checkout, or a tire as code for another program."""
+"""``tirefmu generate``: the code in generated/ of a checkout, all code in a folder, or a tire for another program."""
 
 from __future__ import annotations
 
@@ -37,13 +37,16 @@ def generate(
 
     TIRE is a .tir file, a published tire or a model.
 
-    Without TIRE: generate the NumPy, CasADi and C code of all models in generated/ of a checkout.
+    Without TIRE: write the NumPy and C code of all models into generated/ of a checkout. With -o FOLDER: write it
+    there, with the Jacobians and with the models that have the whole library of effects.
     """
     check_output_paths(json_file, folder=output)
     if tire is None:
-        if language or output:
-            raise TirefmuError("--language and -o need a TIRE: a .tir file, a published tire or a model")
-        return _generated(only_check, quiet, json_file)
+        if language:
+            raise TirefmuError("--language needs a TIRE: a .tir file, a published tire or a model")
+        if only_check and output:
+            raise TirefmuError("--check is for generated/ of a checkout: it takes no -o")
+        return _checked(quiet, json_file) if only_check else _written(output, quiet, json_file)
     if only_check:
         raise TirefmuError("--check is for generated/ of a checkout: it takes no TIRE")
     if language is None or output is None:
@@ -62,28 +65,43 @@ def generate(
     return 0
 
 
-def _generated(only_check: bool, quiet: bool, json_file: Path | None) -> int:
-    """Write generated/ or compare it with the equations."""
-    import tirefmu.generated
-    from tirefmu.symbolic.printers import generate as printers
+def _checked(quiet: bool, json_file: Path | None) -> int:
+    """Compare generated/ with the equations."""
+    from tirefmu.symbolic.printers.generate import difference
 
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    folder = Path(tirefmu.generated.__file__).parent
-    if only_check:
-        diff = printers.difference(folder)
-        write_json(json_file, {"ok": not diff, "diff": diff})
-        if diff:
-            terminal.print(*diff.rstrip().split("\n"), 'generated/ is outdated: run "tirefmu generate"')
-        else:
-            terminal.print("generated/ is up to date")
-        return 1 if diff else 0
+    diff = difference(_committed())
+    write_json(json_file, {"ok": not diff, "diff": diff})
+    if diff:
+        terminal.print(*diff.rstrip().split("\n"), 'generated/ is outdated: run "tirefmu generate"')
+    else:
+        terminal.print("generated/ is up to date")
+    return 1 if diff else 0
+
+
+def _written(output: Path | None, quiet: bool, json_file: Path | None) -> int:
+    """Write the code of all models: what is committed into generated/, everything into another folder."""
+    from tirefmu.symbolic.printers.generate import write
+
+    from ..terminal import Terminal
+
+    terminal = Terminal(quiet)
+    folder = output or _committed()
     with terminal.working("generating code"):
-        changed = printers.write(folder)
+        changed = write(folder, everything=output is not None)
     write_json(json_file, {"ok": True, "changed": [path.relative_to(folder).as_posix() for path in changed]})
+    shown = output or Path("generated")
     for path in changed:
-        terminal.print(f"generated/{path.relative_to(folder).as_posix()}")
+        terminal.print((shown / path.relative_to(folder)).as_posix())
     if not changed:
-        terminal.print("generated/ was up to date")
+        terminal.print(f"{shown} was up to date" if output else "generated/ was up to date")
     return 0
+
+
+def _committed() -> Path:
+    """Return the folder of the committed code."""
+    import tirefmu.generated
+
+    return Path(tirefmu.generated.__file__).parent

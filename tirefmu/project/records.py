@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from hashlib import file_digest, sha256
 from importlib.metadata import version
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -73,8 +72,9 @@ class Records:
 
 def _key(step: Step) -> str:
     """Return a digest of what determines the results: version, equations, command line, contents of the inputs."""
-    equations = (files("tirefmu.generated") / "MANIFEST.json").read_bytes()
-    parts = [version("tirefmu"), sha256(equations).hexdigest(), step.command, step.arguments, _digests(step.inputs)]
+    from tirefmu.tires.code.printed import sources_digest  # loads NumPy
+
+    parts = [version("tirefmu"), sources_digest(), step.command, step.arguments, _digests(step.inputs)]
     return sha256(json.dumps(parts).encode()).hexdigest()
 
 

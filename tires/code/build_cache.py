@@ -90,6 +90,22 @@ def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) ->
         return (None if rebuild else _found(cache, name)) or _built(cache, name, make, rebuild)
 
 
+def intact_entry(name: str) -> Path | None:
+    """Return the folder of an entry that is there and intact, or None.
+
+    Parameters
+    ----------
+    name : str
+        As for `cached`.
+
+    Examples
+    --------
+    >>> print(intact_entry("never-made"))
+    None
+    """
+    return _found(_trusted_cache(), name)
+
+
 def _found(cache: Path | None, name: str) -> Path | None:
     """Return an entry that is there and intact."""
     for folder in (cache, *_private):

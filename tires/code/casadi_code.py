@@ -1,19 +1,32 @@
-"""The CasADi code of a model, as a casadi.Function over columns."""
+"""The code of a model in CasADi: the NumPy module, computed with CasADi's functions."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from types import ModuleType
+from functools import lru_cache
+from types import SimpleNamespace
+from typing import Any
 
+import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
 from tirefmu.symbolic.model import Model
 
 from .interface import Code, chunks_of, jacobian_entries_of
-from .modules import casadi_module
+from .modules import numpy_module, numpy_routine
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Functions that NumPy and CasADi share, by NumPy's names.
+SHARED = ("acos", "atan", "cos", "exp", "expm1", "log", "logical_and", "logical_or", "sign", "sin", "sqrt", "tan")
+#: CasADi's functions under NumPy's names: the argument `xp` of a printed function.
+ARRAYS = SimpleNamespace(
+    **{name: getattr(ca, name.replace("logical_", "logic_")) for name in SHARED},
+    abs=ca.fabs,
+    where=ca.if_else,
+    pi=ca.pi,
+)
 
 
 def casadi_code(book: Model) -> Code:
@@ -21,13 +34,53 @@ def casadi_code(book: Model) -> Code:
     return _CasadiCode(book)
 
 
+def casadi_expression(book: Model, routine: str, inputs: Any, parameters: Any, *, straight: bool = False) -> Any:
+    """Return the results of a routine as an expression, which CasADi can differentiate.
+
+    Parameters
+    ----------
+    book : Model
+    routine : str
+        "forces", "quantities", ...
+    inputs, parameters : casadi.SX, casadi.MX or casadi.DM
+        Columns.
+    straight : bool
+        As for `numpy_routine`.
+
+    Returns
+    -------
+    casadi.SX, casadi.MX or casadi.DM
+        A column; of a Jacobian a matrix with one row a force.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic.models import model
+    >>> x, p = ca.SX.sym("x", 4), ca.SX.sym("p", len(model("mf96").parameters))
+    >>> casadi_expression(model("mf96"), "forces", x, p).shape
+    (3, 1)
+    """
+    function = numpy_routine(book, routine, straight=straight)
+    results = function(ca.vertsplit(inputs), ca.vertsplit(parameters), ARRAYS)
+    if routine.startswith("jacobian_"):
+        return ca.vertcat(*(ca.horzcat(*row) for row in results))
+    return ca.vertcat(*results)
+
+
+@lru_cache(maxsize=64)
+def casadi_function(book: Model, routine: str) -> Any:
+    """Return a routine as a casadi.Function of the columns `inputs` and `parameters`."""
+    inputs, parameters = ca.SX.sym("inputs", len(book.inputs)), ca.SX.sym("parameters", len(book.parameters))
+    results = casadi_expression(book, routine, inputs, parameters)
+    return ca.Function(routine, [inputs, parameters], [results], ["inputs", "parameters"], ["results"])
+
+
 class _CasadiCode:
-    """The CasADi module, a casadi.Function over columns."""
+    """Every routine as a casadi.Function over columns."""
 
     def __init__(self, book: Model) -> None:
-        self._module: ModuleType = casadi_module(book)
-        self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
-        self.entries = jacobian_entries_of(self._module)
+        self._book, module = book, numpy_module(book)
+        self.quantities_names: tuple[str, ...] = module.QUANTITIES
+        self.entries = jacobian_entries_of(module)
 
     def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._columns("forces", inputs, parameters)
@@ -54,12 +107,12 @@ class _CasadiCode:
         return chunks_of(self, inputs, parameters, size)
 
     def _matrices(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        function = self._module.function(getattr(self._module, routine))
+        function = casadi_function(self._book, routine)
         results = [np.array(function(column, parameters)) for column in inputs.T]
         return np.array(results).reshape(-1, *function.size_out(0))
 
     def _columns(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        function = self._module.function(getattr(self._module, routine))
+        function = casadi_function(self._book, routine)
         n = inputs.shape[1]
         if n == 0:  # CasADi maps over one column at least
             return np.empty((function.size1_out(0), 0))

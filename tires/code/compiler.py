@@ -17,7 +17,6 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import as_file, files
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +28,6 @@ from .build_cache import cached
 #: Characters of a compiler's line that a message quotes.
 LONGEST_LINE = 300
 FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden")
-#: For the Jacobians row by row: half the time of -O2 to compile, 7 % slower; the second fuses multiplications (GCC).
-QUICKLY = ("-O1", "-fexpensive-optimizations")
 
 
 class CompilerError(TirefmuError):
@@ -242,39 +239,6 @@ def _built(
         return cached(f"{name}-{digest.hexdigest()[:24]}", build, rebuild=rebuild) / file
     except OSError as error:
         raise CompilerError(f"{file}: cannot be written ({error.strerror or error})") from error
-
-
-def compiled_model(model: str, folder: Path | None = None, *, jacobians: bool = False) -> ctypes.CDLL:
-    """Return the compiled code of a model: all routines but its Jacobians, or these.
-
-    Parameters
-    ----------
-    model : str
-        Name of the model.
-    folder : Path, optional
-        Location of its C files; the package's own where None.
-    jacobians : bool
-        Jacobians are most of the code: they are a library of their own, compiled when one is first used.
-
-    Returns
-    -------
-    ctypes.CDLL
-
-    Raises
-    ------
-    CompilerError
-        If it cannot be compiled.
-    """
-    name = f"{model}_jacobians" if jacobians else model
-    with as_file(files("tirefmu.generated") / "c") as generated:
-        sources = folder or generated
-        source, header = sources / f"{name}.c", sources / f"{model}.h"
-        own = ["-fvisibility=default", "-ffp-contract=fast", *(QUICKLY if jacobians else [])]
-        fast = [*own, f"-march={instruction_set()}"]
-        try:
-            return loaded_library(name, [source], headers=[header], flags=fast, machine=processor())
-        except CompilerError:  # not every compiler supports its own machine
-            return loaded_library(name, [source], headers=[header], flags=own)
 
 
 def _run(command: list[str]) -> None:

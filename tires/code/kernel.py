@@ -11,7 +11,7 @@ import numpy.typing as npt
 from tirefmu.symbolic.model import Model
 
 from .compiler import CompilerError, instruction_set, loaded_library, processor
-from .modules import c_folder
+from .printed import code_file
 from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
@@ -163,12 +163,13 @@ def loaded_kernel(book: Model, routine: str) -> ctypes.CDLL:
     CompilerError
         If there is no compiler, or none of the flags suits it.
     """
-    name, folder = f"{book.name}_batch_{routine}", c_folder(book)
+    name = f"{book.name}_batch_{routine}"
+    source = code_file(book, f"c/{name}.c")
     refused = CompilerError(f"{name}: no compiler")
     for chosen in FLAGS:
         try:
             return loaded_library(
-                name, [folder / f"{name}.c"], headers=[folder / f"{book.name}.h"],
+                name, [source], headers=[source.with_name(f"{book.name}.h")],
                 flags=["-fvisibility=default", *chosen], machine=processor(),
             )  # fmt: skip
         except CompilerError as error:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +11,7 @@ import numpy.typing as npt
 from tirefmu.symbolic.model import Model
 
 from .interface import Code, as_matrices, chunks_of, jacobian_entries_of, straight_rows
-from .modules import numpy_module
+from .modules import numpy_module, numpy_routine
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -59,18 +60,19 @@ class _NumpyCode:
 
     def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Results, row by row of a matrix, shape (n_results, n)."""
-        straight = f"{routine}_straight"
-        if hasattr(self._module, straight) and straight_rows(self._book, inputs, parameters).all():
-            routine = straight
+        straight = bool(straight_rows(self._book, inputs, parameters).all())
+        function = numpy_routine(self._book, routine, straight=straight)
         starts = range(0, inputs.shape[1], CHUNK) or range(1)
-        return np.concatenate([self._chunk(routine, inputs[:, i : i + CHUNK], parameters) for i in starts], axis=1)
+        return np.concatenate([_chunk(function, inputs[:, i : i + CHUNK], parameters) for i in starts], axis=1)
 
-    def _chunk(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        # Far outside a tire's range a line may divide by zero; the row then has NaN or infinity.
-        with np.errstate(all="ignore"):
-            results = getattr(self._module, routine)(inputs, parameters)
-        values = [value for row in results for value in row] if isinstance(results[0], tuple) else results
-        table = np.empty((len(values), inputs.shape[1]))
-        for row, value in zip(table, values, strict=True):
-            row[:] = value
-        return table
+
+def _chunk(function: Callable[..., Any], inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+    """Return the results of a printed function, shape (n_results, n)."""
+    # Far outside a tire's range a line may divide by zero; the row then has NaN or infinity.
+    with np.errstate(all="ignore"):
+        results = function(inputs, parameters)
+    values = [value for row in results for value in row] if isinstance(results[0], tuple) else results
+    table = np.empty((len(values), inputs.shape[1]))
+    for row, value in zip(table, values, strict=True):
+        row[:] = value
+    return table

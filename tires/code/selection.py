@@ -11,7 +11,6 @@ from tirefmu.symbolic.models import model as model_of
 
 from .batch_code import batch_code
 from .c_code import c_code
-from .casadi_code import casadi_code
 from .compiler import CompilerError
 from .interface import Code
 from .numpy_code import numpy_code
@@ -75,8 +74,14 @@ def fastest_code(model: str | Model, n_rows: int = MANY_ROWS) -> Code:
 @lru_cache(maxsize=64)
 def _code_for(book: Model, language: str) -> Code:
     kinds: dict[str, Callable[[Model], Code]] = {
-        "numpy": numpy_code, "c": c_code, "casadi": casadi_code, "batch": batch_code,
+        "numpy": numpy_code, "c": c_code, "casadi": _casadi_code, "batch": batch_code,
     }  # fmt: skip
     if language not in kinds:
         raise UnknownName("language of the generated code", language, LANGUAGES)
     return kinds[language](book)
+
+
+def _casadi_code(book: Model) -> Code:
+    from .casadi_code import casadi_code  # CasADi takes its time to load
+
+    return casadi_code(book)

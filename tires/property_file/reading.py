@@ -21,8 +21,9 @@ from tirefmu.symbolic.added import AddedEffect, library, read_effect
 from tirefmu.symbolic.errors import LISTED_BY, TirefmuError, TirError, UnknownName, nearest, path_from
 from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
-from tirefmu.symbolic.models import model, with_library
+from tirefmu.symbolic.models import with_library
 
+from ..code.printed import model_with
 from ..definition import RANGES
 from ..tire import Tire
 from .model_identification import model_of
@@ -139,7 +140,7 @@ class _Reader:
         added = tuple(self._added(self._take(ADDED, key)) for key in self._keys_of(ADDED))
         named = listed(own["EFFECTS"].value) if "EFFECTS" in own else ()
         try:
-            book = model(name, with_library(name, named, added))
+            book = model_with(name, with_library(name, named, added))
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
         self._refuse_rows(book)

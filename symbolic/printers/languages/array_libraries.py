@@ -32,6 +32,12 @@ class _JaxPrinter(NumpyPrinter):
         (value, condition), (otherwise, _) = expr.args
         return f"_choose({self._print(condition)}, {self._print(value)}, {self._print(otherwise)})"
 
+    def _print_And(self, expr: sp.Expr) -> str:
+        return " & ".join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Or(self, expr: sp.Expr) -> str:
+        return " | ".join(f"({self._print(arg)})" for arg in expr.args)
+
 
 class _NumpyPrinter(_JaxPrinter):
     module = "np"

@@ -6,7 +6,7 @@ from ...model import Model
 from ..definitions import calling_math, comment, definitions
 from ..expressions import PlainCPrinter
 from ..operations import rolling_radius_lines
-from ..python import HEADER
+from ..python import origin
 
 
 def c_rolling_radius(book: Model) -> str:
@@ -40,7 +40,7 @@ def c_rolling_radius(book: Model) -> str:
     body = calling_math("\n".join(f"    {line}" for line in lines))
     remark = comment(
         "The effective rolling radius by load, pressure and angular speed, from the model's equations.",
-        HEADER.format(name=book.name),
+        origin(book),
     )
     head = f"static double rolling_radius(const double inputs[], double {turning}, const double parameters[])"
     parts = [remark, definitions(body), f"{head}\n{{\n{body}\n}}"]

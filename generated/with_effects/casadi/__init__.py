@@ -1,1 +1,0 @@
-"""The models as CasADi functions, one module per model."""

@@ -1,1 +1,0 @@
-"""The models as NumPy functions, one module per model."""

@@ -1,0 +1,167 @@
+"""Where the code of a model is: in the package, or printed once and stored by content.
+
+The package has the files that `generated/MANIFEST.json` lists: in a clone the forces, operations and structure of each
+model, in a wheel also the Jacobians and the models with the whole library of effects. What the package lacks is printed
+at its first use into the cache, and so is the code of models with other effects and of models that a program registers.
+The name of an entry contains a digest of the equations, the printers and the effects: after a change of one of them the
+code is printed again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import py_compile
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from importlib.resources import files
+from importlib.util import MAGIC_NUMBER
+from pathlib import Path
+from typing import Any
+
+from tirefmu.symbolic.added import AddedEffect, texts_digest
+from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import MODELS, WITH_EFFECTS, model
+
+from .build_cache import cached, intact_entry
+
+#: What determines the printed code: the files of `symbolic` that end like this.
+SOURCES = (".py", ".toml", ".h")
+
+
+def model_with(name: str, added: Sequence[AddedEffect] = ()) -> Model:
+    """Return a model by its name, with effects in its lines.
+
+    Where its code has been printed before, its structure is read from there: no equation has to be loaded.
+
+    Parameters
+    ----------
+    name : str
+    added : sequence of AddedEffect
+
+    Returns
+    -------
+    Model
+        One object for one model and the same effects.
+
+    Raises
+    ------
+    UnknownName, EffectError
+        As `tirefmu.symbolic.models.model`.
+    """
+    return model(name, added, find=_printed_structure)
+
+
+def code_file(book: Model, name: str) -> Path:
+    """Return a file of a model's code, printed where it is missing.
+
+    Parameters
+    ----------
+    book : Model
+    name : str
+        Relative to the folder of all code, such as "c/mf61_jacobians.c".
+
+    Returns
+    -------
+    Path
+        Headers that it includes are in the same folder.
+
+    Raises
+    ------
+    ModelError
+        If the model violates its declarations.
+    TirefmuError
+        If the code cannot be written.
+    """
+    packaged = packaged_file(book, name)
+    return Path(str(files("tirefmu.generated"))) / packaged if packaged else printed_folder(book) / name
+
+
+def packaged_file(book: Model, name: str) -> str:
+    """Return the path of a file of a model's code below `generated/`, or "" if the package does not have it."""
+    if book.stored is None:  # changed, or with effects for which nothing was printed
+        return ""
+    path = f"{WITH_EFFECTS}/{name}" if book.added else name
+    if book.added and _manifest()[WITH_EFFECTS].get(book.name) != texts_digest(book.added):
+        return ""
+    return path if path in _manifest()["files"] else ""
+
+
+def printed_folder(book: Model) -> Path:
+    """Return the folder of a printed model, printing it where it is not there yet.
+
+    Parameters
+    ----------
+    book : Model
+
+    Returns
+    -------
+    Path
+        With numpy/, c/ and structure/ below it, and the Python files compiled.
+
+    Raises
+    ------
+    ModelError
+        If the model violates its declarations.
+    TirefmuError
+        If it cannot be written.
+    """
+
+    def write(folder: Path) -> None:
+        for name, text in _render()(book).items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="ascii", newline="\n")
+            if path.suffix == ".py":
+                compiled = path.with_suffix(".pyc")
+                py_compile.compile(str(path), cfile=str(compiled), dfile=name, doraise=True)
+
+    try:
+        return cached(_entry_of(book), write)
+    except OSError as error:
+        raise TirefmuError(f"the code of {book.name} cannot be written ({error.strerror or error})") from error
+
+
+@lru_cache(maxsize=1)
+def sources_digest() -> str:
+    """Return the SHA-256 digest of all equations, effects and printers."""
+    folder = Path(str(files("tirefmu.symbolic")))
+    digest = hashlib.sha256()
+    for path in sorted(path for path in folder.rglob("*") if path.suffix in SOURCES):
+        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def _manifest() -> dict[str, Any]:
+    """Return what the package has: `lines` by model, `WITH_EFFECTS` by model, `files` by path."""
+    text = (files("tirefmu.generated") / "MANIFEST.json").read_text(encoding="ascii")
+    content: dict[str, Any] = json.loads(text)
+    return content
+
+
+@lru_cache(maxsize=64)
+def _entry_of(book: Model) -> str:
+    """Return the name of the cache's entry for a model."""
+    declared = (
+        (*book.equations, *book.coefficients.values(), book.roles) if book.name not in _manifest()["lines"] else ()
+    )
+    return _entry(book.name, book.added, "\0".join(map(repr, declared)))
+
+
+def _entry(name: str, added: Sequence[AddedEffect], declared: str = "") -> str:
+    content = "\0".join([sources_digest(), MAGIC_NUMBER.hex(), texts_digest(added), declared])
+    return f"{name}-{hashlib.sha256(content.encode()).hexdigest()[:24]}"
+
+
+def _printed_structure(name: str, added: Sequence[AddedEffect]) -> Path | None:
+    """Return the stored structure of a model with effects if its code has been printed before."""
+    folder = intact_entry(_entry(name, added)) if MODELS[name].stored is not None else None
+    return folder / "structure" / f"{name}.json" if folder else None
+
+
+def _render() -> Callable[[Model], dict[str, str]]:
+    from tirefmu.symbolic.printers.generate import render_model  # SymPy's printers take their time to load
+
+    return render_model
