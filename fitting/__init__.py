@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 from .cross_validation import assign_folds, cross_validate
 from .evidence.diagnostics import Findings
 from .fit import fit
+from .options import FitOptions
 from .problem.recipe import RECIPES, load_recipe
 from .results.fit_result import FitResult
 from .results.records import HeldOut
 
 __all__ = [
-    "RECIPES", "Findings", "FitResult", "HeldOut", "assign_folds", "cross_validate", "draw_figures", "fit",
-    "load_recipe",
+    "RECIPES", "Findings", "FitOptions", "FitResult", "HeldOut", "assign_folds", "cross_validate", "draw_figures",
+    "fit", "load_recipe",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from tirefmu.estimation.nominal_values import NOMINAL
 from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
-from tirefmu.measurements.operating_conditions.held_levels import MOST_LEVELS
+from tirefmu.measurements.operating_conditions.levels import MOST_LEVELS
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire

@@ -12,21 +12,18 @@ import pandas as pd
 
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
-from tirefmu.symbolic.model import Model
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.property_file.names import assumed_lines, in_written_order
 from tirefmu.tires.tire import Tire
 
-from .constraints.physical import Constraint, chosen_constraints, operating_range
+from .constraints.physical import operating_range
 from .constraints.verification import VerifiedConstraints
-from .data.fit_data import FitData
 from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
 from .evidence.uncertainty import uncertainty_of_stages
 from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
-from .problem.loss import loss_named
-from .problem.recipe import Freed, Recipe, Stage
+from .problem.recipe import Freed, Stage
 from .problem.rows import Rows
 from .problem.weighted_residuals import Problem, coefficients_by_output
 from .problem.weights import emphasis, equal_weights, limits_of, noise_weights
@@ -35,9 +32,9 @@ from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
 from .results.records import FittedCoefficient, StageFit
 from .results.solved_stage import SolvedStage
+from .setup import Setup
 from .solvers.interruption import Interruption
 from .solvers.restarts import best_end
-from .solvers.selection import Solver
 from .stage_solution import StageSolver
 from .stiffness_targets import StiffnessTargets
 
@@ -52,44 +49,27 @@ STATE_ROUNDS = 2
 class FitRun:
     """State of a running fit: the current tire and the results of its stages."""
 
-    def __init__(
-        self,
-        book: Model,
-        tire: Tire,
-        data: FitData,
-        plan: Recipe,
-        interruption: Interruption,
-        notes: list[str],
-        *,
-        solver: Solver,
-        given: bool,
-        read: Mapping[str, float],
-        constraints: Mapping[str, Sequence[Constraint]] | None = None,
-        loss: str = "squares",
-        stiffness_weight: float = 0.0,
-        assumed: Set[str] = frozenset(),
-    ) -> None:
-        self._loss = loss_named(loss)
-        self._targets = StiffnessTargets(stiffness_weight)
-        self._given = given  # the caller gave a start tire: generic values do not replace its values
-        self._assumed = assumed  # coefficients with values that nobody has measured, unless the fit determines them
-        self._read = read  # initial values read from the data; all others are generic
-        self._book, self._tire, self._plan = book, tire, plan
+    def __init__(self, setup: Setup, interruption: Interruption) -> None:
+        plan, data, tire = setup.plan, setup.data, setup.tire
+        self._options, self._loss, self._solver = plan.options, plan.loss, plan.solver
+        self._targets = StiffnessTargets(plan.options.stiffness_weight)
+        self._given = plan.start is not None  # generic values do not replace those of a start tire
+        self._assumed = setup.assumed  # coefficients with assumed values, unless the fit determines them
+        self._read = setup.read  # initial values read from the data; all others are generic
+        self._book, self._tire, self._plan = plan.book, tire, plan.recipe
         self._fit_data, self._data = data, data.fitted
         self._interruption = interruption
-        self._notes, self._solver = notes, solver
+        self._notes = list(setup.notes)
         self._emphasis = emphasis(self._data, tire.outputs)
         self._ranges = operating_range(self._data, tire)
-        self._constraints = VerifiedConstraints(
-            tire, chosen_constraints(book.name) if constraints is None else constraints, self._ranges
-        )
+        self._constraints = VerifiedConstraints(tire, plan.constraints, self._ranges)
         self._stages: list[StageFit] = []
         self._ends: list[tuple[Ended, Problem]] = []
         self._freed: dict[str, Release] = {}
-        turning = [self._data[name].any() for _, name in book.on_demand if name in self._data]
+        turning = [self._data[name].any() for _, name in plan.book.on_demand if name in self._data]
         self._straight = not any(turning)  # no row has turn slip: its coefficients have no influence
         measured = self._data.notna().any()
-        self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
+        self._fitted = [quantity.name for quantity in plan.book.outputs if measured.get(quantity.name, False)]
         self._every: tuple[pd.DataFrame, Rows] | None = None  # the data, and the rows of all of them
         if not tire.states:  # simulated states are inputs, which change
             rows = Rows.of(self._data, tire, self._fitted)
@@ -293,7 +273,7 @@ class FitRun:
         start = np.array([f.guess for f in free.values()]) / scale
         if stage.weights == "noise":
             problem.weights = noise_weights(problem, start, self._emphasis)
-            if self._fit_data.rows == "independent":
+            if self._options.rows == "independent":
                 problem.weights = effective_weights(problem, start)
             if stage.rows is None:
                 self._targets.add(problem, start, self._data)
@@ -364,9 +344,11 @@ class FitRun:
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             tuple(self._stages), self._constraints.margins(self._fitted, self._tire.parameters()),
-            tuple(self._notes), seconds, self._plan.name, directions,
-            self._fit_data.excluded_rows, self._interrupted(),
+            tuple(self._notes), seconds=seconds, recipe=self._plan.name, directions=directions,
+            excluded_rows=self._fit_data.excluded_rows, interrupted=self._interrupted(),
             evidence=Residuals.of(self._data, sources, self._tire),
+            data_findings=self._fit_data.findings,
+            method=self._options.method,
             covariance=covariance,
             prediction_covariance=complete,
             solved=tuple(self._solved(*end) for end in self._ends),

@@ -12,19 +12,18 @@ if TYPE_CHECKING:
     from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
     from .files.reading import READERS, read_recording
     from .files.writing import write_table
-    from .findings.channels_read import incomplete_rows
     from .findings.data_findings import data_findings
     from .findings.finding import Finding
+    from .findings.one_recording import incomplete_rows
     from .findings.residual_causes import residual_findings
     from .operating_conditions.grouping import Grouping, group_by_condition
-    from .operating_conditions.levels import level_tolerance, levels
+    from .operating_conditions.levels import held_levels, level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
     from .quality.convention import check_convention, convention_notes, fitting_conventions
     from .quality.coverage import Coverage, coverage, coverage_notes
     from .quality.outliers import Outlier, outliers
     from .quality.plausibility import check_plausible
     from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
-    from .quality.tire_identity import identity_notes
     from .recording import Recording
     from .row_selection.selected import selected
     from .table_argument import TableLike, recording_from, recordings_from
@@ -74,8 +73,8 @@ _ON_DEMAND = {
     "exclude_rows": "quality.row_exclusion",
     "fitting_conventions": "quality.convention",
     "group_by_condition": "operating_conditions.grouping",
-    "identity_notes": "quality.tire_identity",
-    "incomplete_rows": "findings.channels_read",
+    "held_levels": "operating_conditions.levels",
+    "incomplete_rows": "findings.one_recording",
     "kappa_sweeps": "virtual_bench.programs",
     "level_tolerance": "operating_conditions.levels",
     "levels": "operating_conditions.levels",
@@ -126,7 +125,7 @@ __all__ = [
     "exclude_rows",
     "fitting_conventions",
     "group_by_condition",
-    "identity_notes",
+    "held_levels",
     "incomplete_rows",
     "kappa_sweeps",
     "level_tolerance",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import wraps
 from itertools import pairwise
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,10 +20,38 @@ from .column_names import check_names
 from .summary import recording_html, recording_text
 from .thresholds import LOGGING_GAP
 
+T = TypeVar("T")
+P = ParamSpec("P")
+
+
+def once(compute: Callable[Concatenate[Recording, P], T]) -> Callable[Concatenate[Recording, P], T]:
+    """Let a function of a recording compute each result once: a recording does not change.
+
+    Parameters
+    ----------
+    compute : callable
+        Takes a recording, and further arguments that can be hashed.
+
+    Returns
+    -------
+    callable
+        Its results are stored in the recording.
+    """
+
+    @wraps(compute)
+    def stored(recording: Recording, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        results = vars(recording).setdefault("_results", {})
+        key = compute, args, tuple(kwargs.items())
+        if key not in results:
+            results[key] = compute(recording, *args, **kwargs)
+        return results[key]  # type: ignore[no-any-return]
+
+    return stored
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
-    """A recording of a test bench, in SI units.
+    """A recording of a test bench, in SI units. Neither it nor its table changes: another table is another recording.
 
     Parameters
     ----------
@@ -34,6 +64,8 @@ class Recording:
         The file's name, or "virtual bench: ...".
     about : mapping of str to str
         Metadata: tireid, testid, credit, units, declared (channels whose unit the file declares).
+    checked : bool
+        Whether `recording_from` has checked it. A recording that is made of it (`replace`) is checked again.
 
     Raises
     ------
@@ -51,6 +83,11 @@ class Recording:
     signs: str
     source: str
     about: Mapping[str, str] = field(default_factory=dict)
+    checked: bool = field(default=False, init=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the fields: what was computed from them (`once`) is not sent to other processes."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     def __post_init__(self) -> None:
         reversed_columns(self.signs, "iso")  # raises for an unknown convention
@@ -84,6 +121,8 @@ class Recording:
         UnknownName
             If the convention is not one of the three.
         """
+        if target == self.signs:
+            return self
         return replace(self, table=convert_signs(self.table, self.signs, target), signs=target)
 
     def measured(self) -> tuple[str, ...]:
@@ -111,6 +150,7 @@ class Recording:
             raise DataError(f"{self.source}: no measured output ({', '.join(OUTPUTS)})")
         return found
 
+    @once
     def segments(self) -> list[slice]:
         """Return the segments: consecutive rows that were logged without interruption.
 

@@ -68,6 +68,8 @@ def recording_from(
     tirefmu.symbolic.errors.WrongType: table is None: it has to be the path of a file, a DataFrame or a Recording
     """
     if isinstance(table, Recording):
+        if table.checked and where is None and signs in (None, table.signs):
+            return table
         if signs is not None and signs != table.signs:
             raise DataError(
                 f"{table.source}: the recording is in {table.signs} signs, not {signs} (with_signs converts it)"
@@ -87,6 +89,7 @@ def recording_from(
 
         recording = selected(recording, where)
     check_plausible(recording)
+    object.__setattr__(recording, "checked", True)  # the one change, before anyone else has the recording
     return recording
 
 

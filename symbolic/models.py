@@ -125,7 +125,8 @@ def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffec
     """
     book = model(name)
     there = {effect.name for effect in added} | book.effects.keys()
-    named = [effect for effect in library() if effect in effects and effect not in there]
+    others = set(effects) - there
+    named = [effect for effect in library() if effect in others] if others else []
     if not named:
         return tuple(added)
     plain = [effect for effect in library().values() if not effect.states]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -96,24 +96,21 @@ class Terminal:
         if len(rows) > most:
             self.print(f"and {len(rows) - most} more (--all lists them)")
 
-    def findings(self, findings: Iterable[Finding], printed: Collection[str] = ()) -> None:
-        """Print findings about the data: a serious one as a warning, any other as a note.
-
-        A note whose text is printed elsewhere (`printed`) is omitted; a warning never.
-        """
+    def findings(self, findings: Iterable[Finding]) -> None:
+        """Print findings about the data: a serious one as a warning, any other as a note."""
         for finding in findings:
             if finding.serious:
                 self._out.print(Text.assemble(("warning: ", "bold red"), visible(str(finding))))
-            elif finding.text not in printed:
+            else:
                 self.print(f"note: {finding}")
 
-    def fit_result(self, result: FitResult, findings: Iterable[Finding] = (), every: bool = False) -> None:
+    def fit_result(self, result: FitResult, every: bool = False) -> None:
         """Print a fit: verdict, findings about the data, goodness of fit, what is not determined, and status.
 
         With `every` also all coefficients, constraints and stages.
         """
         self.print(*verdict_lines(result.verdict))
-        self.findings(findings, printed=result.notes)
+        self.findings(result.data_findings)
         for line in fit_lines(result, every):
             if isinstance(line, Table):
                 self._out.print(line)

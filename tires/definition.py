@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Self
 
 import numpy as np
@@ -70,8 +70,8 @@ class TireDefinition:
             if name not in given:
                 raise TireError(f"a tire needs {name} ({declarations[name].description}, {declarations[name].unit})")
         absent = self.book.owned(*sorted(self.book.effects.keys() - present))
-        defaults = {name: each.default for name, each in declarations.items()}
-        values = defaults if self.signs == "adapted-sae" else _mirrored(declarations, defaults)
+        defaults = _defaults(self.book)
+        values = dict(defaults) if self.signs == "adapted-sae" else _mirrored(declarations, defaults)
         neutral = {name: declarations[name].neutral for name in absent}
         values |= {name: value for name, value in neutral.items() if value is not None}
         values |= {name: _number(name, value) for name, value in given.items() if name not in absent}
@@ -233,6 +233,11 @@ class TireDefinition:
         """Return the rows of inputs, those inputs 0 that would request an effect that the tire does not have."""
         silent = np.isin(self.inputs, [name for effect, name in self.book.on_demand if effect not in self.has])
         return np.where(silent[:, None], 0.0, rows) if rows[silent].any() else rows
+
+
+@lru_cache(maxsize=16)
+def _defaults(book: Model) -> dict[str, float]:
+    return {name: declaration.default for name, declaration in book.coefficients.items()}
 
 
 def _number(name: str, value: float) -> float:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import level_tolerance
-from tirefmu.measurements.operating_conditions.held_levels import held_levels
+from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
 from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si
 from tirefmu.tires.signs import convert_signs

@@ -11,19 +11,16 @@ import pandas as pd
 
 from tirefmu.measurements import (
     EXCLUSION_REASONS,
+    Finding,
     Recording,
-    coverage_notes,
+    data_findings,
     exclude_rows,
     group_by_condition,
-    identity_notes,
 )
-from tirefmu.measurements.operating_conditions.held_levels import held_levels
-from tirefmu.measurements.operating_conditions.phases import Motions, motions_of
+from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.measurements.quality.row_exclusion import check_inputs
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
-
-from .same_tire import tire_notes
 
 #: The inputs of which at least one has to vary by `LEAST_VARIATION` for a channel to be fitted; none for My.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
@@ -74,15 +71,15 @@ class FitData:
         NaN.
     excluded_rows : tuple of ExcludedRows
     notes : tuple of str
-        Implausible data, missing information, channels that are not fitted.
-    rows : str
-        Weights of rows: a name of `ROWS`.
+        Channels that are not fitted.
+    findings : tuple of Finding
+        What the recordings lack or contradict.
     """
 
     table: pd.DataFrame
     excluded_rows: tuple[ExcludedRows, ...]
     notes: tuple[str, ...]
-    rows: str = "condition"
+    findings: tuple[Finding, ...] = ()
 
     @property
     def fitted(self) -> pd.DataFrame:
@@ -128,17 +125,13 @@ def prepare(
     excluded_rows: list[ExcludedRows] = []
     for each in recordings:
         each.measured()  # raises if no output is measured, and suggests columns that may be misnamed channels
-    notes = [note for each in recordings for note in coverage_notes(each)]
-    notes += identity_notes(recordings) or tire_notes(recordings)
+        check_inputs(each)  # before they are compared with levels
     unfitted: list[str] = []
     segments = 0
     for number, recording in enumerate(recordings):
-        if screening:
-            check_inputs(recording)  # before they are compared with levels
-        motions = motions_of(recording) if screening or rows != "equal" else None
-        included, found = _screened(recording, motions) if screening else (np.ones(len(recording), dtype=np.bool_), ())
+        included, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
         excluded_rows += found
-        weight = _weights(recording, included, rows, motions)
+        weight = _weights(recording, included, rows)
         segment = recording.segment_numbers() + segments
         segments = int(segment[-1]) + 1
         table, unfitted_here = _without_information(recording.with_signs("adapted-sae").table, included, book)
@@ -152,16 +145,14 @@ def prepare(
         raise FitError(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
-    return FitData(data, tuple(excluded_rows), (*notes, *unfitted), rows)
+    return FitData(data, tuple(excluded_rows), tuple(unfitted), tuple(data_findings(recordings)))
 
 
-def _weights(
-    recording: Recording, included: npt.NDArray[np.bool_], rows: str, motions: Motions | None
-) -> npt.NDArray[np.float64]:
+def _weights(recording: Recording, included: npt.NDArray[np.bool_], rows: str) -> npt.NDArray[np.float64]:
     """Return the weights of rows by the name of a weighting, with mean 1 over the included rows."""
     if rows == "equal":
         return np.ones(len(recording))
-    weight = group_by_condition(recording, motions=motions).weights(included)
+    weight = group_by_condition(recording).weights(included)
     if rows == "load" and "Fz" in recording.table and included.any():
         load = np.abs(_levelled(recording.table["Fz"]))
         weight = weight / np.maximum(load, LEAST_LOAD * load[included].max()) ** 2
@@ -177,9 +168,9 @@ def _levelled(column: pd.Series) -> npt.NDArray[np.float64]:
     return np.asarray(found[np.searchsorted(0.5 * (found[1:] + found[:-1]), values)])
 
 
-def _screened(recording: Recording, motions: Motions | None) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:
+def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:
     """Return which rows are included, and the excluded rows by reason."""
-    found = exclude_rows(recording, motions=motions)
+    found = exclude_rows(recording)
     return found.included, tuple(
         ExcludedRows(
             recording.source, reason, EXCLUSION_REASONS[reason], count, len(recording),

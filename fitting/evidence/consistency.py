@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.estimation.correlation import correlation_length
-from tirefmu.measurements.operating_conditions.held_levels import held_levels
+from tirefmu.measurements.operating_conditions.levels import held_levels
 
 from ..problem.weights import OWN_SLIP
 from .residuals import Residuals

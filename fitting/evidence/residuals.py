@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import CHANNELS
-from tirefmu.measurements.operating_conditions.held_levels import held_levels
+from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire

@@ -9,10 +9,11 @@ from math import nan
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.slip_slope import SLOPE_WINDOW, Slope, read_slope
+
 from ..problem.rows import Rows
 from ..problem.slope_targets import SlopeTarget
 from .residuals import Residuals
-from .slope import SLOPE_WINDOW, Slope, read_slope
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

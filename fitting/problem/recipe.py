@@ -14,8 +14,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements.channels import CHANNELS
-from tirefmu.measurements.row_selection.expression import parse_range, parse_selection
-from tirefmu.measurements.row_selection.rows import Rows
+from tirefmu.measurements.row_selection.expression import Selection, parse_range, parse_selection
 from tirefmu.symbolic.bounded_file import toml_content, toml_file
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
@@ -61,7 +60,7 @@ class Stage:
         The fitted channels; all measured channels if empty.
     where : dict of str to list of (float, float)
         Operating conditions: values and tolerances of inputs, SI units, adapted SAE.
-    selection : Rows or None
+    selection : Selection or None
         Condition of the key ``select``, an expression of channels as in ``--where``, in adapted SAE.
     hold : tuple of str
         Inputs whose measured values are replaced by the nearest value in `where`.
@@ -92,7 +91,7 @@ class Stage:
     rows: int | None
     weights: str
     again: tuple[Mapping[str, float], ...] = ()
-    selection: Rows | None = None
+    selection: Selection | None = None
 
     def select(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of a table (adapted SAE) that meet all conditions, with held inputs at their levels."""
@@ -251,12 +250,12 @@ def _condition(text: object, channel: str, location: str) -> tuple[float, float]
         raise FitError(f"{location}: {error}") from None
 
 
-def _selection(expression: str, location: str) -> Rows:
+def _selection(expression: str, location: str) -> Selection:
     try:
         selection = parse_selection(expression)
     except DataError as error:
         raise FitError(f"{location}: select: {error}") from None
-    for name in sorted(selection.names() - CHANNELS.keys()):
+    for name in sorted(selection.names - CHANNELS.keys()):
         raise FitError(f"{location}: select: {name} is known in --where only, a stage selects by channels")
     return selection
 

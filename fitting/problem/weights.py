@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.measurements.operating_conditions.held_levels import held_levels
+from tirefmu.measurements.operating_conditions.levels import held_levels
 
 from .loss import robust_scale
 from .rows import Rows

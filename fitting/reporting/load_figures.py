@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.estimation.slip_slope import SLOPE_WINDOW
 from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
 from tirefmu.tires.drawing.style import (
     LETTER,
@@ -28,7 +29,6 @@ from tirefmu.tires.drawing.style import (
 from tirefmu.tires.tire import Tire
 
 from ..evidence.curves import Comparison, Family, Group
-from ..evidence.slope import SLOPE_WINDOW
 from ..results.fit_result import FitResult
 from ..results.intervals import band
 from .captions import BANDS, data_text

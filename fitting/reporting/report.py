@@ -100,9 +100,8 @@ def report_page(
     }
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
     largest = [each for each in errors if each[2]]
-    unnoted = [each for each in findings if each.text not in result.notes]
     return page_text(
-        "tirefmu.fitting.reporting", filters, result=result, images=images, largest=largest, findings=unnoted,
+        "tirefmu.fitting.reporting", filters, result=result, images=images, largest=largest, findings=findings,
         differences=significant_differences(result), significant=SIGNIFICANT,
         intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
         bootstrap=bootstrap_summary(result.bootstrap) if result.bootstrap else "",

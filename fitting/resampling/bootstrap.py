@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.measurements import Recording, group_by_condition, phases
-from tirefmu.measurements.operating_conditions.held_levels import MOST_LEVELS
+from tirefmu.measurements.operating_conditions.levels import MOST_LEVELS
 from tirefmu.symbolic.errors import FitError
 
 from ..constraints.constraint_functions import ConstraintFunctions

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.measurements import TableLike
+from tirefmu.measurements import Finding, TableLike
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.tire import Tire
 
@@ -45,6 +45,8 @@ class FitResult:
     margins : tuple of Margin
     notes : tuple of str
         Notes for the user: what was skipped, assumed or not determined.
+    data_findings : tuple of Finding
+        What the recordings lack or contradict (`tirefmu.measurements.data_findings`).
     seconds : float
     recipe : str
     directions : tuple of Direction
@@ -82,6 +84,7 @@ class FitResult:
     stages: tuple[StageFit, ...]
     margins: tuple[Margin, ...] = ()
     notes: tuple[str, ...] = ()
+    data_findings: tuple[Finding, ...] = ()
     seconds: float = 0.0
     recipe: str = ""
     directions: tuple[Direction, ...] = ()
@@ -137,12 +140,6 @@ class FitResult:
             bootstrap=self.bootstrap and self.bootstrap.mirrored(lambda name: declarations[name].flips),
             profiles=tuple(one.mirrored() if declarations[one.name].flips else one for one in self.profiles),
         )
-
-    def with_notes(self, notes: tuple[str, ...]) -> FitResult:
-        """Return the result with other notes; what has been computed from it is not computed again."""
-        changed = replace(self, notes=notes)
-        vars(changed).update({name: vars(self)[name] for name in ("findings", "verdict") if name in vars(self)})
-        return changed
 
     def __repr__(self) -> str:
         """Return a few lines: status, goodness of fit by channel, coefficients that are not determined."""
@@ -259,6 +256,7 @@ class FitResult:
         plain["profiles"] = [vars(each) for each in self.profiles]
         plain["margins_signs"] = "adapted-sae"
         plain["notes"] = list(self.notes)
+        plain["data_findings"] = [vars(finding) for finding in self.data_findings]
         plain["interrupted"] = self.interrupted
         return _plain(plain)  # type: ignore[no-any-return]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..channels import CHANNELS, CONTROLLED_INPUTS
-from ..operating_conditions.held_levels import held_levels
+from ..operating_conditions.levels import held_levels
 from ..operating_conditions.phases import SLIP_INPUTS
 from ..recording import Recording
 from ..thresholds import (
@@ -32,10 +32,8 @@ RATIOS: Mapping[str, Mapping[float, str]] = {
 }
 
 
-def clock_jumps(recording: Recording) -> Iterator[Finding]:
-    """Yield findings on jumps of the clock: backwards, repeated times, gaps within a sweep.
-
-    A gap between two sweeps is no finding: a bench may log each sweep separately.
+def clock_and_units(recording: Recording) -> Iterator[Finding]:
+    """Yield findings on jumps of the clock, on channels in two units, and on a speed that may be in km/h.
 
     Parameters
     ----------
@@ -50,8 +48,18 @@ def clock_jumps(recording: Recording) -> Iterator[Finding]:
     >>> import pandas as pd
     >>> clock, alpha = [0.0, 0.1, 0.2, 0.3, 9.0, 9.1], np.linspace(0.10, 0.11, 6)
     >>> rows = pd.DataFrame({"t": [*clock, 9.2], "alpha": [*alpha, 0.2], "Fy": 1.0})
-    >>> print(*clock_jumps(Recording(rows, "iso", "a.csv")))
+    >>> print(*clock_and_units(Recording(rows, "iso", "a.csv")))
     a.csv: t jumps forward within a sweep 1 time, most by 8.7 s at row 5: each part is a segment
+    """
+    yield from _clock_jumps(recording)
+    yield from _mixed_units(recording)
+    yield from _unlabelled_speed(recording)
+
+
+def _clock_jumps(recording: Recording) -> Iterator[Finding]:
+    """Yield findings on jumps of the clock: backwards, repeated times, gaps within a sweep.
+
+    A gap between two sweeps is no finding: a bench may log each sweep separately.
     """
     if "t" not in recording.table or len(recording) < 2:
         return
@@ -98,24 +106,8 @@ def _jump(recording: Recording, way: str, steps: NDArray[np.float64], at: NDArra
     )
 
 
-def mixed_units(recording: Recording) -> Iterator[Finding]:
-    """Yield a finding if a held input has values in two units: levels whose ratio is that of two units.
-
-    Parameters
-    ----------
-    recording : Recording
-
-    Yields
-    ------
-    Finding
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> rows = pd.DataFrame({"V": [11.0] * 50 + [39.6] * 50, "Fy": 1.0})
-    >>> print(*mixed_units(Recording(rows, "iso", "a.csv")))
-    a.csv: mixed units? V is 11 m/s in some rows and 39.6 m/s in others, the ratio of m/s and km/h
-    """
+def _mixed_units(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if a held input has values in two units: levels whose ratio is that of two units."""
     for name, ratios in RATIOS.items():
         found = np.abs(held_levels(recording.table[name])) if name in recording.table else np.empty(0)
         for (ratio, units), low, high in product(ratios.items(), found, found):
@@ -129,23 +121,8 @@ def mixed_units(recording: Recording) -> Iterator[Finding]:
                 )
 
 
-def unlabelled_speed(recording: Recording) -> Iterator[Finding]:
-    """Yield a finding if a speed without a declared unit is high for m/s.
-
-    Parameters
-    ----------
-    recording : Recording
-
-    Yields
-    ------
-    Finding
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> print(*unlabelled_speed(Recording(pd.DataFrame({"V": [40.0, 40.2], "Fy": 1.0}), "iso", "a.csv")))
-    a.csv: V is about 40.1 m/s (144 km/h) and declares no unit: in km/h? (declare it: 'V [km/h]' or 'V [m/s]')
-    """
+def _unlabelled_speed(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if a speed without a declared unit is high for m/s."""
     if "V" not in recording.table or "V" in recording.about.get("declared", "").split():
         return
     speed = float(recording.table["V"].abs().median())

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 from ..quality.convention import convention_notes
 from ..quality.coverage import coverage_notes
-from ..quality.tire_identity import identity_notes
 from ..recording import Recording
-from .channels_read import incomplete_rows, missing_slips, unread_channels
-from .clock_and_units import clock_jumps, mixed_units, unlabelled_speed
-from .equal_conditions import friction_differences, stiffness_differences
-from .finding import Finding, headline_first
-from .repetition import repeated_files, repeated_rows
-from .run_order import confounded_with_order, warm_up
+from ..thresholds import MOST_REPEATED_ROWS, SERIOUS_REPEATED_ROWS
+from .clock_and_units import clock_and_units
+from .finding import Finding
+from .one_recording import findings_of, row_keys
+from .stiffness_between_files import stiffness_between_files
+from .two_tires import two_tires
 
 
 def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
@@ -35,26 +35,26 @@ def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
     >>> print(*data_findings([Recording(rows, "iso", "a.csv")])[:1])
     a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted, and every row counts as alpha = 0
     """
-    found = [Finding("two tires", note, serious=True) for note in identity_notes(recordings)]
-    found = found or list(friction_differences(recordings))
-    found += repeated_files(recordings)
-    found += stiffness_differences(recordings)
+    found = [Finding("two tires", note, serious=True) for note in two_tires(recordings)]
+    found += _repeated_files(recordings)
+    found += stiffness_between_files(recordings)
     for recording in recordings:
-        found += _findings_of(recording, alone=len(recordings) == 1)
-    return headline_first(found)
+        found += [Finding("sign convention", note, serious=True) for note in convention_notes(recording)]
+        found += [Finding("coverage", note) for note in coverage_notes(recording)]
+        found += findings_of(recording, alone=len(recordings) == 1)
+        found += clock_and_units(recording)
+    return sorted(found, key=lambda finding: not finding.serious)
 
 
-def _findings_of(recording: Recording, *, alone: bool) -> Iterator[Finding]:
-    yield from missing_slips(recording)
-    for note in convention_notes(recording):
-        yield Finding("sign convention", note, serious=True)
-    for note in coverage_notes(recording):
-        yield Finding("coverage", note)
-    yield from incomplete_rows(recording)
-    yield from repeated_rows(recording)
-    yield from warm_up(recording, alone=alone)
-    yield from confounded_with_order(recording)
-    yield from clock_jumps(recording)
-    yield from mixed_units(recording)
-    yield from unlabelled_speed(recording)
-    yield from unread_channels(recording)
+def _repeated_files(recordings: Sequence[Recording]) -> Iterator[Finding]:
+    """Yield a finding for each pair of recordings with common rows: a file that was given twice."""
+    keys = [set(row_keys(recording)) for recording in recordings] if len(recordings) > 1 else []
+    for (one, first), (other, second) in combinations(zip(recordings, keys, strict=False), 2):
+        common = len(first & second)
+        if common > MOST_REPEATED_ROWS * min(len(first), len(second)):
+            same = "is given twice" if first == second else f"shares {common} rows with {other.source}"
+            yield Finding(
+                "repeated rows",
+                f"{one.source} {same}: these rows have twice the weight",
+                serious=common > SERIOUS_REPEATED_ROWS * min(len(first), len(second)),
+            )

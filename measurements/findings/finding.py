@@ -61,17 +61,3 @@ def verdict_on(findings: Sequence[Finding]) -> str:
     if any(each.serious for each in findings):
         return "a fit of these data would be misleading"
     return "ready for a fit" + (f", with {len(findings)} note{'s'[: len(findings) != 1]}" if findings else "")
-
-
-def headline_first(findings: list[Finding]) -> list[Finding]:
-    """Return the findings with the serious ones first, otherwise in the same order.
-
-    Parameters
-    ----------
-    findings : list of Finding
-
-    Returns
-    -------
-    list of Finding
-    """
-    return sorted(findings, key=lambda finding: not finding.serious)

@@ -26,8 +26,7 @@ from tirefmu.tires.drawing.style import (
 )
 
 from ..channels import CHANNELS, INPUTS, OUTPUTS
-from ..operating_conditions.held_levels import held_levels
-from ..operating_conditions.levels import level_tolerance
+from ..operating_conditions.levels import held_levels, level_tolerance
 from .inspection import Inspection
 
 #: Points of a line over time: two for each column of pixels.

@@ -14,7 +14,7 @@ from ..channels import CHANNELS
 from ..findings.data_findings import data_findings
 from ..findings.finding import Finding
 from ..operating_conditions.grouping import group_by_condition
-from ..operating_conditions.held_levels import held_levels
+from ..operating_conditions.levels import held_levels
 from ..operating_conditions.phases import Phase, phases
 from ..operating_conditions.time_series import sample_interval
 from ..quality.row_exclusion import RowExclusion, exclude_rows

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..channels import CONTROLLED_INPUTS
-from ..recording import Recording
+from ..recording import Recording, once
 from ..thresholds import OVERSAMPLED
 from .levels import level_tolerance, levels
-from .phases import Motions, Phase, phases
+from .phases import Phase, phases
 
 _Key = tuple[tuple[str, ...], tuple[tuple[str, float], ...]]
 
@@ -90,9 +90,8 @@ def _factors(
     return factor
 
 
-def group_by_condition(
-    recording: Recording, *, most_levels: int | None = None, motions: Motions | None = None
-) -> Grouping:
+@once
+def group_by_condition(recording: Recording, *, most_levels: int | None = None) -> Grouping:
     """Return the rows of a recording by the swept inputs and the levels of the held inputs.
 
     A phase of a time series (`phases`) belongs to one condition. Steady points are grouped by the nearest level of each
@@ -103,8 +102,6 @@ def group_by_condition(
     recording : Recording
     most_levels : int, optional
         An input with more levels does not define conditions: it was swept in steps.
-    motions : Motions, optional
-        Those of the recording (`motions_of`), if they are known.
 
     Returns
     -------
@@ -119,7 +116,7 @@ def group_by_condition(
     (((('Fz', 900.0),), (('Fz', 1800.0),)), (('alpha',), ('alpha',)), [500, 300])
     """
     most = np.inf if most_levels is None else most_levels
-    series = [phase for phase in phases(recording, motions=motions) if phase.kind != "points"]
+    series = [phase for phase in phases(recording) if phase.kind != "points"]
     held = {name: _levels_of(series, recording, name) for name in CONTROLLED_INPUTS if name in recording.table}
     held = {name: found for name, found in held.items() if 0 < len(found) <= most}
     labels = np.full(len(recording), -1, dtype=np.intp)

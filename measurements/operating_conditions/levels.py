@@ -12,6 +12,9 @@ from tirefmu.symbolic.errors import DataError
 from ..channels import CHANNELS
 from ..thresholds import LEAST_LEVEL_PROMINENCE, LEAST_LEVEL_SHARE, LEAST_ROWS_AT_LEVELS, LOAD_TOLERANCE
 
+#: Largest number of levels of a held input; with more levels it was swept in steps.
+MOST_LEVELS = 12
+
 
 def level_tolerance(values: ArrayLike, channel: str | None = None) -> float:
     """Return the deviation of a held channel from its level.
@@ -86,6 +89,23 @@ def levels(values: ArrayLike, *, tolerance: float | None = None) -> list[float]:
         return []
     found = near_a_peak.mean(axis=0) >= LEAST_LEVEL_SHARE
     return [float(np.median(numbers[rows])) for rows in near_a_peak.T[found]]
+
+
+def held_levels(column: pd.Series) -> list[float]:
+    """Return the `levels` of a held channel; empty for a swept one, also if it was swept in many steps.
+
+    Parameters
+    ----------
+    column : pandas.Series, shape (n,)
+        Its name gives the tolerance.
+
+    Returns
+    -------
+    list of float
+        In SI units.
+    """
+    found = levels(column)
+    return found if len(found) <= MOST_LEVELS else []
 
 
 def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from ..channels import CONTROLLED_INPUTS
-from ..recording import Recording
+from ..recording import Recording, once
 from ..thresholds import (
     FAR_FROM_LEVELS,
     FEWEST_STAY_ROWS,
@@ -22,7 +22,6 @@ from ..thresholds import (
     SWEEP_WINDOW,
 )
 from .levels import level_tolerance, levels
-from .median import median_of
 from .time_series import Segment, segments_of
 
 #: Inputs to which a tire responds with a force curve. A bench sweeps them from a level and back to it.
@@ -51,7 +50,8 @@ class Phase:
     held: Mapping[str, float]
 
 
-def phases(recording: Recording, *, motions: Motions | None = None) -> list[Phase]:
+@once
+def phases(recording: Recording) -> list[Phase]:
     """Return the phases of a bench test.
 
     An input that was held at levels (`levels`) moves while it is between two of them. An input without levels moves
@@ -61,8 +61,6 @@ def phases(recording: Recording, *, motions: Motions | None = None) -> list[Phas
     Parameters
     ----------
     recording : Recording
-    motions : Motions, optional
-        Those of the recording (`motions_of`), if they are known.
 
     Returns
     -------
@@ -79,7 +77,7 @@ def phases(recording: Recording, *, motions: Motions | None = None) -> list[Phas
     >>> [(phase.kind, phase.moving) for phase in phases(bench)]
     [('sweep', ('alpha',)), ('sweep', ('alpha',))]
     """
-    known = motions_of(recording) if motions is None else motions
+    known = motions_of(recording)
     inputs = known.inputs
     columns = {each.name: recording.table[each.name].to_numpy(dtype=np.float64) for each in inputs}
     of_inputs = [iter(each) for each in known.motions]
@@ -89,7 +87,9 @@ def phases(recording: Recording, *, motions: Motions | None = None) -> list[Phas
             found.append(Phase(segment.rows, "points", (), _medians(columns, inputs, segment.rows)))
             continue
         own = [next(of_input) for of_input in of_inputs]
-        state = np.stack([np.zeros(len(segment), dtype=np.bool_), *(motion.moving for motion in own)])
+        state = np.stack(
+            [np.zeros(segment.rows.stop - segment.rows.start, dtype=np.bool_), *(motion.moving for motion in own)]
+        )
         cuts = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
         edges = {0, *cuts.tolist(), *(jump for motion in own for jump in motion.jumps), state.shape[1]}
         for start, stop in pairwise(sorted(edges)):
@@ -102,7 +102,7 @@ def phases(recording: Recording, *, motions: Motions | None = None) -> list[Phas
     return found
 
 
-def transitions(recording: Recording, *, settling: float = 0.0, motions: Motions | None = None) -> NDArray[np.object_]:
+def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.object_]:
     """Return for each row which held input is in transition to another level.
 
     Parameters
@@ -110,8 +110,6 @@ def transitions(recording: Recording, *, settling: float = 0.0, motions: Motions
     recording : Recording
     settling : float
         s by which each transition is extended, until the tire has settled.
-    motions : Motions, optional
-        Those of the recording (`motions_of`), if they are known.
 
     Returns
     -------
@@ -119,7 +117,7 @@ def transitions(recording: Recording, *, settling: float = 0.0, motions: Motions
         Name of the input, or "".
     """
     found = np.full(len(recording), "", dtype=object)
-    known = motions_of(recording) if motions is None else motions
+    known = motions_of(recording)
     for each, own in zip(known.inputs, known.motions, strict=True):
         if not len(each.held):
             continue
@@ -174,6 +172,7 @@ class Motions:
         return [segment for segment in self.segments if segment.is_series]
 
 
+@once
 def motions_of(recording: Recording) -> Motions:
     """Return how the inputs of a recording move.
 
@@ -231,7 +230,8 @@ def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:
 
 
 def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
-    return {each.name: median_of(columns[each.name][rows]) for each in inputs}
+    medians = np.median([columns[each.name][rows] for each in inputs], axis=1) if inputs else ()
+    return {each.name: float(median) for each, median in zip(inputs, medians, strict=True)}
 
 
 def _motions(each: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:

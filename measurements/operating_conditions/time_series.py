@@ -37,10 +37,6 @@ class Segment:
     is_series: bool
     interval: float
 
-    def __len__(self) -> int:
-        """Return the number of rows."""
-        return int(self.rows.stop - self.rows.start)
-
 
 def segments_of(recording: Recording) -> list[Segment]:
     """Return the segments of a recording with their kind and sample interval.

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import REVERSED, SIGNS
 
-from ..recording import Recording
+from ..recording import Recording, once
 from ..thresholds import (
     LEAST_SLIP_DEVIATION,
     MOST_WRONG_LOADS,
@@ -51,6 +51,7 @@ def fitting_conventions(recording: Recording) -> tuple[str, ...]:
     return tuple(signs for signs in SIGNS if not _contradicting(observed, signs))
 
 
+@once
 def convention_notes(recording: Recording) -> list[str]:
     """Return a sentence if the data contradict the stated convention, or if Fx and Fy are exchanged.
 

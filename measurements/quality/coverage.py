@@ -8,7 +8,7 @@ import numpy as np
 
 from ..channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
 from ..operating_conditions.levels import level_tolerance, levels
-from ..recording import Recording
+from ..recording import Recording, once
 from ..thresholds import FEW_ROWS, MOST_BACKWARD_STEPS
 
 #: The slips that cause each output.
@@ -82,6 +82,7 @@ def coverage(recording: Recording) -> list[Coverage]:
     return found
 
 
+@once
 def coverage_notes(recording: Recording) -> list[str]:
     """Return notes on information that a recording lacks.
 

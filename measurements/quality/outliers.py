@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from ..channels import CHANNELS
-from ..operating_conditions.median import median_of
 from ..operating_conditions.time_series import Segment, segments_of
 from ..recording import Recording
 from ..thresholds import (
@@ -109,7 +108,9 @@ def _running_median(values: NDArray[np.float64], series: Sequence[Segment]) -> N
         if not np.isfinite(values[segment.rows]).any():  # NaN would spread to the windows of other segments
             continue
         whole[segment.rows] = _interpolated(values[segment.rows])
-        by_size.setdefault(_window(segment.interval, OUTLIER_WINDOW, len(segment)), []).append(segment.rows)
+        by_size.setdefault(
+            _window(segment.interval, OUTLIER_WINDOW, segment.rows.stop - segment.rows.start), []
+        ).append(segment.rows)
     for size, slices in by_size.items():
         rows = np.concatenate([np.arange(each.start, each.stop) for each in slices])
         median[rows] = median_filter(whole[rows], size=size, mode="nearest")
@@ -156,7 +157,7 @@ def _far(values: NDArray[np.float64], median: NDArray[np.float64], step: float, 
     largest = float(sizes.max())
     if largest <= tolerance:
         return none
-    limit = OUTLIER_SIGMAS * SIGMA_PER_DEVIATION * median_of(sizes)
+    limit = OUTLIER_SIGMAS * SIGMA_PER_DEVIATION * float(np.median(sizes))
     if largest <= limit:
         return none
     own = median[known]

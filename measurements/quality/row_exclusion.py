@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tirefmu.symbolic.errors import DataError
 
 from ..channels import INPUTS
-from ..operating_conditions.phases import Motions, transitions
+from ..operating_conditions.phases import transitions
 from ..recording import Recording
 from ..thresholds import (
     COLD_START,
@@ -74,14 +74,12 @@ class RowExclusion:
         return {reason: count for reason, count in found.items() if count}
 
 
-def exclude_rows(recording: Recording, *, motions: Motions | None = None) -> RowExclusion:
+def exclude_rows(recording: Recording) -> RowExclusion:
     """Return the rows of a recording that do not represent the steady, warm tire.
 
     Parameters
     ----------
     recording : Recording
-    motions : Motions, optional
-        Those of the recording (`motions_of`), if they are known.
 
     Returns
     -------
@@ -106,7 +104,7 @@ def exclude_rows(recording: Recording, *, motions: Motions | None = None) -> Row
     exclude(_standing(recording), "standing", EXCLUSION_REASONS["standing"])
     rows, details = _warm_up(recording)
     exclude(rows, "warm-up", details)
-    changing = transitions(recording, settling=SETTLING_TIME, motions=motions)
+    changing = transitions(recording, settling=SETTLING_TIME)
     for name in INPUTS:
         exclude(changing == name, "transition", f"{name} changes from one level to another")
     for value in outliers(recording):

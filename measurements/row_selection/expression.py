@@ -1,4 +1,4 @@
-"""Parser of a selection. It knows names, units and comparisons, nothing else: an expression is never evaluated as code.
+"""Selection of rows by an expression of names, units and comparisons. It is parsed here and never evaluated as code.
 
 selection  = part ("or" part)*                    part = term ("and" term)*
 term       = "not" term | "(" selection ")" | comparison
@@ -10,28 +10,66 @@ quantity   = name | "abs" "(" name ")"
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from math import inf, isfinite, nextafter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
+from tirefmu.symbolic.escaping import excerpt
 
 from ..channels import CHANNELS
 from ..column_names import intended_channel
 from ..units import to_si
-from .rows import AllOf, AnyOf, InFile, InRanges, Not, Rows
-from .tokens import KEYWORDS, Token, quoted, tokens
+
+#: Returns the numbers of a name for every row: those of a channel in SI units, or a counter.
+Columns = Callable[[str], NDArray[np.float64]]
+#: Returns for each row of a file with a name whether it satisfies a condition; NaN satisfies no comparison.
+Matches = Callable[[Columns, str], NDArray[np.bool_]]
 
 #: Numbers counted from 1: rows of the file, stretches without interruption, sweeps.
 COUNTERS = ("sample", "segment", "sweep")
 NAMES = (*CHANNELS, *COUNTERS, "file")
-#: Largest number of nested brackets and negations.
-DEEPEST = 50
-PLUS_MINUS = "\u00b1"
+KEYWORDS = ("and", "or", "not", "in")
+#: Upper limits: characters of an expression (those of the Trento report have fewer than 200), nested brackets and
+#: negations, characters of the rest of an expression that a message quotes.
+LONGEST_EXPRESSION, DEEPEST, QUOTED = 10_000, 50, 40
+PLUS_MINUS = ("+-", "\u00b1")
 _MIRRORED = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
+_EQUAL = ("=", "==", "!=")
+_WORD = re.compile(
+    r"""\s*(?:(?P<comment>\#[^\n]*)
+      |(?P<number>(?:\d+(?:\.(?!\.)\d*)?|\.\d+)(?:[eE][-+]?\d+)?)(?!\w*/m\b)
+      |(?P<word>deg\ [CF]\b|1/m\b|%|[^\W\d]\w*(?:/[^\W\d]\w*)?)
+      |(?P<text>"[^"\n]*"|'[^'\n]*')
+      |(?P<operator>\.\.|\+-|<=|>=|==|!=|[-+<>=()\[\],\u00b1]))""",
+    re.VERBOSE,
+)
 
 
-def parse_selection(expression: str) -> Rows:
+@dataclass(frozen=True)
+class Selection:
+    """The condition that an expression states.
+
+    Attributes
+    ----------
+    expression : str
+    names : frozenset of str
+        The names that it uses: channels, counters, "file".
+    matches : callable
+        Returns for each row whether it satisfies the condition.
+    """
+
+    expression: str
+    names: frozenset[str]
+    matches: Matches = field(repr=False, compare=False)
+
+
+def parse_selection(expression: str) -> Selection:
     """Return the condition that an expression states.
 
     Parameters
@@ -43,7 +81,7 @@ def parse_selection(expression: str) -> Rows:
 
     Returns
     -------
-    Rows
+    Selection
 
     Raises
     ------
@@ -52,7 +90,7 @@ def parse_selection(expression: str) -> Rows:
 
     Examples
     --------
-    >>> sorted(parse_selection("t > 2 min and p in 70..90 kPa").names())
+    >>> sorted(parse_selection("t > 2 min and p in 70..90 kPa").names)
     ['p', 't']
     >>> parse_selection("t > 2 min and pressure > 70 kPa")
     Traceback (most recent call last):
@@ -60,9 +98,9 @@ def parse_selection(expression: str) -> Rows:
     tirefmu.symbolic.errors.DataError: where 't > 2 min and pressure > 70 kPa': unknown name 'pressure': did you ...
     """
     parser = _Parser(expression)
-    selection = parser.selection()
+    matches = parser.selection()
     parser.expect("end", "", "'and', 'or' or the end")
-    return selection
+    return Selection(expression, frozenset(parser.names), matches)
 
 
 def parse_range(text: str, channel: str) -> tuple[float, float]:
@@ -90,21 +128,32 @@ def parse_range(text: str, channel: str) -> tuple[float, float]:
     ((220.0, 100.0), (80000.0, 10000.0))
     """
     parser = _Parser(text)
-    found = parser.range(channel)
+    found = parser.range_from(parser.value(), channel)
     parser.expect("end", "", "the end")
     return found.value, found.tolerance
 
 
-@dataclass(frozen=True)
-class _Value:
+def quoted(text: str, most: int = QUOTED) -> str:
+    """Return the beginning of a text in quotation marks, on one line."""
+    return repr(excerpt(" ".join(text.split()), most))
+
+
+class _Word(NamedTuple):
+    """A word of an expression: a number, a word (name, unit, keyword), a text, an operator, or the end; its index."""
+
+    kind: str
+    text: str
+    at: int
+
+
+class _Value(NamedTuple):
     """A number and its unit, which may be stated at the other end of a range."""
 
     number: float
     unit: str | None
 
 
-@dataclass(frozen=True)
-class _Range:
+class _Range(NamedTuple):
     """A range by its limits, and by its middle and half width, each as exact as it was written."""
 
     low: float
@@ -113,87 +162,116 @@ class _Range:
     tolerance: float
 
 
+def _words(expression: str) -> list[_Word]:
+    """Return the words of an expression, and the end. Lines may end in a comment after ``#``."""
+    if len(expression) > LONGEST_EXPRESSION:
+        raise DataError(f"where: {len(expression)} characters: at most {LONGEST_EXPRESSION} are read")
+    found, at = [], 0
+    while expression[at:].strip():
+        match = _WORD.match(expression, at)
+        if match is None or match.lastgroup is None:
+            raise DataError(f"where {quoted(expression)}: {quoted(expression[at:].strip(), 10)} has no meaning here")
+        if match.lastgroup != "comment":
+            found.append(_Word(match.lastgroup, match[match.lastgroup], match.start(match.lastgroup)))
+        at = match.end()
+    return [*found, _Word("end", "", len(expression))]
+
+
+def _in_ranges(name: str, absolute: bool, ranges: Sequence[tuple[float, float]]) -> Matches:
+    """Return the condition that a name, or its magnitude, is in one of several ranges. Their limits are included."""
+
+    def matches(columns: Columns, file: str) -> NDArray[np.bool_]:
+        values = np.abs(columns(name)) if absolute else columns(name)
+        return np.asarray(np.any([(values >= low) & (values <= high) for low, high in ranges], axis=0))
+
+    return matches
+
+
+def _not(part: Matches) -> Matches:
+    return lambda columns, file: ~part(columns, file)
+
+
+def _joined(parts: Sequence[Matches], join: Callable[..., NDArray[np.bool_]]) -> Matches:
+    return lambda columns, file: np.asarray(join([part(columns, file) for part in parts], axis=0))
+
+
 class _Parser:
     """Recursive descent over the words of one expression."""
 
     def __init__(self, expression: str) -> None:
-        self.expression = expression
-        self.tokens = tokens(expression)
-        self.at = 0
-        self.depth = 0
+        self.expression, self.names = expression, set[str]()
+        self._words, self._at, self._depth = _words(expression), 0, 0
 
     @property
-    def next(self) -> Token:
-        return self.tokens[self.at]
+    def _next(self) -> _Word:
+        return self._words[self._at]
 
-    def selection(self) -> Rows:
-        return self._joined("or", AnyOf, lambda: self._joined("and", AllOf, self._term))
+    def selection(self) -> Matches:
+        return self._chain_of("or", np.any, lambda: self._chain_of("and", np.all, self._term))
 
-    def _joined(self, word: str, join: Callable[[tuple[Rows, ...]], Rows], part: Callable[[], Rows]) -> Rows:
+    def _chain_of(self, word: str, join: Callable[..., NDArray[np.bool_]], part: Callable[[], Matches]) -> Matches:
         parts = [part()]
         while self._take(word):
             parts.append(part())
-        return join(tuple(parts)) if len(parts) > 1 else parts[0]
+        return _joined(parts, join) if len(parts) > 1 else parts[0]
 
-    def _term(self) -> Rows:
-        self.depth += 1
-        if self.depth > DEEPEST:
+    def _term(self) -> Matches:
+        self._depth += 1
+        if self._depth > DEEPEST:
             raise self._error(f"more than {DEEPEST} nested brackets")
         if self._take("not"):
-            found: Rows = Not(self._term())
+            found = _not(self._term())
         elif self._take("("):
             found = self.selection()
             self.expect("operator", ")", "')'")
         else:
             found = self._comparison()
-        self.depth -= 1
+        self._depth -= 1
         return found
 
-    def _comparison(self) -> Rows:
-        if self.next.kind == "number" or self.next.text in ("-", "+"):
-            return self._chain()
+    def _comparison(self) -> Matches:
+        if self._next.kind == "number" or self._next.text in ("-", "+"):
+            return self._between()
         name, absolute = self._quantity()
         if name == "file":
             return self._file()
         negated = self._take("not")
         if self._take("in"):
-            found = InRanges(name, absolute, tuple(self._ranges(name)))
-            return Not(found) if negated else found
+            found = _in_ranges(name, absolute, self._ranges(name))
+            return _not(found) if negated else found
         if negated:
             raise self._unexpected("'in'")
         compare = self._compare()
-        if compare in ("=", "==", "!="):
-            return self._equal(name, absolute, compare)
-        return InRanges(name, absolute, (self._half_line(name, compare, self._value()),))
+        if compare not in _EQUAL:
+            return _in_ranges(name, absolute, [self._half_line(name, compare, self.value())])
+        if name not in COUNTERS:
+            raise self._error(f"{name} is measured and equals no number exactly: write '{name} in 0 +- 1 UNIT'")
+        number = self._si(name, self.value())
+        found = _in_ranges(name, absolute, [(number, number)])
+        return _not(found) if compare == "!=" else found
 
-    def _chain(self) -> Rows:
-        low, first = self._value(), self._compare()
+    def _between(self) -> Matches:
+        """Return the condition of a comparison that begins with a number."""
+        low, first = self.value(), self._compare()
         name, absolute = self._quantity()
         if first not in _MIRRORED or name == "file":
             raise self._error(f"a number before {name!r} is compared by < or >")
-        second = self._compare() if self.next.text in _MIRRORED else None
+        second = self._compare() if self._next.text in _MIRRORED else None
         if second is None:
-            return InRanges(name, absolute, (self._half_line(name, _MIRRORED[first], low),))
+            return _in_ranges(name, absolute, [self._half_line(name, _MIRRORED[first], low)])
         if second[0] != first[0]:
             raise self._error(f"{first} and {second} in one comparison")
-        high = self._value()
+        high = self.value()
         low = _Value(low.number, low.unit or high.unit)
         one, other = self._half_line(name, _MIRRORED[first], low), self._half_line(name, second, high)
-        return InRanges(name, absolute, ((max(one[0], other[0]), min(one[1], other[1])),))
+        return _in_ranges(name, absolute, [(max(one[0], other[0]), min(one[1], other[1]))])
 
-    def _file(self) -> Rows:
+    def _file(self) -> Matches:
         compare = self._compare()
-        if compare not in ("=", "==", "!="):
+        if compare not in _EQUAL:
             raise self._error('a file is compared like file == "run.mat"')
-        named = InFile(self.expect("text", None, 'the name of a file, such as "run.mat"').text[1:-1])
-        return Not(named) if compare == "!=" else named
-
-    def _equal(self, name: str, absolute: bool, compare: str) -> Rows:
-        if name not in COUNTERS:
-            raise self._error(f"{name} is measured and equals no number exactly: write '{name} in 0 +- 1 UNIT'")
-        number = self._si(name, self._value())
-        found = InRanges(name, absolute, ((number, number),))
-        return Not(found) if compare == "!=" else found
+        name = self.expect("text", None, 'the name of a file, such as "run.mat"').text[1:-1]
+        return lambda columns, file: np.full(len(columns("sample")), (file == name) == (compare != "!="))
 
     def _half_line(self, name: str, compare: str, value: _Value) -> tuple[float, float]:
         """Return the limits, both included, of the numbers that a comparison accepts."""
@@ -203,10 +281,10 @@ class _Parser:
         return limit if compare == ">=" else nextafter(limit, inf), inf
 
     def _ranges(self, name: str) -> list[tuple[float, float]]:
-        closing = {"(": ")", "[": "]"}.get(self.next.text)
+        closing = {"(": ")", "[": "]"}.get(self._next.text)
         if closing is None:
             return [self._limits(name)]
-        self.at += 1
+        self._at += 1
         found = [self._limits(name)]
         while self._take(","):
             found.append(self._limits(name))
@@ -215,28 +293,23 @@ class _Parser:
 
     def _limits(self, name: str) -> tuple[float, float]:
         """Return the limits of a range or, for a counter, of one number."""
-        first = self._value()
-        if name in COUNTERS and self.next.text not in ("..", "+-", PLUS_MINUS):
+        first = self.value()
+        if name in COUNTERS and self._next.text not in ("..", *PLUS_MINUS):
             number = self._si(name, first)
             return number, number
-        found = self._range_from(first, name)
-        return found.low, found.high
+        return self.range_from(first, name)[:2]
 
-    def range(self, name: str) -> _Range:
-        """Return ``a..b`` or ``a +- b``."""
-        return self._range_from(self._value(), name)
-
-    def _range_from(self, first: _Value, name: str) -> _Range:
-        """Return the range that begins with a value."""
+    def range_from(self, first: _Value, name: str) -> _Range:
+        """Return the range that begins with a value: ``a..b`` or ``a +- b``."""
         if self._take(".."):
-            last = self._value()
+            last = self.value()
             low, high = self._si(name, _Value(first.number, first.unit or last.unit)), self._si(name, last)
             if low > high:
                 raise self._error(f"the range of {name} ends before it begins")
             return _Range(low, high, 0.5 * (low + high), 0.5 * (high - low))
-        if not (self._take("+-") or self._take(PLUS_MINUS)):
+        if not any(map(self._take, PLUS_MINUS)):
             raise self._unexpected("a range such as '70..90 kPa' or '220 +- 100 N'")
-        width = self._value()
+        width = self.value()
         if width.number < 0.0:
             raise self._error(f"the tolerance {width.number:g} is negative")
         unit = width.unit or first.unit
@@ -246,38 +319,40 @@ class _Parser:
         return _Range(value - tolerance, value + tolerance, value, tolerance)
 
     def _quantity(self) -> tuple[str, bool]:
-        absolute = self.next.text == "abs"
+        """Return a name, and whether its magnitude is meant."""
+        absolute = self._next.text == "abs"
         if absolute:
-            self.at += 1
+            self._at += 1
             self.expect("operator", "(", "'('")
-        token = self.next
-        if token.kind != "word" or token.text in KEYWORDS:
+        name = self._next.text
+        if self._next.kind != "word" or name in KEYWORDS:
             raise self._unexpected("a name")
-        if token.text not in NAMES:
-            meant = intended_channel(token.text)
+        if name not in NAMES:
+            meant = intended_channel(name)
             known = f"Known are {', '.join(NAMES)}"
-            hint = f": did you mean {meant}? {known}" if meant else nearest(token.text, NAMES)
-            raise self._error(f"unknown name {quoted(token.text)}{hint}")
-        self.at += 1
+            hint = f": did you mean {meant}? {known}" if meant else nearest(name, NAMES)
+            raise self._error(f"unknown name {quoted(name)}{hint}")
+        self._at += 1
+        self.names.add(name)
         if absolute:
             self.expect("operator", ")", "')'")
-        return token.text, absolute
+        return name, absolute
 
     def _compare(self) -> str:
-        if self.next.text not in (*_MIRRORED, "=", "==", "!="):
+        if self._next.text not in (*_MIRRORED, *_EQUAL):
             raise self._unexpected("a comparison (< <= > >= == in)")
-        self.at += 1
-        return self.tokens[self.at - 1].text
+        self._at += 1
+        return self._words[self._at - 1].text
 
-    def _value(self) -> _Value:
+    def value(self) -> _Value:
         sign = -1.0 if self._take("-") else 1.0
         if sign > 0.0:
             self._take("+")
         number = sign * float(self.expect("number", None, "a number").text)
         if not isfinite(number):
             raise self._error("a number is too large")
-        unit = self.next.text if self.next.kind == "word" and self.next.text not in KEYWORDS else None
-        self.at += unit is not None
+        unit = self._next.text if self._next.kind == "word" and self._next.text not in KEYWORDS else None
+        self._at += unit is not None
         return _Value(number, unit)
 
     def _si(self, name: str, value: _Value) -> float:
@@ -298,20 +373,21 @@ class _Parser:
         return number
 
     def _take(self, text: str) -> bool:
-        taken = self.next.text == text and self.next.kind in ("word", "operator")
-        self.at += taken
+        """Advance if the next word is a certain one, and return whether it is."""
+        taken = self._next.text == text and self._next.kind in ("word", "operator")
+        self._at += taken
         return taken
 
-    def expect(self, kind: str, text: str | None, wanted: str) -> Token:
+    def expect(self, kind: str, text: str | None, wanted: str) -> _Word:
         """Return the next word and advance; raise for another one."""
-        token = self.next
-        if token.kind != kind or (text is not None and token.text != text):
+        word = self._next
+        if word.kind != kind or (text is not None and word.text != text):
             raise self._unexpected(wanted)
-        self.at += token.kind != "end"
-        return token
+        self._at += word.kind != "end"
+        return word
 
     def _unexpected(self, wanted: str) -> DataError:
-        found = "the end" if self.next.kind == "end" else quoted(self.expression[self.next.at :], 20)
+        found = "the end" if self._next.kind == "end" else quoted(self.expression[self._next.at :], 20)
         return self._error(f"{wanted} is expected at {found}")
 
     def _error(self, reason: str) -> DataError:

@@ -14,9 +14,7 @@ from tirefmu.symbolic.errors import DataError
 from ..channels import CHANNELS
 from ..operating_conditions.phases import phases
 from ..recording import Recording
-from .expression import parse_selection
-from .rows import Rows
-from .tokens import LONGEST_EXPRESSION, quoted
+from .expression import LONGEST_EXPRESSION, parse_selection, quoted
 
 #: Extensions of files with an expression.
 SUFFIXES = (".where", ".txt")
@@ -51,13 +49,13 @@ def selected(recording: Recording, where: str) -> Recording:
     """
     expression = _expression(where)
     condition = parse_selection(expression)
-    for name in condition.names():
+    for name in condition.names:
         if name in CHANNELS and name not in recording.table:
             known = ", ".join(each for each in CHANNELS if each in recording.table)
             raise DataError(f"where {quoted(expression)}: {recording.source} has no channel {name}; it has {known}")
-    chosen = rows_of(recording, condition)
+    chosen = condition.matches(cache(lambda name: _numbers(recording, name)), recording.source)
     if not chosen.any():
-        ranges = "; ".join(_range(recording, name) for name in sorted(condition.names() - {"file"}))
+        ranges = "; ".join(_range(recording, name) for name in sorted(condition.names - {"file"}))
         raise DataError(
             f"where {quoted(expression)} selects none of {len(recording)} rows of {recording.source}"
             f"{f': {ranges}' if ranges else ''}"
@@ -65,21 +63,6 @@ def selected(recording: Recording, where: str) -> Recording:
     count = f"{int(chosen.sum())} of {len(recording)} rows selected"
     table = recording.table[chosen].reset_index(drop=True)
     return replace(recording, table=table, about={**recording.about, "selected": count})
-
-
-def rows_of(recording: Recording, condition: Rows) -> NDArray[np.bool_]:
-    """Return for each row of a recording whether it satisfies a condition.
-
-    Parameters
-    ----------
-    recording : Recording
-    condition : Rows
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-    """
-    return condition.matches(cache(lambda name: _numbers(recording, name)), recording.source)
 
 
 def _expression(where: str) -> str:

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
+from tirefmu.estimation.slip_slope import read_slope
 from tirefmu.fitting.evidence.curves import compare
-from tirefmu.fitting.evidence.slope import read_slope
 from tirefmu.fitting.reporting.captions import data_text
 from tirefmu.fitting.reporting.figures import _weighting, draw_figures
 from tirefmu.fitting.reporting.load_figures import _largest_friction, friction_over_load, stiffness_over_load

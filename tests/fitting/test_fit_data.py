@@ -10,7 +10,6 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.fitting.data.fit_data import prepare
-from tirefmu.fitting.data.same_tire import tire_notes
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate
 from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.symbolic.models import model
@@ -149,26 +148,6 @@ def test_a_file_with_warm_up_only_is_excluded(once):
 def test_an_unknown_weighting_of_rows_is_rejected(once):
     with pytest.raises(UnknownName, match="unknown weighting of rows 'independant': did you mean independent"):
         prepare([once], BOOK, rows="independant")
-
-
-def test_the_effect_of_pressure_is_not_reported_as_two_tires(once, known):
-    """Inflation pressure may change friction and stiffness by a tenth."""
-    stiffer = replace(once, table=once.table.assign(Fy=1.12 * once.table["Fy"]), source="other")
-    assert tire_notes([once, stiffer]) == []
-    weak = replace(once, table=once.table.assign(Fy=0.7 * once.table["Fy"]), source="weak")
-    (note,) = tire_notes([once, weak])
-    assert note.startswith("two tires? at ")
-    assert "mu_y" in note
-    assert note.endswith("in weak")
-
-
-def test_tires_without_a_common_load_are_not_compared(once):
-    light = once.table["Fz"] < 500.0
-    parts = [
-        Recording(once.table[rows].assign(Fy=once.table["Fy"] * factor), once.signs, f"{factor}")
-        for rows, factor in ((light, 1.0), (~light, 0.4))
-    ]
-    assert tire_notes(parts) == []
 
 
 @pytest.mark.parametrize(("degrees", "fitted"), [(1.2, True), (0.3, False)])

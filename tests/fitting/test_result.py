@@ -184,11 +184,3 @@ def test_the_stages_report_rows_and_coefficients(side_fit):
     assert all(stage.iterations > 0 for stage in result.stages[:-1])
     assert last.converged  # it continues the stage before it, here with the same rows, and may start at the optimum
     assert last.r2_uncentred == pytest.approx(result.channels[0].r2_uncentred, abs=1e-9)
-
-
-def test_other_notes_keep_what_has_been_computed(side_fit):
-    result, _ = side_fit
-    verdict = result.verdict
-    changed = result.with_notes(("a note",))
-    assert changed.notes == ("a note",)
-    assert changed.verdict is verdict

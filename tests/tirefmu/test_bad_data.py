@@ -98,11 +98,11 @@ REPORTED = {
         "a.csv: 1 of 1200 rows lack an input: NaN in Fz (1), the first in row 8: excluded",
     ),
     "two tires in two files": (
-        lambda t: [side_alone(t), side_alone(sweeps(1.1, seed=1))], "two tires? at 900 N, mu_y is 1.4",
+        lambda t: [side_alone(t), side_alone(sweeps(1.1, seed=1))], "two tires? at 900 N the largest |Fy|/Fz is 1.",
     ),
     "two tires in one file": (
         lambda t: [pd.concat([side_alone(t), side_alone(sweeps(1.1, seed=1))])],
-        "in rows 1 to 600 of a.csv and 0.8",
+        "two tires? at 900 N the largest |Fy|/Fz is 1.",
     ),
     "two sizes of tires": (
         lambda t: [side_alone(t), side_alone(sweeps(load=9.0, seed=1))], "two tires? the load reaches 900 N in a.csv",

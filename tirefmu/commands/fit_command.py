@@ -159,11 +159,10 @@ def fit(
         with terminal.counting("profile likelihood") as counted:
             result = profile(result, profiled, progress=counted, **spread)
     chosen = [part for name, value in (("--signs", signs), ("--where", where)) if value for part in (name, value)]
-    findings = _findings(result.tire, output, tables, recordings, chosen)
-    write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
-    warned = {finding.text for finding in findings if finding.serious}
-    notes = tuple(note for note in result.notes if note not in warned)
-    terminal.fit_result(result.with_notes(notes), findings, every)
+    residual = _residual_findings(result.tire, output, tables, recordings, chosen)
+    result = replace(result, data_findings=(*result.data_findings, *residual))
+    write_json(json_file, result.to_json())
+    terminal.fit_result(result, every)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
         resuming = "" if resume else " --resume"
@@ -184,7 +183,7 @@ def fit(
         from tirefmu.fitting.reporting.report import write_report
 
         with terminal.working("writing the report"):
-            write_report(result, recordings, report, drawn, findings=findings, command=command_line())
+            write_report(result, recordings, report, drawn, findings=result.data_findings, command=command_line())
         terminal.print(f"report: {report}")
     if not result.interrupted:
         finished_stages.unlink(missing_ok=True)  # last: until then --resume has every result without the fit
@@ -200,18 +199,18 @@ def _one_by_one(
         counted(number, len(tasks))
 
 
-def _findings(
+def _residual_findings(
     tire: Tire, path: Path, tables: Sequence[Path], recordings: Sequence[Recording], chosen: Sequence[str]
 ) -> list[Finding]:
-    """Return findings about the data, and about what the tire leaves in the residual, with the command to diagnose it.
+    """Return what the residual of the tire still contains, with the command to diagnose it.
 
     The options `chosen` select and interpret the rows.
     """
-    from tirefmu.measurements import data_findings, residual_findings
+    from tirefmu.measurements import residual_findings
 
     from ..evaluation import predicted_outputs
 
-    findings = data_findings(recordings)
+    findings = []
     for table, recording in zip(tables, recordings, strict=True):
         for finding in residual_findings([recording], [predicted_outputs(tire, recording)]):
             testable = _testable(finding.effects, tire, recording)

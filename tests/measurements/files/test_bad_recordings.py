@@ -8,9 +8,9 @@ from tirefmu.measurements import (
     check_plausible,
     convention_notes,
     coverage_notes,
-    identity_notes,
     read_recording,
 )
+from tirefmu.measurements.findings.two_tires import two_tires
 from tirefmu.symbolic.errors import DataError, TirefmuError
 
 
@@ -44,7 +44,7 @@ def messages(tmp_path):
             check_plausible(recording)
         except TirefmuError as error:
             return [str(error)]
-        return convention_notes(recording) + coverage_notes(recording) + identity_notes([recording])
+        return convention_notes(recording) + coverage_notes(recording) + two_tires([recording])
 
     return messages_of
 

@@ -9,9 +9,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.measurements import Recording, data_findings, recording_from, residual_findings
+from tirefmu.measurements import (
+    Recording,
+    VirtualBench,
+    data_findings,
+    recording_from,
+    residual_findings,
+    small_tire_program,
+    trento_program,
+)
 from tirefmu.measurements.row_selection.expression import parse_selection
 from tirefmu.symbolic.errors import DataError
+from tirefmu.tires import published
 
 STEP = 0.01
 
@@ -87,6 +96,39 @@ def test_two_tires_in_one_file_without_a_restart_of_the_clock():
     (finding,) = found(pd.concat([first, second.assign(t=second["t"] + 100.0)]))[:1]
     assert (finding.kind, finding.serious) == ("two tires", True)
     assert "the largest |Fy|/Fz is 1.5" in finding.text
+
+
+def two_tires(recordings):
+    return [finding.text for finding in data_findings(recordings) if finding.kind == "two tires"]
+
+
+def test_one_tire_in_several_files():
+    named = [Recording(bench(rows=100), "iso", f"{name}.mat", {"tireid": "Hoosier"}) for name in "ab"]
+    unnamed = Recording(bench(rows=100), "iso", "c.mat", {"tireid": ""})
+    assert two_tires([*named, unnamed]) == []
+
+
+def test_tires_of_two_names():
+    both = [Recording(bench(rows=100), "iso", f"{name}.mat", {"tireid": name}) for name in ("Hoosier", "Avon")]
+    assert two_tires(both) == ["two tires? the tire is 'Hoosier' in Hoosier.mat, 'Avon' in Avon.mat"]
+
+
+@pytest.mark.parametrize("signs", ["iso", "sae"])
+def test_loads_too_different_for_one_tire(signs):
+    small = VirtualBench(published("unicamp_small_tire")).run(small_tire_program()).with_signs(signs)
+    large = VirtualBench(published("trento_hoosier")).run(trento_program()).with_signs(signs)
+    (note,) = two_tires([large, small])
+    assert re.match(r"two tires\? the load reaches 16\d(\.\d)? N in virtual bench: small tire \(UNICAMP\), ", note)
+
+
+def test_two_files_in_one():
+    table = pd.concat([bench(rows=100), bench(rows=100).assign(Fz=9000.0)], ignore_index=True)
+    (note,) = two_tires([Recording(table, "iso", "both.csv")])
+    assert note.startswith("two tires? both.csv: the clock restarts at row 401, and the loads reach 90")
+
+
+def test_the_effect_of_pressure_on_friction_is_not_two_tires():
+    assert "two tires" not in kinds(bench(), bench(seed=1, friction=1.12 * 1.5))
 
 
 def test_two_tires_in_two_files():

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from scipy.ndimage import binary_dilation, binary_erosion
 
 from tirefmu.measurements import Recording, VirtualBench, alpha_sweeps, kappa_sweeps, phases, steady_points, transitions
-from tirefmu.measurements.operating_conditions.phases import motions_of
 from tirefmu.tires import published
 
 SLACK = 25  # rows: a level is reached once it is within the channel's tolerance, after the median of 0.2 s
@@ -32,12 +31,6 @@ def test_exactly_the_transitions_are_found(make_raw, loads, cambers, seed):
     found = transitions(run.recording) != ""
     assert found[binary_erosion(run.between, iterations=SLACK + 15)].all()
     assert not found[~binary_dilation(run.between, iterations=SLACK)].any()
-
-
-def test_motions_that_are_known_give_the_same_phases_and_transitions(raw):
-    motions = motions_of(raw.recording)
-    assert phases(raw.recording, motions=motions) == phases(raw.recording)
-    assert (transitions(raw.recording, settling=0.5, motions=motions) == transitions(raw.recording, settling=0.5)).all()
 
 
 def test_each_transition_names_the_input_that_moved(raw):

@@ -1,7 +1,5 @@
 """Each lack of information is reported once; a complete recording has no notes."""
 
-import re
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,7 +10,6 @@ from tirefmu.measurements import (
     alpha_sweeps,
     coverage,
     coverage_notes,
-    identity_notes,
     small_tire_program,
     trento_program,
 )
@@ -73,32 +70,6 @@ def test_no_rows_cover_nothing():
     empty = Recording(pd.DataFrame({"alpha": [], "Fz": []}), "iso", "a.csv")
     assert coverage(empty) == []
     assert coverage_notes(empty) == []
-    assert identity_notes([empty]) == []
-
-
-def test_one_tire_in_several_files():
-    named = [Recording(sweep().table, "iso", f"{name}.mat", {"tireid": "Hoosier"}) for name in "ab"]
-    unnamed = Recording(sweep().table, "iso", "c.mat", {"tireid": ""})
-    assert identity_notes([*named, unnamed]) == []
-
-
-def test_tires_of_two_names():
-    both = [Recording(sweep().table, "iso", f"{name}.mat", {"tireid": name}) for name in ("Hoosier", "Avon")]
-    assert identity_notes(both) == ["two tires? the tire is 'Hoosier' in Hoosier.mat, 'Avon' in Avon.mat"]
-
-
-@pytest.mark.parametrize("signs", ["iso", "sae"])
-def test_loads_too_different_for_one_tire(signs):
-    small = VirtualBench(published("unicamp_small_tire")).run(small_tire_program()).with_signs(signs)
-    large = VirtualBench(published("trento_hoosier")).run(trento_program()).with_signs(signs)
-    (note,) = identity_notes([large, small])
-    assert re.match(r"two tires\? the load reaches 16\d(\.\d)? N in virtual bench: small tire \(UNICAMP\), ", note)
-
-
-def test_two_files_in_one():
-    table = pd.concat([sweep().table, sweep(Fz=9000.0).table], ignore_index=True)
-    (note,) = identity_notes([Recording(table, "iso", "both.csv")])
-    assert note.startswith("two tires? both.csv: the clock restarts at row 501, and the loads reach 900 N in one part")
 
 
 def test_measured_files_have_only_their_known_missing_conditions(data_folder):
@@ -106,4 +77,3 @@ def test_measured_files_have_only_their_known_missing_conditions(data_folder):
 
     both = [read_recording(data_folder / f"{name}.mat") for name in ("cornering", "drivebrake")]
     assert [coverage_notes(each) for each in both] == [["cornering.mat: kappa stays at 0: Fx shows no slip curve"], []]
-    assert identity_notes(both) == []

@@ -11,8 +11,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tirefmu.measurements import Recording, recordings_from, selected
-from tirefmu.measurements.row_selection.expression import NAMES, parse_range, parse_selection
-from tirefmu.measurements.row_selection.tokens import KEYWORDS
+from tirefmu.measurements.row_selection.expression import KEYWORDS, NAMES, parse_range, parse_selection
 from tirefmu.symbolic.errors import DataError
 
 ROWS = 600

@@ -1,4 +1,4 @@
-"""The slope of measured points at zero slip, read without a tire model, with its standard error."""
+"""The slip stiffness: the slope of measured points at zero slip, read without a tire model, with its standard error."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ import numpy.typing as npt
 from scipy.linalg.lapack import dposv, dtbtrs
 from scipy.optimize import brentq
 
-from tirefmu.estimation.correlation import correlation_length
-from tirefmu.measurements.operating_conditions.median import median_of
+from .correlation import correlation_length
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -91,7 +90,7 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
             solution = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
         residual = y - powers @ solution
         size = np.abs(residual)
-        knee = 1.345 * 1.4826 * median_of(size)
+        knee = 1.345 * 1.4826 * float(np.median(size))
         # A knee of 0 means that half of the points are exact: no outlier weights.
         weight = tricube * (knee / np.maximum(size, knee)) if knee > 0.0 else tricube
     weighted = powers * weight[:, None]

@@ -1,0 +1,73 @@
+"""The options of a fit: which effects, which recipe and solver, which rows with which weights, which constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from math import inf
+
+from tirefmu.symbolic.errors import FitError
+
+#: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
+STIFFNESS_WEIGHT = 10.0
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """What a fit determines and how, apart from the data, the model and the start tire.
+
+    Attributes
+    ----------
+    effects : collection of str, optional
+        Exactly these effects in addition to the model's core; by default all effects of the model.
+    without : collection of str
+        Effects to exclude.
+    recipe : str, optional
+        "progressive", "joint", "trento", "scaling" (of the start tire), a recipe that the model defines, or the path of
+        a TOML file; by default the recipe of the model.
+    loss : {"squares", "huber", "cauchy"}
+        Cost of a residual. "huber" (linear) and "cauchy" (logarithmic) reduce the influence of outliers. They apply
+        above 1.3 and 2.4 standard deviations of the noise of the channel.
+    method : {"ipopt", "ioa"}
+        IPOPT with exact derivatives, or the UNICAMP paper's evolutionary algorithm
+        (`tirefmu.fitting.solvers.evolution`).
+    iterations : int, optional
+        Upper limit for each stage; by default the limit of the method (300, 10,000).
+    seed : int
+        Seed of a random method.
+    nominal : mapping of str to float, optional
+        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; by default the medians of the data and 0.3 m.
+    screening : bool
+        Whether to exclude outliers and rows of a cold tread, of transitions between levels, and of a lifted or
+        stationary wheel (`FitResult.excluded_rows`). Goodness of fit is computed over all rows.
+    rows : str
+        Weights of rows: "condition" (equal weight of every operating condition of a recording, independent of its
+        number of rows), "equal" (equal weight of every row), "independent" (as "condition", and each channel of a
+        recording by its effective sample size), or "load" (as "condition", with errors relative to the load).
+    stiffness_weight : float
+        Weight of the slip stiffness that is read from the data at each load, as a number of independent rows; 0: it is
+        not fitted (`docs/stiffness.md`).
+    constraints, without_constraints : collection of str
+        Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
+        (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
+    """
+
+    effects: Collection[str] | None = None
+    without: Collection[str] = ()
+    recipe: str | None = None
+    loss: str = "squares"
+    method: str = "ipopt"
+    iterations: int | None = None
+    seed: int = 0
+    nominal: Mapping[str, float] | None = None
+    screening: bool = True
+    rows: str = "condition"
+    stiffness_weight: float = STIFFNESS_WEIGHT
+    constraints: Collection[str] = ()
+    without_constraints: Collection[str] = ()
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.stiffness_weight < inf:
+            raise FitError(f"stiffness weight {self.stiffness_weight:g} is not a number of rows")
+        if self.method != "ipopt" and self.loss != "squares":
+            raise FitError(f"loss {self.loss} is for method ipopt: {self.method} minimizes squares")

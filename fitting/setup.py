@@ -1,0 +1,217 @@
+"""The setup of a fit: everything that is decided before its first stage."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from tirefmu.estimation.nominal_values import NOMINAL, check_nominal
+from tirefmu.measurements import Recording
+from tirefmu.symbolic import DEFAULT_MODEL
+from tirefmu.symbolic.errors import FitError, TirError, UnknownName, WrongType, no_single_text
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import model as book_of
+from tirefmu.symbolic.models import with_library
+from tirefmu.tires import TireLike, tire_from
+from tirefmu.tires.code.printed import model_with
+from tirefmu.tires.property_file.names import not_given
+from tirefmu.tires.tire import Tire
+
+from .constraints.physical import Constraint, chosen_constraints
+from .data.fit_data import FitData, prepare
+from .data.initial_values import starting_values
+from .options import FitOptions
+from .problem.loss import Loss, loss_named
+from .problem.recipe import Recipe, load_recipe
+from .solvers.selection import Solver, solver_for
+
+#: Value of `start` for initial values that are read from the data.
+FEATURES = "features"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is fitted, without the data: the arguments of a fit, checked.
+
+    Attributes
+    ----------
+    options : FitOptions
+    book : Model
+        With the added effects of the start tire and the requested ones of the library.
+    start : Tire or None
+        The start tire.
+    features : bool
+        Whether initial values are read from the data.
+    recipe : Recipe
+    constraints : mapping of str to sequence of Constraint
+        Constraints to enforce, by output.
+    solver : Solver
+    loss : Loss
+    """
+
+    options: FitOptions
+    book: Model
+    start: Tire | None
+    features: bool
+    recipe: Recipe
+    constraints: Mapping[str, Sequence[Constraint]]
+    solver: Solver
+    loss: Loss
+
+    @classmethod
+    def of(cls, model: str | None, start: TireLike | None, options: FitOptions) -> Plan:
+        """Check the arguments of a fit.
+
+        Parameters
+        ----------
+        model : str or None
+            By default the model of the start tire, or the default model.
+        start : Tire, path, name or "features", or None
+        options : FitOptions
+
+        Returns
+        -------
+        Plan
+
+        Raises
+        ------
+        UnknownName, FitError, WrongType
+            If an argument names something unknown, or arguments contradict each other.
+        """
+        features = isinstance(start, str) and start == FEATURES and not Path(start).is_file()
+        tire = None if start is None or features else _start_tire(start, (options.nominal or {}).get("R0"))
+        book = book_of(model if model is not None else tire.model if tire else DEFAULT_MODEL)
+        no_single_text("effects", options.effects)
+        requested = options.effects if options.effects is not None else tire.has if tire is not None else ()
+        book = model_with(book.name, with_library(book.name, tuple(requested), tire.added if tire is not None else ()))
+        recipe = load_recipe(options.recipe, book.name)
+        constraints = chosen_constraints(book.name, options.constraints, options.without_constraints)
+        solver = solver_for(options.method, options.iterations, options.seed)
+        if recipe.scales and tire is None:
+            raise FitError(f"recipe {recipe.name} scales a given tire: a start tire is required (--start)")
+        return cls(options, book, tire, features, recipe, constraints, solver, loss_named(options.loss))
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a running fit starts from.
+
+    Attributes
+    ----------
+    plan : Plan
+    data : FitData
+    tire : Tire
+        Initial values, in adapted SAE.
+    read : mapping of str to float
+        Initial values that were read from the data.
+    notes : tuple of str
+        Notes for the user: what was assumed, what is not fitted.
+    """
+
+    plan: Plan
+    data: FitData
+    tire: Tire
+    read: Mapping[str, float]
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, plan: Plan, recordings: Sequence[Recording]) -> Setup:
+        """Combine a plan with data.
+
+        Parameters
+        ----------
+        plan : Plan
+        recordings : sequence of Recording
+            Of any signs.
+
+        Returns
+        -------
+        Setup
+
+        Raises
+        ------
+        UnknownName, DataError, FitError
+            If the data have no information on the tire, or contradict the nominal values.
+        """
+        options, book, start = plan.options, plan.book, plan.start
+        check_nominal(options.nominal or {}, book, (recording.table for recording in recordings))
+        given = start.has if options.effects is None and start is not None else options.effects
+        effects = book.default_effects if given is None else book.known_effects(given)
+        effects -= book.known_effects(options.without)
+        data = prepare(recordings, book, screening=options.screening, rows=options.rows)
+        notes = list(data.notes)
+        for name in options.nominal or {}:
+            if NOMINAL[name] not in book.coefficients:
+                notes.append(f"nominal {name} is not used by {book.name}")
+        values = _initial_values(plan, data.fitted, notes)
+        name, about = (start.name, start.about) if start is not None else ("", {})
+        tire = Tire(
+            book.name, values, effects=effects, signs="adapted-sae", name=name, about=about, added=book.added,
+        )  # fmt: skip
+        read = starting_values(tire, data.fitted) if plan.features else {}
+        if plan.features:
+            summary = ", ".join(f"{name} {value:.3g}" for name, value in read.items())
+            notes.append(f"initial values read from the data: {summary or 'none, generic values used'}")
+        return cls(plan, data, tire, read, tuple(notes))
+
+    @property
+    def assumed(self) -> frozenset[str]:
+        """The coefficients whose initial values neither the caller nor the data have given."""
+        start = self.plan.start
+        unknown = self.tire.defaulted if start is not None else (*self.tire.defaulted, "UNLOADED_RADIUS")
+        inherited = () if start is None else not_given(start)
+        return frozenset((*unknown, *inherited)) - {NOMINAL[name] for name in self.plan.options.nominal or {}}
+
+
+def _start_tire(start: TireLike, radius: float | None) -> Tire:
+    """Return the start tire; an error message for an unknown name also suggests "features"."""
+    try:
+        return tire_from(start, "start")
+    except TirError:
+        if radius is None:
+            raise
+        return tire_from(start, "start", radius=radius)  # a file without a radius
+    except WrongType:
+        raise WrongType("start", start, f"a Tire, a path, the name of a published tire or {FEATURES!r}") from None
+    except UnknownName as error:
+        raise UnknownName("start", str(start), [FEATURES, *error.known]) from None
+
+
+def _initial_values(plan: Plan, data: pd.DataFrame, notes: list[str]) -> dict[str, float]:
+    """Return the known initial values: those of the start tire, or nominal values that are given or are medians."""
+    book, start = plan.book, plan.start
+    nominal = {NOMINAL[name]: value for name, value in (plan.options.nominal or {}).items()}
+    given = {name: value for name, value in nominal.items() if name in book.coefficients}
+    if start is not None:
+        if start.model != book.name:
+            raise FitError(f"the start tire is {start.model}, not {book.name}")
+        return {**start.in_signs("adapted-sae").values, **given}
+    values = {"UNLOADED_RADIUS": 0.3, **_medians(book, data, given, notes), **given}
+    if "UNLOADED_RADIUS" not in given:
+        notes.append("radius R0 not given: 0.3 m (it only scales the moment coefficients)")
+    if "FNOMIN" not in values:
+        raise FitError("no load Fz in the data: specify --nominal Fz0=...")
+    return values
+
+
+def _medians(book: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:
+    """Return the nominal values that the caller did not give: medians of the data with two digits, each with a note."""
+    values = {}
+    for name, coefficient, text, unit in (
+        ("Fz", "FNOMIN", "load", "N"),
+        ("p", "NOMPRES", "pressure p0", "Pa"),
+        ("V", "LONGVL", "speed V0", "m/s"),
+    ):
+        if coefficient not in book.coefficients or coefficient in given or name not in data:
+            continue
+        median = float(f"{data[name].median():.2g}")
+        if median > 0:
+            values[coefficient] = median
+            notes.append(f"nominal {text} not given: the median, {median:g} {unit}")
+    if "INFLPRES" in book.coefficients and {"NOMPRES"} & {*values, *given.keys()}:
+        # The tire has nominal pressure if its user specifies none.
+        values["INFLPRES"] = given.get("NOMPRES", values.get("NOMPRES", 0.0))
+    return values
