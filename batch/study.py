@@ -20,7 +20,7 @@ from tirefmu.fmu.simulation.simulate import read_description, simulate
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.measurements.channels import OUTPUTS
 from tirefmu.symbolic.errors import DataError, FmuError, UnknownName, path_from
-from tirefmu.tires.drawing.style import write_whole
+from tirefmu.tires.drawing.whole_file import write_whole
 from tirefmu.tires.signs import convert_signs
 
 from .execution import Lost

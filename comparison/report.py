@@ -8,7 +8,7 @@ from pathlib import Path
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import TirefmuError, path_from
 from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
+from tirefmu.tires.drawing.picture import write_figures
 
 from .comparison import Comparison
 from .figures import comparison_figures
@@ -39,11 +39,10 @@ def write_comparison(
         If a file cannot be written.
     """
     folder = path_from(folder, "folder")
-    # All are rendered before the first is written: a failure leaves the folder as it was.
-    images = shown_figures(comparison_figures(comparison, recordings, signs))
+    figures = comparison_figures(comparison, recordings, signs)
+    page = page_text("tirefmu.comparison", {"short": _short}, comparison=comparison, figures=figures)
     try:
-        drawn = write_figures(images, folder)
-        page = page_text("tirefmu.comparison", {"short": _short}, comparison=comparison, images=images)
+        drawn = write_figures(figures, folder)
         write_page(page, folder / "report.html")
     except OSError as error:
         raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error

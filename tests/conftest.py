@@ -41,10 +41,11 @@ def compiled_code(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 @pytest.fixture(scope="session", autouse=True)
 def coarse_figures() -> Iterator[None]:
     """Draw figures with fewer pixels, whose number is not tested: they take most of the time of a report."""
-    from tirefmu.tires.drawing import files, style
+    from tirefmu.tires.drawing import files, picture
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(style, "DPI", 40)
+        patch.setattr(picture, "DPI", 40)
+        patch.setattr(picture, "PAGE_DPI", 40)
         patch.setattr(files, "DPI", 40)
         yield
 

@@ -17,11 +17,12 @@ import pandas as pd
 from tirefmu.diagnosis import diagnose, draw_residual_maps, export_and_simulate, residual_map, write_report
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.reporting.curves_figure import curves_figure
+from tirefmu.diagnosis.reporting.residual_map import residual_map_figure
 from tirefmu.explorer.explore import explore
 from tirefmu.fitting import FitResult, fit
-from tirefmu.fitting.reporting.figures import draw_figures
+from tirefmu.fitting.reporting.figures import draw_figures, figures_of
 from tirefmu.fmu import check, export
-from tirefmu.fmu.comparison.figures import draw_check
+from tirefmu.fmu.comparison.figures import check_figures
 from tirefmu.fmu.comparison.report import write_check
 from tirefmu.measurements import Noise, Recording, VirtualBench, trento_program, write_table
 from tirefmu.measurements.inspection.figures import inspection_figures
@@ -30,10 +31,10 @@ from tirefmu.measurements.inspection.report import write_inspection
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import Tire, published
 from tirefmu.tires.code import chosen_derivatives, fastest_code
-from tirefmu.tires.drawing.shown_figure import shown_figure, shown_figures, write_figures
+from tirefmu.tires.drawing.labels import drawn_unit
 
 from .arguments import write_json
-from .demo_page import Chapter, draw_gap, write_demo_page
+from .demo_page import Chapter, write_demo_page
 from .terminal import Terminal
 
 FloatArray = npt.NDArray[np.float64]
@@ -146,10 +147,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
         write_table(recording.table, folder / "bench.csv")
         truth.save(folder / "truth.tir")
         inspections, findings = inspect([recording])
-        figures = folder / "figures"
-        shown = shown_figures(inspection_figures(inspections[0]))
-        drawn = write_figures(shown, figures)
-        write_inspection(inspections, findings, folder / "inspection.html", [shown])
+        write_inspection(inspections, findings, folder / "inspection.html")
     table = recording.table
     text = (
         f"{len(table)} rows, loads {table.Fz.min():.0f} to {table.Fz.max():.0f} N, "
@@ -157,7 +155,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")
     files = (folder / "inspection.html", folder / "bench.csv", folder / "truth.tir")
-    chapters.append(Chapter("The data", (f"{text}.",), tuple(drawn[:1]), files))
+    chapters.append(Chapter("The data", (f"{text}.",), tuple(inspection_figures(inspections[0])[:1]), files))
     return recording
 
 
@@ -180,9 +178,11 @@ def _fits(
         terminal.print(f"  {line}")
     tires = {recipe: result.tire for recipe, result in results.items()}
     figures = second.submit(_drawn_fits, tires, truth, recording, folder)
-    shown = tuple(folder / "figures" / f"joint_{name}.png" for name in ("pure_Fy", "stiffness"))
+    shown = [
+        each for each in figures_of(tires["joint"], [recording], truth=truth) if each.name in ("pure_Fy", "stiffness")
+    ]
     files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
-    chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), shown, files))
+    chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), tuple(shown), files))
     return results["joint"], results["trento"], figures
 
 
@@ -236,8 +236,7 @@ def _fmus(
         terminal.print(f"  {lines[-1]}: {path}")
     with terminal.working("writing the report"):
         write_check(result, page := folder / "check.html")
-        drawn = draw_check(result, folder / "figures", prefix="check_")
-    shown = tuple(path for path in drawn if path.stem == "check_Fy")
+    shown = tuple(each for each in check_figures(result) if each.name == "Fy")
     chapters.append(Chapter("The FMU over the data", tuple(f"{line}." for line in lines), shown, (page, *files)))
     return checks
 
@@ -264,7 +263,8 @@ def _missing_effect(
     picture = folder / "missing_effect.png"
     terminal.print(f"  {text}: {picture}")
     texts = ("The same fit without camber thrust leaves a pattern in the residuals.", f"{text}.")
-    chapters.append(Chapter("A tire without one effect", texts, (picture,), (folder / "without_camber_thrust.tir",)))
+    files = (picture, folder / "without_camber_thrust.tir")
+    chapters.append(Chapter("A tire without one effect", texts, (residual_map_figure(maps),), files))
     return reduced.tire, {
         "effect": "camber_thrust",
         "channel": "Fy",
@@ -302,18 +302,19 @@ def _diagnosis(
         f"{gap['floor']:.3g} N; report with both simulated FMUs: {folder / 'report.html'}"
     )
     found = [one.effect for one in result.found]
-    figures = [
-        *write_figures([shown_figure("diagnosis_curves", curves_figure(result, "Fy"))], main / "figures"),
-        draw_gap(result.gap["holdout"], main / "figures" / "diagnosis_gap.png"),
-    ]
     written_files = [folder / name for name in ("report.html", "improved.tir", "improved.fmu", "base.tir", "base.fmu")]
     texts = (
         "The diagnosis tests all known effects without information about the removed one.",
         result.verdict,
         f"Identified: {', '.join(found) or 'nothing'}.",
+        *(
+            f"Error of {channel} on the hold-out set: {error['before']:.3g} {drawn_unit(channel)} before, "
+            f"{error['after']:.3g} after, noise floor {error['floor']:.3g}."
+            for channel, error in result.gap["holdout"].items()
+        ),
     )
     files = tuple(path for path in written_files if path.is_file())
-    chapters.append(Chapter("The missing effect, found", texts, tuple(figures), files))
+    chapters.append(Chapter("The missing effect, found", texts, (curves_figure(result, "Fy"),), files))
     return {"ok": found == ["camber_thrust"] and simulated["ok"], "found": found, "gap": gap, "simulated": simulated}
 
 

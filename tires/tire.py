@@ -18,7 +18,7 @@ from .table_argument import table_from
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .drawing.own_matplotlib import Figure
+    from .drawing.own_matplotlib import MatplotlibFigure
 
 
 class Tire(TireDefinition):
@@ -170,7 +170,7 @@ class Tire(TireDefinition):
         """
         write_tir(self, path)
 
-    def plot(self, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso") -> Figure:
+    def plot(self, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso") -> MatplotlibFigure:
         r"""Draw the tire.
 
         Parameters
@@ -199,9 +199,9 @@ class Tire(TireDefinition):
         >>> from tirefmu.tires import published
         >>> figure = published("unicamp_small_tire").plot(loads=[110.0])
         >>> [ax.get_title() for ax in figure.axes][1]
-        '$F_y$ over $\\alpha$ at $\\kappa$ = 0'
+        'Fy over α at κ = 0'
         """
-        from .drawing.tire_figures import plot  # imports matplotlib, which takes its time
+        from .drawing.surface_figure import plot  # imports matplotlib, which takes its time
 
         return plot(self, kind, loads=loads, signs=signs)
 

@@ -10,8 +10,9 @@ import pandas as pd
 
 from tirefmu.measurements import level_tolerance
 from tirefmu.measurements.operating_conditions.levels import held_levels
-from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
-from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si
+from tirefmu.tires.drawing.figure import Figure, Panel, Series
+from tirefmu.tires.drawing.labels import axis_label, drawn_unit, letter, per_si
+from tirefmu.tires.drawing.style import BLUE, DASHED, GRAY, RED, SOLID
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
@@ -29,9 +30,8 @@ VISIBLE = 0.02
 CONDITIONS = {"Fz": 0, "gamma": 1, "p": 1, "V": 1, "T": 0}
 
 
-@own_settings()
 def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
-    """Draw measured and computed forces over the slip that varies most, for the blocks that the effects improve most.
+    """Return measured and computed forces over the slip that varies most, for the blocks that the effects improve most.
 
     These are blocks in which the forces of both tires differ. Without such a block both tires are one line.
 
@@ -42,7 +42,7 @@ def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 
     Returns
     -------
-    matplotlib.figure.Figure
+    Figure
     """
     table, measured = diagnosis.rows, _shown(diagnosis, channel)
     slips = [name for name in ("alpha", "kappa") if name in table]
@@ -54,17 +54,13 @@ def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
         if not coincide(*(force[block][drawn] for force in (*both, measured)))
     ]
     names = ("baseline tire", "improved tire") if different else ("baseline tire and delivered tire",)
-    figure = Figure(figsize=(13.0, 3.8), layout="constrained")
-    axes = figure.subplots(1, BLOCKS, squeeze=False)[0]
     chosen = sorted((different or sweeps)[:BLOCKS], key=lambda sweep: int(sweep[0][0]))
-    for ax, (block, slip, drawn) in zip(axes, chosen, strict=False):
-        computed = {name: force[block] for name, force in zip(names, both, strict=False)}
-        _draw(ax, table.iloc[block], measured[block], computed, slip, drawn)
-    for ax in axes:
-        ax.set_visible(bool(ax.lines))
-    axes[0].set_ylabel(f"{LETTER.get(channel, channel)} ({drawn_unit(channel)})")
-    axes[0].legend(fontsize=LEGEND_SIZE)
-    return figure
+    panels = [
+        _panel(table.iloc[block], measured[block], dict(zip(names, (force[block] for force in both), strict=False)),
+               channel, slip, drawn)
+        for block, slip, drawn in chosen
+    ]  # fmt: skip
+    return Figure(f"diagnosis_curves_{channel}", f"{channel} over slip, measured and computed", (tuple(panels),))
 
 
 def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
@@ -109,28 +105,26 @@ def _ranked_blocks(diagnosis: Diagnosis, channel: str) -> list[npt.NDArray[np.in
     return [block for block in blocks if len(block)]
 
 
-def _draw(
-    ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: Mapping[str, FloatArray], slip: str,
+def _panel(
+    rows: pd.DataFrame, measured: FloatArray, computed: Mapping[str, FloatArray], channel: str, slip: str,
     drawn: npt.NDArray[np.bool_],
-) -> None:  # fmt: skip
+) -> Panel:  # fmt: skip
     x = rows[slip].to_numpy() * per_si(slip)
     shown = np.flatnonzero(drawn)
     thin = shown[:: max(1, len(shown) // POINTS)]
-    ax.plot(x[thin], measured[thin], ".", ms=4, color="0.6", label="measured")
-    for (name, force), color, dashes in zip(computed.items(), ("C3", "C0"), ("--", "-"), strict=False):
+    series = [Series("points", x[thin], measured[thin], GRAY, "measured", marker=".", size=3.0)]
+    for (name, force), color, dashes in zip(computed.items(), (RED, BLUE), (DASHED, SOLID), strict=False):
         # NaN in rows that are not drawn: no line connects two sweeps.
-        ax.plot(x, np.where(drawn, force, np.nan), color=color, ls=dashes, lw=1.4, label=name)
+        series.append(Series("line", x, np.where(drawn, force, np.nan), color, name, dashes, size=1.4))
     rows = rows[drawn]
     other = {name: 1 for name in ("alpha", "kappa") if name in rows and name != slip}
     conditions = [
-        f"{LETTER.get(name, name)} {_level_text(rows[name], name, decimals)}"
+        f"{letter(name)} {_level_text(rows[name], name, decimals)}"
         for name, decimals in (other | CONDITIONS).items()
         if name in rows
     ]
-    ax.set_title("\n".join([", ".join(conditions[:3]), ", ".join(conditions[3:])]).strip(), fontsize=NOTE_SIZE)
-    ax.set_xlabel(f"{LETTER.get(slip, slip)} ({drawn_unit(slip)})")
-    ax.ticklabel_format(useOffset=False)
-    ax.tick_params(labelsize=NOTE_SIZE)
+    title = "\n".join([", ".join(conditions[:3]), ", ".join(conditions[3:])]).strip()
+    return Panel(axis_label(slip), axis_label(channel), tuple(series), title, y_axis="force", width=3.4, height=3.0)
 
 
 def _level_text(column: pd.Series, name: str, decimals: int) -> str:

@@ -7,8 +7,9 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.symbolic.quantities import ALPHA, KAPPA
-from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
-from tirefmu.tires.drawing.style import LEGEND_SIZE, LETTER, NOTE_SIZE, drawn_unit, per_si
+from tirefmu.tires.drawing.figure import Figure, Panel, Series
+from tirefmu.tires.drawing.labels import axis_label, drawn_unit, per_si
+from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, RED, SOLID
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
@@ -21,14 +22,13 @@ INTERVALS, MIN_ROWS, MIN_ROWS_OF_FORCE = 24, 10, 2
 #: Distance from the most frequent load of the rows whose force is drawn, as a share of the nominal load.
 LOAD_BAND = 0.08
 #: Directions of slip: label, sign of the growth, color, marker and dashes.
-DIRECTIONS = (("size of slip grows", 1.0, "C3", "o-"), ("falls", -1.0, "C0", "s--"))
+DIRECTIONS = (("size of slip grows", 1.0, RED, "o", SOLID), ("falls", -1.0, BLUE, "s", DASHED))
 #: Seconds over which the direction of slip is determined.
 SMOOTHED = 0.1
 
 
-@own_settings()
 def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
-    """Draw force and mean residual over the slip that varies most, by its direction, and states of the improved tire.
+    """Return force and mean residual over the slip that varies most, by its direction, and states of the improved tire.
 
     The force is that at the most frequent load, measured and of both tires; the residual is that of all rows.
 
@@ -40,37 +40,23 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 
     Returns
     -------
-    matplotlib.figure.Figure
+    Figure
     """
-    computed = _evaluated(diagnosis, diagnosis.tire)
-    states = [name for name in diagnosis.tire.states if np.ptp(computed[name]) > 0.0]
-    figure = Figure(figsize=(13.0, 7.6 + 1.5 * len(states)), layout="constrained")
-    grid = figure.add_gridspec(2 + len(states), 2, height_ratios=(2.8, 2.4, *(1.0 for _ in states)))
     slip = max((n for n in (ALPHA.name, KAPPA.name) if n in diagnosis.rows), key=lambda n: np.ptp(diagnosis.rows[n]))
     tires = ((diagnosis.base_tire, "baseline tire"), (diagnosis.tire, "improved tire"))
-    forces, residuals = ([figure.add_subplot(grid[row, i]) for i in range(2)] for row in range(2))
-    for axes in (forces, residuals):
-        axes[1].sharey(axes[0])
-    for force, residual, (tire, title) in zip(forces, residuals, tires, strict=True):
+    forces, residuals = [], []
+    for tire, title in tires:
         values = _evaluated(diagnosis, tire)[channel].to_numpy(dtype=np.float64)
-        _draw_forces(force, diagnosis, values, channel, slip)
-        _draw_residuals(residual, diagnosis, values, channel, slip)
-        force.set_title(title)
-        residual.set_xlabel(f"{LETTER[slip]} ({drawn_unit(slip)})")
-    forces[0].set_ylabel(f"{LETTER[channel]} ({drawn_unit(channel)})")
-    residuals[0].set_ylabel(f"mean residual of {LETTER[channel]} ({drawn_unit(channel)})")
-    for ax in forces:
-        ax.legend(fontsize=LEGEND_SIZE)
-    residuals[0].legend(fontsize=LEGEND_SIZE)
-    first: Axes | None = None
-    for i, name in enumerate(states):
-        ax = figure.add_subplot(grid[2 + i, :], sharex=first)
-        first = first or ax
-        ax.plot(diagnosis.rows["t"], computed[name], color="C0", lw=0.9)
-        ax.set_ylabel(f"{name}\n({_unit(diagnosis.tire, name)})", fontsize=NOTE_SIZE)
-    if first:
-        ax.set_xlabel("t (s)")
-    return figure
+        forces.append(_force_panel(diagnosis, values, channel, slip, title))
+        residuals.append(_residual_panel(diagnosis, values, channel, slip, title))
+    computed, t = _evaluated(diagnosis, diagnosis.tire), diagnosis.rows["t"]
+    states = [
+        Panel("t (s)", f"{name} ({_unit(diagnosis.tire, name)})", (Series("line", t, computed[name], size=0.9),),
+              x_axis="time", height=1.5)
+        for name in diagnosis.tire.states if np.ptp(computed[name]) > 0.0
+    ]  # fmt: skip
+    rows = (tuple(forces), tuple(residuals), *((panel,) for panel in states))
+    return Figure(f"memory_{channel}", f"{channel} by direction of slip, and states over time", rows)
 
 
 def _unit(tire: Tire, state: str) -> str:
@@ -83,8 +69,8 @@ def _evaluated(diagnosis: Diagnosis, tire: Tire) -> pd.DataFrame:
     return tire.evaluate(diagnosis.rows[inputs], signs=diagnosis.recording_signs)
 
 
-def _draw_forces(ax: Axes, diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str) -> None:
-    """Draw the mean force over slip at the most frequent load by direction, measured and of a tire."""
+def _force_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str, title: str) -> Panel:
+    """Return the mean force over slip at the most frequent load by direction, measured and of a tire."""
     rows = diagnosis.rows
     load = np.abs(rows["Fz"].to_numpy(dtype=np.float64))
     width = LOAD_BAND * diagnosis.tire.values["FNOMIN"]
@@ -92,28 +78,33 @@ def _draw_forces(ax: Axes, diagnosis: Diagnosis, computed: FloatArray, channel: 
     frequent = float(edges[count.argmax()]) + width / 2.0
     near = np.abs(load - frequent) <= width
     measured = rows[channel].to_numpy(dtype=np.float64)
-    values, lines, shown = np.where(np.isfinite(measured), computed, np.nan), [], []
-    for label, direction, color, style in DIRECTIONS:
-        centers, mean = _means(diagnosis, measured, slip, direction, near, MIN_ROWS_OF_FORCE)
-        ax.plot(centers, mean, style[0], ms=4, color=color, label=f"measured, {label}")
+    values = np.where(np.isfinite(measured), computed, np.nan)
+    points, lines, shown = [], [], []
+    for label, direction, color, marker, dashes in DIRECTIONS:
+        x, mean = _means(diagnosis, measured, slip, direction, near, MIN_ROWS_OF_FORCE)
+        points.append(Series("points", x, mean, color, f"measured, {label}", marker=marker, size=4.0))
         shown.append(mean)
         mean = _means(diagnosis, values, slip, direction, near, MIN_ROWS_OF_FORCE)[1]
-        lines.append((mean, style[1:], color, f"tire, {label}"))
-    if coincide(lines[0][0], lines[1][0], *shown):
-        mean = np.where(np.isfinite(lines[0][0]), lines[0][0], lines[1][0])
-        lines = [(mean, "-", "0.2", "tire, both directions")]
-    for mean, dashes, color, label in lines:
-        ax.plot(centers, mean, dashes, lw=1.3, color=color, label=label)
-    ax.text(0.98, 0.04, f"{LETTER['Fz']} near {frequent:.0f} N", transform=ax.transAxes, ha="right", fontsize=NOTE_SIZE)
+        lines.append(Series("line", x, mean, color, f"tire, {label}", dashes, size=1.3))
+    first, second = (line.points[1] for line in lines)
+    if coincide(first, second, *shown):
+        mean = np.where(np.isfinite(first), first, second)
+        lines = [Series("line", x, mean, BLACK, "tire, both directions", size=1.3)]
+    return Panel(
+        axis_label(slip), axis_label(channel), (*points, *lines), f"{title}, Fz near {frequent:.0f} N", y_axis="force",
+        height=2.8,
+    )  # fmt: skip
 
 
-def _draw_residuals(ax: Axes, diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str) -> None:
-    """Draw the mean residual over slip for rows whose slip grows and for rows whose slip falls."""
+def _residual_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, slip: str, title: str) -> Panel:
+    """Return the mean residual over slip for rows whose slip grows and for rows whose slip falls."""
     residual = diagnosis.rows[channel].to_numpy(dtype=np.float64) - computed
-    for label, direction, color, style in DIRECTIONS:
-        centers, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool), MIN_ROWS)
-        ax.plot(centers, mean, style, ms=3, lw=1.2, color=color, label=label)
-    ax.axhline(0.0, color="0.6", lw=0.8)
+    series = []
+    for label, direction, color, marker, dashes in DIRECTIONS:
+        x, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool), MIN_ROWS)
+        series.append(Series("line", x, mean, color, label, dashes, marker, size=1.2))
+    y = f"mean residual of {channel} ({drawn_unit(channel)})"
+    return Panel(axis_label(slip), y, tuple(series), title, across=(0.0,), y_axis="residual", height=2.4)
 
 
 def _means(

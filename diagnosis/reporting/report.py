@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,14 +12,14 @@ from markupsafe import Markup
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import DataError, path_from
+from tirefmu.tires.drawing.figure import Figure
 from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.drawing.shown_figure import shown_figure, shown_image
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
 from .curves_figure import curves_figure
 from .memory_figure import memory_figure
-from .residual_figure import draw_residual_location
+from .residual_figure import residual_location_figure
 
 #: The parts of a recording in the words of the page.
 ROWS = {"train": "fitted rows", "cv": "cross-validation", "holdout": "hold-out set"}
@@ -92,8 +91,6 @@ def report_page(
     -------
     str
     """
-    with tempfile.TemporaryDirectory() as folder:
-        maps = [shown_image(path) for path in _maps(diagnosis, Path(folder))]
     return page_text(
         "tirefmu.diagnosis.reporting",
         {
@@ -103,9 +100,9 @@ def report_page(
             "rating": {"green": "good", "amber": "limited", "red": "bad"}.__getitem__,
         },
         diagnosis=diagnosis,
-        maps=maps,
-        curves=[shown_figure(name, curves_figure(diagnosis, name)) for name in diagnosis.time_course],
-        memory=[shown_figure(name, memory_figure(diagnosis, name)) for name in _with_memory(diagnosis)],
+        maps=_maps(diagnosis),
+        curves=[shown for name in diagnosis.time_course if (shown := curves_figure(diagnosis, name)).panels],
+        memory=[memory_figure(diagnosis, name) for name in _with_memory(diagnosis)],
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
         simulated=simulated or {},
@@ -159,12 +156,12 @@ def _with_memory(diagnosis: Diagnosis) -> list[str]:
     return list(dict.fromkeys(channels))
 
 
-def _maps(diagnosis: Diagnosis, folder: Path) -> list[Path]:
-    """Draw the residual maps of each channel before and after, one file for each channel."""
-    drawn = []
+def _maps(diagnosis: Diagnosis) -> list[Figure]:
+    """Return the residual maps of each channel before and after."""
+    figures = []
     for channel, course in diagnosis.time_course.items():
         before, after = (
             [one for one in maps if one["channel"] == channel] for maps in (diagnosis.where, diagnosis.where_after)
         )
-        drawn.append(draw_residual_location(before, after, course, folder / f"{channel}.png"))
-    return drawn
+        figures.append(residual_location_figure(before, after, course, channel))
+    return figures

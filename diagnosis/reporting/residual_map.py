@@ -13,16 +13,10 @@ import pandas as pd
 from tirefmu.measurements import Recording, TableLike, levels, recording_from
 from tirefmu.symbolic.errors import DataError, nearest
 from tirefmu.tires import TireLike, tire_from
-from tirefmu.tires.drawing.own_matplotlib import (
-    Axes,
-    Figure,
-    Normalize,
-    Rectangle,
-    ScalarMappable,
-    colormaps,
-    own_settings,
-)
-from tirefmu.tires.drawing.style import LETTER, TITLE_SIZE, drawn_unit, per_si, png, write_footnote, write_whole
+from tirefmu.tires.drawing.figure import Cells, Figure, Panel, Series
+from tirefmu.tires.drawing.labels import axis_label, drawn_unit, note, per_si
+from tirefmu.tires.drawing.style import BLACK
+from tirefmu.tires.drawing.whole_file import write_whole
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
@@ -215,7 +209,6 @@ def _edges(values: pd.Series, name: str, bins: int | Mapping[str, npt.ArrayLike]
     return np.linspace(low, high, number + 1), none
 
 
-@own_settings()
 def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path) -> Path:
     """Draw maps side by side on one color scale, with the number of rows in each bin.
 
@@ -235,52 +228,52 @@ def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path
     DataError
         If there is no map, their channels or conventions differ, or the file cannot be written.
     """
-    if len({(shown.channel, shown.signs) for _, shown in maps}) != 1:
-        raise DataError("residual maps on one scale require one channel and one sign convention")
-    channel, signs = maps[0][1].channel, maps[0][1].signs
-    limit = max(shown.largest_mean for _, shown in maps) or 1.0
-    norm, colors = Normalize(-limit, limit), colormaps["RdBu_r"].with_extremes(bad="0.8")
-    figure = Figure(figsize=(1.2 + 6.0 * len(maps), 4.8), layout="constrained")
-    axes = figure.subplots(1, len(maps), squeeze=False)[0]
-    for ax, (title, shown) in zip(axes, maps, strict=True):
-        _draw_map(ax, title, shown, norm)
-        x, y = (edges * per_si(name) for edges, name in zip(shown.edges, shown.over, strict=True))
-        ax.pcolormesh(x, y, np.ma.masked_invalid(shown.mean.T), cmap=colors, norm=norm, ec="white", lw=0.3)
-    beyond = any(np.nanmax(np.abs(shown.mean)) > limit for _, shown in maps)  # in a bin of few rows
-    extend, unit = "both" if beyond else "neither", drawn_unit(channel)
-    label = f"mean residual of {LETTER[channel]}, measured minus computed ({unit})"
-    figure.colorbar(ScalarMappable(norm, colors), ax=list(axes), label=label, extend=extend, pad=0.01)
-    figure.suptitle(f"Residual of {LETTER[channel]}", fontweight="bold")
-    note = (
-        f"numbers: rows in the bin; gray: no data; frame: largest mean of the bins with {MIN_ROWS_OF_BIN} rows or more"
-    )
-    write_footnote(figure, signs, note)
+    from tirefmu.tires.drawing.picture import DPI, png  # imports matplotlib, which takes its time
+
+    image = png(residual_map_figure(maps), DPI)
     try:
-        return write_whole(Path(path), png(figure))
+        return write_whole(Path(path), image)
     except OSError as error:
         raise DataError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 
-def _draw_map(ax: Axes, title: str, shown: ResidualMap, norm: Normalize) -> None:
+def residual_map_figure(maps: Sequence[tuple[str, ResidualMap]]) -> Figure:
+    """Return the figure of `draw_residual_maps`.
+
+    Parameters
+    ----------
+    maps : sequence of (str, ResidualMap)
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    DataError
+        If there is no map, or their channels or conventions differ.
+    """
+    if len({(shown.channel, shown.signs) for _, shown in maps}) != 1:
+        raise DataError("residual maps on one scale require one channel and one sign convention")
+    channel, signs = maps[0][1].channel, maps[0][1].signs
+    limit = max(shown.largest_mean for _, shown in maps) or 1.0
+    text = (
+        f"numbers: rows in the bin; gray: no data; frame: largest mean of the bins with {MIN_ROWS_OF_BIN} rows or more"
+    )
+    panels = tuple(_map_panel(title, shown, limit) for title, shown in maps)
+    return Figure("residual_map", f"Residual of {channel}", (panels,), note(signs, text))
+
+
+def _map_panel(title: str, shown: ResidualMap, limit: float) -> Panel:
     worst, unit = shown.worst, drawn_unit(shown.channel)
     score = f"largest mean {worst.mean:.3g} {unit}, RMS of all rows {shown.total_rms:.3g} {unit}"
-    ax.set_title(f"{title}\n{score}", fontsize=TITLE_SIZE)
-    ax.set_facecolor("0.8")
-    scales = [per_si(name) for name in shown.over]
-    x, y = (edges * scale for edges, scale in zip(shown.edges, scales, strict=True))
-    labels = [f"{LETTER.get(name, name)} ({drawn_unit(name)})" for name in shown.over]
-    ax.set(xlabel=labels[0], ylabel=labels[1], xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-    for axis, steps, scale in zip((ax.xaxis, ax.yaxis), shown.steps, scales, strict=True):
-        if len(steps):
-            axis.set_ticks(steps * scale, [_tick(step) for step in steps * scale])
-    for i, j in np.argwhere(shown.counts > 0) if shown.counts.size <= _MAX_NUMBERS else ():
-        dark = abs(shown.mean[i, j]) > 0.6 * float(norm.vmax or 1.0)
-        middle = 0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])
-        ax.text(*middle, str(shown.counts[i, j]), ha="center", va="center", fontsize=6.5, color="w" if dark else "k")
+    x, y = (edges * per_si(name) for edges, name in zip(shown.edges, shown.over, strict=True))
+    label = f"mean residual of {shown.channel}, measured minus computed ({unit})"
     i, j = shown._worst
-    frame = Rectangle((x[i], y[j]), x[i + 1] - x[i], y[j + 1] - y[j], fill=False, ec="k", lw=1.6, zorder=3)
-    ax.add_patch(frame)
-
-
-def _tick(level: float) -> str:
-    return f"{level:.0f}" if abs(level) >= 100.0 else f"{round(level, 1) + 0.0:g}"  # + 0.0: no -0
+    frame = [x[i], x[i + 1], x[i + 1], x[i], x[i]], [y[j], y[j], y[j + 1], y[j + 1], y[j]]
+    first, second = map(axis_label, shown.over)
+    return Panel(
+        first, second, (Series("line", *frame, BLACK, size=1.6),), f"{title}\n{score}",
+        x_limits=(x[0], x[-1]), y_limits=(y[0], y[-1]),
+        cells=Cells(x, y, shown.mean, shown.counts, shown.counts.size <= _MAX_NUMBERS, limit, label),
+    )  # fmt: skip

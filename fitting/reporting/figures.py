@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,40 +13,32 @@ from tirefmu.measurements import TableLike
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import TireLike
-from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
-from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
-from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
-from tirefmu.tires.drawing.style import (
-    LETTER,
+from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
+from tirefmu.tires.drawing.labels import (
     LEVEL,
-    SHOWN,
-    TITLE_SIZE,
-    draw_line,
-    draw_points,
+    axis_label,
     drawn_unit,
-    finish,
     held_text,
     letter,
-    level_styles,
     level_text,
-    panels,
+    note,
     per_si,
-    place_legend,
-    some_of,
-    write_footnote,
 )
+from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
+from tirefmu.tires.drawing.style import BLUE, level_styles, some_of
 from tirefmu.tires.tire import Tire
 
 from ..evidence.curves import Comparison, Family, compare
 from ..results.fit_result import FitResult
-from ..results.intervals import band
+from ..results.intervals import band as confidence_band
 from ..results.records import quality
-from .captions import BANDS, data_text
-from .load_figures import friction_over_load, stiffness_over_load
+from .load_figures import BANDS, data_text, friction_over_load, stiffness_over_load
 from .profile_figure import profile_curves
 
 #: Longitudinal slips at which a weighting function is drawn over the slip angle, and points of such a curve.
 WEIGHTING_LEVELS, CURVE_POINTS = 5, 201
+#: Bins of a histogram of residuals.
+BINS = 80
 
 
 def draw_figures(
@@ -88,10 +81,11 @@ def draw_figures(
     DataError
         If a recording has no measured output.
     """
-    # All figures are rendered before the first is written: after a failure the folder is unchanged.
-    drawn = shown_figures(figures_of(tire, recordings, truth=truth, signs=signs))
+    from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which takes its time
+
+    figures = figures_of(tire, recordings, truth=truth, signs=signs)
     try:
-        return write_figures(drawn, Path(folder), prefix)
+        return write_figures(figures, Path(folder), prefix)
     except OSError as error:
         raise FitError(f"{folder}: figures cannot be written: {error.strerror or error}") from None
 
@@ -102,8 +96,8 @@ def figures_of(
     *,
     truth: Tire | None = None,
     signs: str | None = "iso",
-) -> dict[str, Figure]:
-    """Return the figures of `draw_figures` by name.
+) -> list[Figure]:
+    """Return the figures of `draw_figures`.
 
     Parameters
     ----------
@@ -112,7 +106,7 @@ def figures_of(
 
     Returns
     -------
-    dict of str to matplotlib.figure.Figure
+    list of Figure
 
     Raises
     ------
@@ -123,85 +117,81 @@ def figures_of(
     """
     fitted = tire if isinstance(tire, FitResult) and len(tire.prediction_covariance) else None
     comparison = compare(tire.tire if isinstance(tire, FitResult) else tire, recordings, signs)
-    drawn: dict[str, Figure | None] = {
-        "pure_Fx": _families(comparison, comparison.pure("Fx", "kappa"), "Pure longitudinal force", fitted),
-        "pure_Fy": _families(comparison, comparison.pure("Fy", "alpha"), "Pure side force", fitted),
-        "pure_Mz": _families(comparison, comparison.pure("Mz", "alpha"), "Aligning moment at pure side slip", fitted),
-        "combined": _families(comparison, comparison.combined(), "Forces at combined slip", fitted),
-        "weighting": _weighting(comparison),
-        "stiffness": stiffness_over_load(comparison, truth, fitted),
-        "friction": friction_over_load(comparison, fitted),
-        "residuals_over_inputs": residuals_over_inputs(
+    families = [
+        ("pure_Fx", "Pure longitudinal force", comparison.pure("Fx", "kappa")),
+        ("pure_Fy", "Pure side force", comparison.pure("Fy", "alpha")),
+        ("pure_Mz", "Aligning moment at pure side slip", comparison.pure("Mz", "alpha")),
+        ("combined", "Forces at combined slip", comparison.combined()),
+    ]
+    drawn = [
+        *(_families(comparison, found, name, title, fitted) for name, title, found in families if found),
+        _weighting(comparison),
+        stiffness_over_load(comparison, truth, fitted),
+        friction_over_load(comparison, fitted),
+        residuals_over_inputs(
             comparison.table, comparison.residuals(), comparison.signs, data_text(comparison, comparison.table)
         ),
-        "residuals": _residuals(comparison),
-        "profile_likelihood": profile_curves(tire) if isinstance(tire, FitResult) and tire.profiles else None,
-    }
-    return {name: figure for name, figure in drawn.items() if figure is not None}
+        _residuals(comparison),
+        profile_curves(tire) if isinstance(tire, FitResult) and tire.profiles else None,
+    ]
+    return [figure for figure in drawn if figure]
 
 
-@own_settings()
 def _families(
-    comparison: Comparison, families: Sequence[Family], title: str, fitted: FitResult | None
-) -> Figure | None:
+    comparison: Comparison, families: Sequence[Family], name: str, title: str, fitted: FitResult | None
+) -> Figure:
     """One panel for each family: measured points and curves of the tire."""
-    if not families:
-        return None
-    figure, axes = panels(len(families), title)
-    for ax, family in zip(axes, families, strict=True):
-        _draw_family(ax, comparison, family, fitted)
     rows = pd.concat([group.rows for family in families for group in family.groups])
-    note = "points: data; lines: the tire at the medians of each level's conditions" + BANDS * (fitted is not None)
-    write_footnote(figure, comparison.signs, note, data_text(comparison, rows))
-    return figure
+    text = "points: data; lines: the tire at the medians of each level's conditions" + BANDS * (fitted is not None)
+    panels = [_family_panel(comparison, family, fitted) for family in families]
+    return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)))
 
 
-def _draw_family(ax: Axes, comparison: Comparison, family: Family, fitted: FitResult | None) -> None:
+def _family_panel(comparison: Comparison, family: Family, fitted: FitResult | None) -> Panel:
     signs, channel, slip = comparison.signs, family.channel, family.slip
-    styled = list(zip(family.groups, level_styles(len(family.groups), family.by), strict=True))
-    for group, style in styled:
-        draw_points(ax, group.rows, slip, channel, style)
-    for group, style in styled:
-        curve = comparison.curve(group, slip)
-        draw_line(ax, curve[slip] * per_si(slip), curve[channel], style, level_text(family.by, group.level))
+    points, lines = [], []
+    for group, style in zip(family.groups, level_styles(len(family.groups), family.by), strict=True):
+        label = level_text(family.by, group.level)
+        points.append(measured(group.rows, slip, channel, style, label))
+        shown = comparison.curve(group, slip)
+        x = shown[slip] * per_si(slip)
         if fitted is not None:
-            found = band(fitted, channel, curve, signs)
-            x, color = curve[slip] * per_si(slip), style.color
-            ax.fill_between(x, found["lower"], found["upper"], color=color, alpha=0.25, lw=0.0)
+            interval = confidence_band(fitted, channel, shown, signs)
+            lines.append(band(x, interval["lower"], interval["upper"], style.color, label))
+        lines.append(curve(x, shown[channel], style, label))
     rows = pd.concat([group.rows for group in family.groups])
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
-    unit = drawn_unit(channel)
-    conditions = f"{LETTER[channel]} per {LEVEL[family.by]}, at {held_text(signs, family.held)}"
-    ax.set_title(f"{conditions}\nRMSE {rmse:.3g} {unit}, R² {r2:.4f}", fontsize=TITLE_SIZE)
-    finish(ax, slip, f"{LETTER[channel]} ({unit})")
-    place_legend(ax, f"{LEVEL[family.by]} {letter(signs, family.by)}")
+    conditions = f"{channel} per {LEVEL[family.by]}, at {held_text(signs, family.held)}"
+    return Panel(
+        axis_label(slip), axis_label(channel), (*points, *lines),
+        f"{conditions}\nRMSE {rmse:.3g} {drawn_unit(channel)}, R² {r2:.4f}",
+        f"{LEVEL[family.by]} {letter(family.by, signs)}", (0.0,), (0.0,),
+    )  # fmt: skip
 
 
-@own_settings()
 def _weighting(comparison: Comparison) -> Figure | None:
     """Weighting functions of combined slip over each slip, for levels of the other: figures 13 and 15 of the report."""
     book = comparison.tire.book
-    names = {
-        "Fx": (book.quantity("weighting_x"), r"$G_{x\alpha}$"),
-        "Fy": (book.quantity("weighting_y"), r"$G_{y\kappa}$"),
-    }
-    families = [family for family in comparison.combined() if family.by == "alpha"]
-    shown = [family for family in families if names[family.channel][0] in comparison.curve(family.groups[0], "kappa")]
-    if not shown:
-        return None
-    figure, axes = panels(2 * len(shown), "Weighting functions of combined slip")
-    for family, over_kappa, over_alpha in zip(shown, axes[::2], axes[1::2], strict=True):
+    names = {"Fx": (book.quantity("weighting_x"), "Gxα"), "Fy": (book.quantity("weighting_y"), "Gyκ")}
+    panels = []
+    for family in comparison.combined():
         name, symbol = names[family.channel]
-        curves = [(group.level, comparison.curve(group, "kappa")) for group in family.groups]
-        _draw_weighting(over_kappa, "kappa", "alpha", [(level, curve, curve[name]) for level, curve in curves])
-        curves = _over_alpha(comparison, family)
-        _draw_weighting(over_alpha, "alpha", "kappa", [(level, curve, curve[name]) for level, curve in curves])
-        for ax, per in ((over_kappa, "slip angle"), (over_alpha, "longitudinal slip")):
-            ax.set_title(f"{symbol} per {per}, at {held_text(comparison.signs, family.held)}", fontsize=TITLE_SIZE)
-            ax.set_ylabel(f"{symbol} (-)")
-    note = "weighting functions of the tire (positive for a valid tire) over the measured slip range; not measurable"
-    write_footnote(figure, comparison.signs, note)
-    return figure
+        over_kappa = [(group.level, comparison.curve(group, "kappa")) for group in family.groups]
+        if family.by != "alpha" or name not in over_kappa[0][1]:
+            continue
+        over_alpha = _over_alpha(comparison, family)
+        for slip, by, curves in (("kappa", "alpha", over_kappa), ("alpha", "kappa", over_alpha)):
+            styled = zip(curves, level_styles(len(curves), by), strict=True)
+            lines = [
+                curve(shown[slip] * per_si(slip), shown[name], style, level_text(by, level))
+                for (level, shown), style in styled
+            ]
+            title = f"{symbol} per {LEVEL[by]}, at {held_text(comparison.signs, family.held)}"
+            legend = f"{LEVEL[by]} {letter(by)}"
+            panels.append(Panel(axis_label(slip), f"{symbol} (-)", tuple(lines), title, legend, (0.0, 1.0), (0.0,)))
+    text = "weighting functions of the tire (positive for a valid tire) over the measured slip range; not measurable"
+    title = "Weighting functions of combined slip"
+    return Figure("weighting", title, in_rows(panels), note(comparison.signs, text)) if panels else None
 
 
 def _over_alpha(comparison: Comparison, family: Family) -> list[tuple[float, pd.DataFrame]]:
@@ -212,52 +202,38 @@ def _over_alpha(comparison: Comparison, family: Family) -> list[tuple[float, pd.
     return [(level, comparison.over(rows, {"alpha": grid, "kappa": np.full(len(grid), level)})) for level in levels]
 
 
-def _draw_weighting(ax: Axes, slip: str, by: str, curves: Sequence[tuple[float, pd.DataFrame, pd.Series]]) -> None:
-    for (level, curve, values), style in zip(curves, level_styles(len(curves), by), strict=True):
-        draw_line(ax, curve[slip] * per_si(slip), values, style, level_text(by, level))
-    finish(ax, slip, "")
-    ax.axhline(1.0, color="0.3", lw=0.8, ls=":")
-    place_legend(ax, f"{LEVEL[by]} {LETTER[by]}")
-
-
-@own_settings()
 def _residuals(comparison: Comparison) -> Figure:
     """Residuals over time and their histogram, for each recording and measured channel."""
     table = comparison.table
-    parts = [
-        (source, channel, rows)
-        for number, source in enumerate(comparison.sources)
-        for channel in comparison.channels
-        if len(rows := table[(table["recording"] == number) & table[channel].notna()])
-    ]
-    figure = Figure(figsize=(11, 1.0 + 1.65 * len(parts)), layout="constrained")
-    figure.suptitle("Residuals: data minus tire", fontweight="bold")
-    grid = figure.subplots(len(parts), 2, squeeze=False, sharey="row", width_ratios=(5, 1))
-    for (over_time, spread), (source, channel, rows) in zip(grid, parts, strict=True):
-        _draw_residual(over_time, spread, source, channel, rows)
-    grid[-1, 1].set_xlabel("number of rows")
-    note = "the axes contain 99.9 % of the rows"
-    write_footnote(figure, comparison.signs, note, data_text(comparison, table))
-    return figure
+    rows = []
+    for number, source in enumerate(comparison.sources):
+        for channel in comparison.channels:
+            part = table[(table["recording"] == number) & table[channel].notna()]
+            if len(part):
+                rows.append(_residual_panels(number, source, channel, part))
+    text = "the axes contain 99.9 % of the rows"
+    notes = note(comparison.signs, text, data_text(comparison, table))
+    return Figure("residuals", "Residuals: data minus tire", tuple(rows), notes)
 
 
-def _draw_residual(over_time: Axes, spread: Axes, source: str, channel: str, rows: pd.DataFrame) -> None:
+def _residual_panels(number: int, source: str, channel: str, rows: pd.DataFrame) -> tuple[Panel, Panel]:
     residual = (rows[channel] - rows[f"{channel}_fit"]).rename("residual")
     clocked = "t" in rows and bool(rows["t"].notna().all())
     clock = rows["t"].to_numpy() if clocked else np.arange(len(rows))
-    few = some_of(residual.to_frame().assign(clock=clock), 3 * SHOWN)
-    over_time.plot(
-        few["clock"], few["residual"], ".", ms=2.0 if len(few) > SHOWN else 3.5, mew=0.0, color="C0", alpha=0.5
-    )
-    over_time.set_xlabel("time (s)" if clocked else "row")
+    few = some_of(residual.to_frame().assign(clock=clock))
+    points = Series("points", few["clock"], few["residual"], BLUE, marker=".", size=2.5, opacity=0.5)
     limit = 1.15 * float(np.quantile(residual.abs(), 0.999)) or 1.0
-    over_time.set_ylim(-limit, limit)
-    spread.hist(residual, bins=80, range=(-limit, limit), orientation="horizontal", color="C0", alpha=0.7)
+    counts, edges = np.histogram(residual, BINS, (-limit, limit))
+    outline = np.repeat(counts, 2), np.repeat(edges, 2)[1:-1]
+    histogram = Series("band", [0, *outline[0], 0], [-limit, *outline[1], limit], BLUE, opacity=0.7)
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
-    unit = drawn_unit(channel)
+    unit, label = drawn_unit(channel), axis_label(channel)
     score = f"mean {residual.mean():.3g} {unit}, RMSE {rmse:.3g} {unit}, R² {r2:.4f}"
-    over_time.set_title(f"{figure_text(source)}, {LETTER[channel]}: {score}", fontsize=TITLE_SIZE)
-    over_time.set_ylabel(f"{LETTER[channel]} ({unit})")
-    for ax in (over_time, spread):
-        ax.axhline(0.0, color="k", lw=0.8)
-        ax.grid(alpha=0.3)
+    shared: dict[str, Any] = {
+        "across": (0.0,), "y_limits": (-limit, limit), "y_axis": f"{number} {channel}", "height": 1.65,
+    }  # fmt: skip
+    title = f"{figure_text(source)}, {channel}: {score}"
+    return (
+        Panel("time (s)" if clocked else "row", label, (points,), title, x_axis=f"{number}", width=8.5, **shared),
+        Panel("number of rows", label, (histogram,), x_limits=(0.0, None), width=2.0, **shared),
+    )  # fmt: skip

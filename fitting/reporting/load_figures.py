@@ -2,37 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW
-from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
-from tirefmu.tires.drawing.style import (
-    LETTER,
-    TITLE_SIZE,
-    draw_line,
-    finish,
-    held_text,
-    letter,
-    level_styles,
-    level_text,
-    panels,
-    per_si,
-    place_legend,
-    stiffness_unit,
-    write_footnote,
-)
+from tirefmu.measurements import levels
+from tirefmu.symbolic.escaping import figure_text
+from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows
+from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
+from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
 from tirefmu.tires.tire import Tire
 
 from ..evidence.curves import Comparison, Family, Group
 from ..results.fit_result import FitResult
-from ..results.intervals import band
-from .captions import BANDS, data_text
+from ..results.intervals import band as confidence_band
 
+#: Recordings listed below a figure.
+MOST_SOURCES = 30
+BANDS = "; bands: 95 % confidence intervals under noise that is correlated in time"
 #: Most parts of the slip range of a measured friction, and the smallest number of rows of a part.
 FRICTION_PARTS, FRICTION_ROWS = 25, 5
 #: Loads at which stiffnesses are evaluated, loads and slips at which the friction is.
@@ -43,90 +33,92 @@ BEYOND = 1.25
 FloatArray = npt.NDArray[np.float64]
 
 
-@own_settings()
+def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
+    """Return the recordings of the rows and their inflation pressures as a text."""
+    numbers = sorted(set(rows["recording"].tolist()))
+    sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
+    text = f"data: {', '.join(sources[:MOST_SOURCES])}"
+    if len(sources) > MOST_SOURCES:
+        text += f" and {len(sources) - MOST_SOURCES} more"
+    if "p" not in rows or rows["p"].isna().all():
+        return text
+    held = [f"{level / 1000.0:.0f}" for level in levels(rows["p"])]
+    span = " to ".join(f"{value / 1000.0:.0f}" for value in (rows["p"].min(), rows["p"].max()))
+    return f"{text}; inflation pressure {', '.join(held) or span} kPa"
+
+
 def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
     """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
     book = comparison.tire.book
-    kinds = [
-        (channel, slip, book.quantity(f"stiffness_{channel[1]}"), book.quantity(f"slope_{channel[1]}"))
-        for channel, slip in (("Fx", "kappa"), ("Fy", "alpha"))
-    ]
-    shown: list[Family] = []
-    draws: list[Callable[[Axes], None]] = []
+    panels: list[Panel] = []
+    rows: list[pd.DataFrame] = []
     held_constant = False
-    for channel, slip, stiffness, slope in kinds:
-        families = comparison.pure(channel, slip)
-        if not families:
-            continue
-        family = families[0]
-        known = comparison.curve(family.groups[0], slip)
-        if stiffness in known:
-            draws.append(partial(_draw_stiffness, comparison, family, stiffness, truth, fitted))
-        draws.append(partial(_draw_slopes, comparison, family, slope, truth))
-        held_constant |= slope in known
-        shown.append(family)
-    if not draws:
+    for channel, slip in (("Fx", "kappa"), ("Fy", "alpha")):
+        for family in comparison.pure(channel, slip)[:1]:
+            stiffness, slope = (book.quantity(f"{kind}_{channel[1]}") for kind in ("stiffness", "slope"))
+            known = comparison.curve(family.groups[0], slip)
+            if stiffness in known:
+                panels.append(_stiffness_panel(comparison, family, stiffness, truth, fitted))
+            panels.append(_slopes_panel(comparison, family, slope, truth))
+            held_constant |= slope in known
+            rows += [group.rows for group in family.groups]
+    if not panels:
         return None
-    figure, axes = panels(len(draws), "Slip stiffness")
-    for ax, draw in zip(axes, draws, strict=True):
-        draw(ax)
     window = f"±{np.degrees(SLOPE_WINDOW['alpha']):g} deg or ±{SLOPE_WINDOW['kappa']:g}"
-    note = (
+    text = (
         f"points: slope of the data at zero slip, read without a tire (robust local cubic within {window}); "
         f"slope over slip: of the pure curve{', E held constant' * held_constant}, positive at zero"
     )
-    note += BANDS * (fitted is not None)
     dashed = ["black, dashed: the true tire"] if truth is not None else []
-    rows = pd.concat([group.rows for family in shown for group in family.groups])
-    write_footnote(figure, comparison.signs, note, *dashed, data_text(comparison, rows))
-    return figure
+    sources = data_text(comparison, pd.concat(rows))
+    text = note(comparison.signs, text + BANDS * (fitted is not None), *dashed, sources)
+    return Figure("stiffness", "Slip stiffness", in_rows(panels), text)
 
 
-def _draw_stiffness(
-    comparison: Comparison, family: Family, quantity: str, truth: Tire | None, fitted: FitResult | None, ax: Axes
-) -> None:
-    sign = float(np.sign(family.groups[0].level))
+def _stiffness_panel(
+    comparison: Comparison, family: Family, quantity: str, truth: Tire | None, fitted: FitResult | None
+) -> Panel:
+    sign, scale = float(np.sign(family.groups[0].level)), per_si(family.slip)
     measured = [abs(group.level) for group in family.groups]
     loads = _loads(measured, STIFFNESS_LOADS)
     rows = pd.concat([group.rows for group in family.groups]).assign(**{family.slip: 0.0})
-    curve = comparison.along(rows, "Fz", sign * loads)
-    stiffness = curve[quantity].abs() / per_si(family.slip)
-    _draw_over_load(ax, loads, stiffness.to_numpy(), measured)
+    over_load = comparison.along(rows, "Fz", sign * loads)
+    half = None
     if fitted is not None:
-        half = 1.96 * band(fitted, quantity, curve, comparison.signs)["error"] / per_si(family.slip)
-        ax.fill_between(loads, stiffness - half, stiffness + half, color="C0", alpha=0.25, lw=0.0)
+        half = 1.96 * confidence_band(fitted, quantity, over_load, comparison.signs)["error"].to_numpy() / scale
+    series = _over_load(loads, over_load[quantity].abs().to_numpy() / scale, half, measured)
     if truth is not None:
-        true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs() / per_si(family.slip)
-        ax.plot(loads, true, color="k", lw=1.2, ls="--", label="true tire")
+        true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs() / scale
+        series.append(Series("line", loads, true, BLACK, "true tire", DASHED, size=1.2))
     read = np.array(comparison.slopes_at_zero(family)).reshape(-1, 2)
-    slopes = read[:, 1] / per_si(family.slip)
     if len(read):
-        ax.plot(read[:, 0], slopes, "o", color="C3", ms=6, mec="white", label="slope of the data")
-    symbol = {"kappa": r"$|K_{x\kappa}|$", "alpha": r"$|K_{y\alpha}|$"}[family.slip]
-    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=TITLE_SIZE)
-    ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)")
-    ax.set(ylabel=f"{symbol} ({stiffness_unit(family.slip)})", xlim=(0.0, loads[-1]))
-    ax.set_ylim(bottom=0.0)
-    ax.grid(alpha=0.3)
-    place_legend(ax)
+        series.append(_read(read[:, 0], read[:, 1] / scale, "slope of the data"))
+    symbol = {"kappa": "|Kxκ|", "alpha": "|Kyα|"}[family.slip]
+    return Panel(
+        f"load {letter('Fz', comparison.signs)} (N)", f"{symbol} ({stiffness_unit(family.slip)})", tuple(series),
+        f"{symbol} over load, {held_text(comparison.signs, family.held)}",
+        x_limits=(0.0, loads[-1]), y_limits=(0.0, None),
+    )  # fmt: skip
 
 
-def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: Tire | None, ax: Axes) -> None:
+def _slopes_panel(comparison: Comparison, family: Family, quantity: str, truth: Tire | None) -> Panel:
     scale = per_si(family.slip)
+    series = []
     for group, style in zip(family.groups, level_styles(len(family.groups), "Fz"), strict=True):
-        curve = comparison.curve(group, family.slip)
-        x, slope = curve[family.slip].to_numpy(), _slopes(curve, family, quantity)
+        shown = comparison.curve(group, family.slip)
+        x, slope = shown[family.slip].to_numpy(), _slopes(shown, family, quantity)
         # Positive where the force grows in magnitude with the slip, in every convention.
         sign = np.sign(slope[np.abs(x).argmin()])
-        draw_line(ax, x * scale, sign * slope / scale, style, level_text("Fz", group.level))
+        series.append(curve(x * scale, sign * slope / scale, style, level_text("Fz", group.level)))
         if truth is not None:
             true = _slopes(comparison.curve(group, family.slip, truth), family, quantity)
-            ax.plot(x * scale, sign * true / scale, "k--", lw=0.8, zorder=4)
-    force, slip = LETTER[family.channel].strip("$"), LETTER[family.slip].strip("$")
-    held = held_text(comparison.signs, family.held)
-    ax.set_title(f"slope over {LETTER[family.slip]} per load, {held}", fontsize=TITLE_SIZE)
-    finish(ax, family.slip, rf"$\partial {force} / \partial {slip}$ ({stiffness_unit(family.slip)})")
-    place_legend(ax, f"load {letter(comparison.signs, 'Fz')}")
+            series.append(Series("line", x * scale, sign * true / scale, BLACK, dashes=DASHED, size=0.8))
+    slip = letter(family.slip)
+    return Panel(
+        axis_label(family.slip), f"∂{family.channel} / ∂{slip} ({stiffness_unit(family.slip)})",
+        tuple(series), f"slope over {slip} per load, {held_text(comparison.signs, family.held)}",
+        f"load {letter('Fz', comparison.signs)}", (0.0,), (0.0,),
+    )  # fmt: skip
 
 
 def _slopes(curve: pd.DataFrame, family: Family, quantity: str) -> FloatArray:
@@ -144,33 +136,41 @@ def _loads(measured: Sequence[float], points: int) -> FloatArray:
     return np.unique(np.append(loads, [min(measured), max(measured)]))
 
 
-def _draw_over_load(ax: Axes, loads: FloatArray, values: FloatArray, measured: Sequence[float]) -> None:
-    """Draw a quantity of the tire; beyond the measured loads, where no data support it, dotted and thinner."""
+def _over_load(
+    loads: FloatArray, values: FloatArray, half: FloatArray | None, measured: Sequence[float]
+) -> list[Series]:
+    """Return a quantity of the tire with its interval; beyond the measured loads, without data, dotted and thinner."""
     low, high = min(measured), max(measured)
     inside, strictly = (loads >= low) & (loads <= high), (loads > low) & (loads < high)
-    ax.plot(loads, np.where(inside, values, np.nan), color="C0", lw=2, label="tire")
-    ax.plot(loads, np.where(strictly, np.nan, values), color="C0", lw=1.2, ls=":", label="beyond the\nmeasured loads")
+    return [
+        *([] if half is None else [band(loads, values - half, values + half, BLUE)]),
+        Series("line", loads, np.where(inside, values, np.nan), BLUE, "tire", size=2.0),
+        Series("line", loads, np.where(strictly, np.nan, values), BLUE, "beyond the\nmeasured loads", DOTTED, size=1.2),
+    ]
 
 
-@own_settings()
+def _read(loads: npt.ArrayLike, values: npt.ArrayLike, label: str) -> Series:
+    """Return values that were read from the data."""
+    return Series("points", loads, values, RED, label, marker="o", size=6.0)
+
+
 def friction_over_load(comparison: Comparison, fitted: FitResult | None) -> Figure | None:
     """Largest force over load within the measured slip range, of the data and of the tire."""
-    families = [comparison.pure(channel, slip)[:1] for channel, slip in (("Fx", "kappa"), ("Fy", "alpha"))]
-    shown = [family for found in families for family in found]
-    if not shown:
+    families = [*comparison.pure("Fx", "kappa")[:1], *comparison.pure("Fy", "alpha")[:1]]
+    if not families:
         return None
-    figure, axes = panels(len(shown), "Friction")
-    for ax, family in zip(axes, shown, strict=True):
-        _draw_friction(ax, comparison, family, fitted)
-    note = "points: largest median of |force| / load of the data over parts of the slip range; line: the tire over the "
-    note += "slip range of all loads; points are below it where the data do not reach the peak, "
-    note += "and slightly above under noise, as the largest of several medians"
-    rows = pd.concat([group.rows for family in shown for group in family.groups])
-    write_footnote(figure, comparison.signs, note + BANDS * (fitted is not None), data_text(comparison, rows))
-    return figure
+    text = (
+        "points: largest median of |force| / load of the data over parts of the slip range; line: the tire over the "
+        "slip range of all loads; points are below it where the data do not reach the peak, "
+        "and slightly above under noise, as the largest of several medians"
+    )
+    rows = pd.concat([group.rows for family in families for group in family.groups])
+    text = note(comparison.signs, text + BANDS * (fitted is not None), data_text(comparison, rows))
+    panels = [_friction_panel(comparison, family, fitted) for family in families]
+    return Figure("friction", "Friction", in_rows(panels), text)
 
 
-def _draw_friction(ax: Axes, comparison: Comparison, family: Family, fitted: FitResult | None) -> None:
+def _friction_panel(comparison: Comparison, family: Family, fitted: FitResult | None) -> Panel:
     channel, slip = family.channel, family.slip
     measured = [(abs(group.level), _largest_friction(group, family)) for group in family.groups]
     rows = pd.concat([group.rows for group in family.groups])
@@ -181,19 +181,18 @@ def _draw_friction(ax: Axes, comparison: Comparison, family: Family, fitted: Fit
     curves = comparison.over(rows, grid)
     largest = curves[channel].abs().to_numpy().reshape(len(loads), -1).argmax(axis=1)
     peaks = curves.iloc[np.arange(len(loads)) * len(slips) + largest]
-    friction = peaks[channel].abs().to_numpy() / loads
-    _draw_over_load(ax, loads, friction, [load for load, _ in measured])
+    half = None
     if fitted is not None:
-        half = 1.96 * band(fitted, channel, peaks, comparison.signs)["error"].to_numpy() / loads
-        ax.fill_between(loads, friction - half, friction + half, color="C0", alpha=0.25, lw=0.0)
+        half = 1.96 * confidence_band(fitted, channel, peaks, comparison.signs)["error"].to_numpy() / loads
+    series = _over_load(loads, peaks[channel].abs().to_numpy() / loads, half, [load for load, _ in measured])
     read = [(load, value) for load, value in measured if np.isfinite(value)]
     if read:
-        ax.plot(*np.transpose(read), "o", color="C3", ms=6, mec="white", label="data")
-    symbol = f"largest |{LETTER[channel]}| / |{LETTER['Fz']}|"
-    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=TITLE_SIZE)
-    ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)", ylabel=f"{symbol} (-)", xlim=(0.0, loads[-1]))
-    ax.grid(alpha=0.3)
-    place_legend(ax)
+        series.append(_read([load for load, _ in read], [value for _, value in read], "data"))
+    symbol = f"largest |{channel}| / |Fz|"
+    return Panel(
+        f"load {letter('Fz', comparison.signs)} (N)", f"{symbol} (-)", tuple(series),
+        f"{symbol} over load, {held_text(comparison.signs, family.held)}", x_limits=(0.0, loads[-1]),
+    )  # fmt: skip
 
 
 def _largest_friction(group: Group, family: Family) -> float:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from tirefmu.tires.drawing.own_matplotlib import Figure, own_settings
-from tirefmu.tires.drawing.style import panels, write_footnote
+from tirefmu.tires.drawing.figure import Figure, Panel, Series, in_rows
+from tirefmu.tires.drawing.labels import note
+from tirefmu.tires.drawing.style import BLUE, DASHED, ORANGE
 
 from ..evidence.uncertainty import QUANTILE
 from ..results.fit_result import FitResult
+from ..results.resampled import Profile
 
 
-@own_settings()
 def profile_curves(result: FitResult) -> Figure:
     """Return a figure with a panel for each profile of a fit.
 
@@ -19,23 +20,25 @@ def profile_curves(result: FitResult) -> Figure:
     ----------
     result : FitResult
         With profiles.
+
+    Returns
+    -------
+    Figure
     """
-    figure, axes = panels(len(result.profiles), "Profile likelihood")
     half = {one.name: one.interval for one in result.coefficients}
-    for axis, profile in zip(axes, result.profiles, strict=True):
-        axis.plot(profile.values, profile.deviances, ".-", label="profile")
-        if np.isfinite(half[profile.name]) and half[profile.name] > 0.0:
-            dense = np.linspace(profile.values[0], profile.values[-1], 100)
-            deviations = QUANTILE * (dense - profile.value) / half[profile.name]
-            axis.plot(dense, deviations**2, "--", label="standard error")
-        axis.axhline(QUANTILE**2, color="0.5", linewidth=0.8)
-        for end in (profile.lower, profile.upper):
-            if np.isfinite(end):
-                axis.axvline(end, color="0.5", linewidth=0.8)
-        axis.set_xlabel(profile.name + ("" if profile.unit == "1" else f" ({profile.unit})"))
-        axis.set_ylabel("deviance (-)")
-        axis.set_ylim(0.0, 8.0)
-        axis.legend(loc="upper center")
-        axis.grid(alpha=0.3)
-    write_footnote(figure, result.signs, f"the 95 % interval ends at a deviance of {QUANTILE**2:.2f}")
-    return figure
+    panels = [_panel(profile, half[profile.name]) for profile in result.profiles]
+    text = note(result.signs, f"the 95 % interval ends at a deviance of {QUANTILE**2:.2f}")
+    return Figure("profile_likelihood", "Profile likelihood", in_rows(panels), text)
+
+
+def _panel(profile: Profile, half: float) -> Panel:
+    series = [Series("line", profile.values, profile.deviances, BLUE, "profile", marker="o")]
+    if np.isfinite(half) and half > 0.0:
+        dense = np.linspace(profile.values[0], profile.values[-1], 100)
+        quadratic = (QUANTILE * (dense - profile.value) / half) ** 2
+        series.append(Series("line", dense, quadratic, ORANGE, "standard error", DASHED))
+    ends = tuple(float(end) for end in (profile.lower, profile.upper) if np.isfinite(end))
+    unit = "" if profile.unit == "1" else f" ({profile.unit})"
+    return Panel(
+        f"{profile.name}{unit}", "deviance (-)", tuple(series), across=(QUANTILE**2,), upright=ends, y_limits=(0.0, 8.0)
+    )

@@ -12,8 +12,8 @@ import pandas as pd
 from tirefmu.measurements import Finding, TableLike, recordings_from
 from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import FitError, path_from
+from tirefmu.tires.drawing.figure import Figure
 from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.drawing.shown_figure import ShownFigure, shown_figures
 
 from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
@@ -39,7 +39,7 @@ def write_report(
     result: FitResult,
     recordings: TableLike | Iterable[TableLike],
     path: str | Path,
-    figures: Sequence[ShownFigure] | None = None,
+    figures: Sequence[Figure] | None = None,
     *,
     findings: Sequence[Finding] = (),
     command: str = "",
@@ -52,8 +52,8 @@ def write_report(
     recordings : path, DataFrame or Recording, or a sequence of them
         The fitted recordings, for the figures and the provenance.
     path : str or Path
-    figures : sequence of ShownFigure, optional
-        The rendered `figures_of` them; otherwise they are drawn, which takes seconds.
+    figures : sequence of Figure, optional
+        `figures_of` them; made if absent.
     findings : sequence of Finding
         About the data, and about what the tire leaves in the residual.
     command : str
@@ -66,15 +66,15 @@ def write_report(
     """
     path = path_from(path)
     given = recordings_from(recordings)
-    images = shown_figures(figures_of(result, given)) if figures is None else figures
+    shown = figures_of(result, given) if figures is None else figures
     try:
-        write_page(report_page(result, images, provenance(given, command), findings), path)
+        write_page(report_page(result, shown, provenance(given, command), findings), path)
     except OSError as error:
         raise FitError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 def report_page(
-    result: FitResult, images: Sequence[ShownFigure], origin: Sequence[tuple[str, str]] = (),
+    result: FitResult, figures: Sequence[Figure], origin: Sequence[tuple[str, str]] = (),
     findings: Sequence[Finding] = (),
 ) -> str:  # fmt: skip
     """Return the page's text.
@@ -82,7 +82,7 @@ def report_page(
     Parameters
     ----------
     result : FitResult
-    images : sequence of ShownFigure
+    figures : sequence of Figure
     origin : sequence of (str, str)
         The provenance.
     findings : sequence of Finding
@@ -101,7 +101,7 @@ def report_page(
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
     largest = [each for each in errors if each[2]]
     return page_text(
-        "tirefmu.fitting.reporting", filters, result=result, images=images, largest=largest, findings=findings,
+        "tirefmu.fitting.reporting", filters, result=result, figures=figures, largest=largest, findings=findings,
         differences=significant_differences(result), significant=SIGNIFICANT,
         intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
         bootstrap=bootstrap_summary(result.bootstrap) if result.bootstrap else "",

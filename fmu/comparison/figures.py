@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,17 +11,18 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import figure_text
-from tirefmu.tires.drawing.own_matplotlib import Axes, Figure, own_settings
-from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
-from tirefmu.tires.drawing.style import LEGEND_SIZE, TITLE_SIZE
+from tirefmu.tires.drawing.figure import Figure, Panel, Series
+from tirefmu.tires.drawing.labels import note
+from tirefmu.tires.drawing.style import BLACK, BLUE, GRAY, RED
 
 from .result import Channel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 
-DATA, MODEL, ERROR = "0.65", "tab:blue", "tab:red"
-#: Size of markers in a legend, points.
-LEGEND_MARKER = 5.0
+#: Segments are separated by lines if they are no more.
+MOST_SEPARATED = 50
+#: Rows from which points are small.
+MANY = 1000
 
 
 def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: str = "") -> list[Path]:
@@ -57,14 +59,16 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     >>> [path.name for path in draw_check(result, "figures")]
     ['Fy.png']
     """
+    from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which takes its time
+
     try:
-        return write_figures(shown_figures(check_figures(result)), Path(folder), prefix)
+        return write_figures(check_figures(result), Path(folder), prefix)
     except OSError as error:
         raise FmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
-def check_figures(result: CheckResult) -> dict[str, Figure]:
-    """Return the figures of `draw_check` by channel.
+def check_figures(result: CheckResult) -> list[Figure]:
+    """Return the figures of `draw_check`.
 
     Parameters
     ----------
@@ -72,26 +76,28 @@ def check_figures(result: CheckResult) -> dict[str, Figure]:
 
     Returns
     -------
-    dict of str to matplotlib.figure.Figure
+    list of Figure
     """
-    return {channel.name: _figure(result, channel) for channel in result.channels}
+    return [_figure(result, channel) for channel in result.channels]
 
 
-@own_settings()
 def _figure(result: CheckResult, channel: Channel) -> Figure:
-    figure = Figure(figsize=(11.0, 6.0), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each started in steady state"
     names = f"{figure_text(result.fmu)} against {figure_text(result.source)}"
-    figure.suptitle(f"{names}: {channel.name}, {segments}", fontsize=11)
-    _draw_values(above, result, channel)
-    _draw_errors(below, result, channel)
-    for ax in (above, below):
-        ax.grid(alpha=0.3)
-        for start in result.starts[1:] if result.segments <= 50 else ():
-            ax.axvline(_time(result)[start], color="0.5", lw=0.6, ls=":")
-    below.set_xlabel("time simulated (s), without the gaps between segments; ISO signs")
-    return figure
+    unit = figure_text(channel.unit)
+    score = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
+    time = _time(result)
+    starts = tuple(float(time[start]) for start in result.starts[1:]) if result.segments <= MOST_SEPARATED else ()
+    x = "time without the gaps between segments (s)"
+    above = Panel(
+        x, f"{channel.name} ({unit})", tuple(_values(result, channel, time)), score, upright=starts, x_axis="time",
+        width=10.0, height=3.4,
+    )  # fmt: skip
+    below = Panel(
+        x, f"FMU - data ({unit})", tuple(_errors(result, channel, time)), across=(0.0,), upright=starts, x_axis="time",
+        width=10.0, height=1.7,
+    )  # fmt: skip
+    return Figure(channel.name, f"{names}: {channel.name}, {segments}", ((above,), (below,)), note("iso"))
 
 
 def _segments(result: CheckResult) -> list[slice]:
@@ -106,41 +112,30 @@ def _time(result: CheckResult) -> FloatArray:
     return np.cumsum(steps)
 
 
-def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
-    """Draw the data as dots and the FMU as one line per segment."""
-    time, data = _time(result), result.recording[channel.name].to_numpy()
-    ax.plot(time, data, ".", ms=1.2 if len(time) > 1000 else 4.0, color=DATA, label="data")
-    for i, rows in enumerate(_segments(result)):
-        shown = result.simulated[channel.name].to_numpy()[rows]
-        marker = "." if len(shown) == 1 else ""
-        ax.plot(time[rows], shown, marker=marker, color=MODEL, lw=0.9, label="FMU" if i == 0 else None)
-    unit = figure_text(channel.unit)
-    title = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
-    ax.set_title(title, fontsize=TITLE_SIZE, loc="left")
-    ax.set_ylabel(f"{channel.name} ({unit})")
-    _add_legend(ax)
+def _values(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator[Series]:
+    """Yield the data as dots and the FMU as a line that is interrupted between segments."""
+    data, simulated = (table[channel.name].to_numpy() for table in (result.recording, result.simulated))
+    yield Series("points", time, data, GRAY, "data", marker="s", size=1.5 if len(time) > MANY else 4.0)
+    segments = _segments(result)
+    last = [segment.stop for segment in segments]
+    alone = all(segment.stop - segment.start == 1 for segment in segments)
+    line = np.insert(time, last, np.nan), np.insert(simulated, last, np.nan)
+    yield Series("line", *line, BLUE, "FMU", marker="." if alone else "", size=0.9)
 
 
-def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
-    time, data = _time(result), result.recording[channel.name].to_numpy()
-    error = result.simulated[channel.name].to_numpy() - data
-    ax.plot(time, error, ".", ms=1.2 if len(time) > 1000 else 4.0, color=ERROR, label="FMU - data")
-    for i, rows in enumerate(_segments(result)):
+def _errors(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator[Series]:
+    """Yield the error as dots, lines at plus and minus its RMSE in each segment, and the worst point."""
+    error = result.simulated[channel.name].to_numpy() - result.recording[channel.name].to_numpy()
+    yield Series("points", time, error, RED, "FMU - data", marker="s", size=1.5 if len(time) > MANY else 4.0)
+    lines = []
+    for rows in _segments(result):
         known = error[rows][np.isfinite(error[rows])]
         if len(known):
             rmse = float(np.sqrt(np.mean(known**2)))
-            for side in (-rmse, rmse):
-                label = "RMSE of each segment" if i == 0 and side > 0.0 else None
-                ax.plot(time[rows][[0, -1]], [side, side], color="black", lw=1.2, label=label)
+            ends = [*time[rows][[0, -1]], np.nan]
+            lines += [np.array([ends, [side, side, np.nan]]) for side in (-rmse, rmse)]
+    x, y = np.hstack(lines)
+    yield Series("line", x, y, BLACK, "RMSE of each segment", size=1.2)
     worst = channel.worst
-    ax.plot(time[worst.row], worst.simulated - worst.measured, "o", mfc="none", color="black", label="worst point")
-    ax.axhline(0.0, color="0.3", lw=0.8)
-    ax.set_ylabel(f"FMU - data ({figure_text(channel.unit)})")
-    _add_legend(ax)
-
-
-def _add_legend(ax: Axes) -> None:
-    """Show the markers of all series in one size: those of many rows are too small to see."""
-    legend = ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=LEGEND_SIZE)
-    for handle in legend.get_lines():
-        handle.set_markersize(LEGEND_MARKER)
+    there = [worst.simulated - worst.measured]
+    yield Series("points", time[[worst.row]], there, BLACK, "worst point", marker="ring", size=6.0)

@@ -7,10 +7,9 @@ from pathlib import Path
 from tirefmu.measurements import Recording
 from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import FmuError, path_from
+from tirefmu.tires.drawing.labels import drawn_unit, per_si
 from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
-from tirefmu.tires.drawing.shown_figure import shown_figure, shown_figures
-from tirefmu.tires.drawing.style import drawn_unit, per_si
 
 from .figures import check_figures
 from .result import EVALUATION_TOLERANCE, CheckResult
@@ -54,12 +53,11 @@ def check_page(result: CheckResult, command: str = "") -> str:
     errors = {
         c.name: result.recording[c.name].to_numpy() - result.simulated[c.name].to_numpy() for c in result.channels
     }
-    residuals = residuals_over_inputs(result.recording, errors, "iso")
     return page_text(
         "tirefmu.fmu.comparison", {"number": lambda value: f"{value:.4g}", "unit": drawn_unit, "per_si": per_si},
-        result=result, images=shown_figures(check_figures(result)),
+        result=result, figures=check_figures(result),
         reasons=_reasons(result), limit=EVALUATION_TOLERANCE, inputs=list(result.channels[0].worst.condition),
-        residuals=shown_figure("residuals", residuals) if residuals else None,
+        residuals=residuals_over_inputs(result.recording, errors, "iso"),
         origin=provenance([Recording(result.recording, "iso", result.source)], command),
     )  # fmt: skip
 

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from tirefmu.symbolic.escaping import visible
-from tirefmu.tires.drawing.drawn_units import drawn_unit, per_si
+from tirefmu.tires.drawing.labels import drawn_unit, per_si
 from tirefmu.tires.notebook import html_summary, html_table
 
 #: Largest |FMU - direct| / (1 + |direct|) between the FMU and direct evaluation of its tire.

@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.tires.drawing.own_matplotlib import Figure, own_settings
-from tirefmu.tires.drawing.style import (
-    LETTER,
-    NOTE_SIZE,
-    TITLE_SIZE,
-    draw_points,
-    drawn_unit,
-    finish,
-    held_text,
-    letter,
-    level_styles,
-    level_text,
-    panels,
-    per_si,
-    place_legend,
-    some_of,
-    write_footnote,
-)
+from tirefmu.symbolic.escaping import figure_text
+from tirefmu.tires.drawing.figure import Figure, Panel, Series, in_rows, measured
+from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si
+from tirefmu.tires.drawing.style import BLACK, BLUE, GRAY, GREEN, LIGHT_GRAY, ORANGE, RED, level_styles, some_of
 
 from ..channels import CHANNELS, INPUTS, OUTPUTS
 from ..operating_conditions.levels import held_levels, level_tolerance
@@ -31,14 +19,19 @@ from .inspection import Inspection
 
 #: Points of a line over time: two for each column of pixels.
 MOST_COLUMNS = 900
-#: Color by reason of an exclusion.
-EXCLUDED = {"warm-up": "tab:orange", "transition": "tab:gray", "outlier": "tab:red", "lifted": "k", "standing": "k"}
+#: Marked rows of one reason.
+MOST_MARKED = 1500
+#: Color and marker by reason of an exclusion.
+EXCLUDED = {
+    "warm-up": (ORANGE, "o"), "transition": (GRAY, "s"), "outlier": (RED, "^"), "lifted": (BLACK, "v"),
+    "standing": (BLACK, "D"),
+}  # fmt: skip
 #: The slip over which an output is drawn.
 SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha", "Mx": "alpha", "My": "kappa"}
 
 
-def inspection_figures(inspection: Inspection) -> dict[str, Figure]:
-    """Draw a recording: over time, over slip, and the visited conditions.
+def inspection_figures(inspection: Inspection) -> list[Figure]:
+    """Return the figures of a recording: over time, over slip, and the visited conditions.
 
     Parameters
     ----------
@@ -46,84 +39,76 @@ def inspection_figures(inspection: Inspection) -> dict[str, Figure]:
 
     Returns
     -------
-    dict of str to matplotlib.figure.Figure
-        By name.
+    list of Figure
     """
-    drawn = {"time": _over_time(inspection), "slip": _over_slip(inspection), "conditions": _coverage(inspection)}
-    return {name: figure for name, figure in drawn.items() if figure is not None}
+    return [_over_time(inspection), *_over_slip(inspection), *_coverage(inspection)]
 
 
-@own_settings()
 def _over_time(inspection: Inspection) -> Figure:
-    """Draw every channel over time, or over the sample without a clock; excluded rows are marked."""
+    """Return every channel over time, or over the sample without a clock; excluded rows are marked."""
     table = inspection.recording.table
-    names = [name for name in CHANNELS if name in table and name != "t"]
-    clock = "t" in table
-    x = table["t"].to_numpy() if clock else np.arange(1.0, len(table) + 1.0)
-    figure = Figure(figsize=(12.0, 0.9 + 1.15 * len(names)), layout="constrained")
-    figure.suptitle(f"{inspection.recording.source}: channels over time", fontweight="bold", parse_math=False)
-    axes = figure.subplots(len(names), 1, sharex=True, squeeze=False).ravel()
-    for name, ax in zip(names, axes, strict=True):
-        y = table[name].to_numpy(dtype=np.float64) * per_si(name)
-        for piece in inspection.recording.segments():
-            ax.plot(*_envelope(x[piece], y[piece]), color="tab:blue" if name in INPUTS else "tab:green", lw=0.8)
-        for reason, color in EXCLUDED.items():
-            rows = inspection.exclusion.reasons == reason
-            if rows.any():
-                ax.plot(
-                    x[rows],
-                    y[rows],
-                    ".",
-                    ms=3,
-                    color=color,
-                    label=f"{reason}, {rows.sum()} row{'s' * bool(rows.sum() != 1)}",
-                )
-        ax.set_ylabel(f"{LETTER[name]}\n({drawn_unit(name)})", fontsize=NOTE_SIZE)
-        ax.tick_params(labelsize=NOTE_SIZE)
-        ax.grid(alpha=0.3)
-    axes[-1].set_xlabel("time (s)" if clock else "sample")
-    if inspection.exclusion.counts:
-        place_legend(axes[0], "excluded")
-    return figure
+    clocked = "t" in table
+    x = table["t"].to_numpy() if clocked else np.arange(1.0, len(table) + 1.0)
+    panels = [
+        Panel(
+            "time (s)" if clocked else "sample", axis_label(name), tuple(_course(inspection, name, x)),
+            legend="excluded" if inspection.exclusion.counts else "", x_axis="time", width=11.0, height=1.15,
+        )
+        for name in CHANNELS if name in table and name != "t"
+    ]  # fmt: skip
+    return Figure("time", f"{figure_text(inspection.recording.source)}: channels over time", in_rows(panels, 1))
 
 
-def _envelope(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return lowest and highest value of each of a few hundred parts, so that no spike is lost."""
-    if len(x) <= 2 * MOST_COLUMNS:
-        return x, y
-    parts = np.array_split(np.arange(len(x)), MOST_COLUMNS)
-    rows = np.concatenate([part[np.sort([np.argmin(y[part]), np.argmax(y[part])])] for part in parts])
-    return x[rows], y[rows]
+def _course(inspection: Inspection, name: str, x: NDArray[np.float64]) -> Iterator[Series]:
+    """Yield a channel over time, interrupted between segments, and its excluded rows."""
+    y = inspection.recording.table[name].to_numpy(dtype=np.float64) * per_si(name)
+    pieces = [_envelope(x[piece], y[piece], len(x)) for piece in inspection.recording.segments()]
+    joined = np.hstack([np.append(piece, [[np.nan], [np.nan]], axis=1) for piece in pieces])
+    yield Series("line", joined[0], joined[1], BLUE if name in INPUTS else GREEN, size=0.8)
+    for reason, (color, marker) in EXCLUDED.items():
+        rows = np.flatnonzero(inspection.exclusion.reasons == reason)
+        if len(rows):
+            label = f"{reason}, {len(rows)} row{'s' * (len(rows) != 1)}"
+            few = rows[:: -(-len(rows) // MOST_MARKED)]
+            yield Series("points", x[few], y[few], color, label, marker=marker, size=2.5)
 
 
-@own_settings()
-def _over_slip(inspection: Inspection) -> Figure | None:
-    """Draw each output over its slip, by load at one level of the other inputs; rows at other levels are gray."""
+def _envelope(x: NDArray[np.float64], y: NDArray[np.float64], rows_of_all: int) -> NDArray[np.float64]:
+    """Return lowest and highest value of each of some parts of a segment, so that no spike is lost, shape (2, n)."""
+    if rows_of_all > 2 * MOST_COLUMNS:
+        parts = np.array_split(np.arange(len(x)), max(1, MOST_COLUMNS * len(x) // rows_of_all))
+        rows = np.concatenate([part[np.sort([np.argmin(y[part]), np.argmax(y[part])])] for part in parts])
+        x, y = x[rows], y[rows]
+    return np.array([x, y])
+
+
+def _over_slip(inspection: Inspection) -> Iterator[Figure]:
+    """Yield each output over its slip, by load at one level of the other inputs; rows at other levels are gray."""
     signs, table = inspection.recording.signs, inspection.recording.table
-    pairs = [
-        (SLIP[name], name) for name in OUTPUTS if name in table and SLIP[name] in table and table[name].notna().any()
-    ]
-    if not pairs:
-        return None
     included = table[inspection.exclusion.included]
+    panels = [
+        _slip_panel(included, SLIP[name], name, signs)
+        for name in OUTPUTS if name in table and SLIP[name] in table and table[name].notna().any()
+    ]  # fmt: skip
+    if panels:
+        grayed = any(series.color == LIGHT_GRAY for panel in panels for series in panel.series)
+        text = note(signs, *["gray: rows with other values of the inputs in the title"] * grayed)
+        yield Figure("slip", "Outputs over slip, included rows", in_rows(panels), text)
+
+
+def _slip_panel(included: pd.DataFrame, slip: str, name: str, signs: str) -> Panel:
     load = included["Fz"].abs() if "Fz" in included else pd.Series(0.0, index=included.index, name="Fz")
     levels = held_levels(load) or [float(np.median(load.to_numpy(dtype=np.float64)))]
     nearest = np.abs(load.to_numpy()[:, None] - levels).argmin(axis=1)
-    figure, axes = panels(len(pairs), "Outputs over slip, included rows")
-    grayed = False
-    for (slip, name), ax in zip(pairs, axes, strict=True):
-        held, at_levels = _held(included, slip)
-        others = some_of(included[~at_levels].dropna(subset=[name]))
-        grayed |= len(others) > 0
-        ax.plot(others[slip] * per_si(slip), others[name], ".", ms=2.5, mew=0.0, color="0.8", zorder=0)
-        for level, (value, style) in enumerate(zip(levels, level_styles(len(levels), "Fz"), strict=True)):
-            draw_points(ax, included[at_levels & (nearest == level)], slip, name, style)
-            ax.plot([], [], style.marker, ms=4, color=style.color, label=level_text("Fz", value))
-        ax.set_title(held_text(signs, held), fontsize=TITLE_SIZE)
-        finish(ax, slip, f"{LETTER[name]} ({drawn_unit(name)})")
-        place_legend(ax, f"load {letter(signs, 'Fz')}")
-    write_footnote(figure, signs, *["gray: rows with other values of the inputs in the title"] * grayed)
-    return figure
+    held, at_levels = _held(included, slip)
+    others = some_of(included[~at_levels].dropna(subset=[name]))
+    x, y = others[slip] * per_si(slip), others[name]
+    series = [Series("points", x, y, LIGHT_GRAY, marker=".", size=2.5)] if len(others) else []
+    for level, (value, style) in enumerate(zip(levels, level_styles(len(levels), "Fz"), strict=True)):
+        rows = included[at_levels & (nearest == level)]
+        series.append(measured(rows, slip, name, style, level_text("Fz", value)))
+    title, legend = held_text(signs, held), f"load {letter('Fz', signs)}"
+    return Panel(axis_label(slip), axis_label(name), tuple(series), title, legend, (0.0,), (0.0,))
 
 
 def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], NDArray[np.bool_]]:
@@ -148,18 +133,16 @@ def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], NDArray[np.b
     return held, at_levels
 
 
-@own_settings()
-def _coverage(inspection: Inspection) -> Figure | None:
-    """Draw the visited combinations of inputs."""
+def _coverage(inspection: Inspection) -> Iterator[Figure]:
+    """Yield the visited combinations of inputs."""
     table = inspection.recording.table
-    pairs = [(x, y) for x, y in (("alpha", "kappa"), ("Fz", "gamma"), ("Fz", "p"), ("V", "T")) if {x, y} <= set(table)]
-    if not pairs:
-        return None
-    figure, axes = panels(len(pairs), "Visited combinations of inputs")
     rows = some_of(table.assign(Fz=table["Fz"].abs()) if "Fz" in table else table)
-    letters = {**LETTER, "Fz": "load"}
-    for (x, y), ax in zip(pairs, axes, strict=True):
-        ax.plot(rows[x] * per_si(x), rows[y] * per_si(y), ".", ms=2.5, mew=0.0, alpha=0.5)
-        ax.set(xlabel=f"{letters[x]} ({drawn_unit(x)})", ylabel=f"{letters[y]} ({drawn_unit(y)})")
-        ax.grid(alpha=0.3)
-    return figure
+    panels = [
+        Panel(
+            axis_label(x), axis_label(y),
+            (Series("points", rows[x] * per_si(x), rows[y] * per_si(y), marker=".", size=2.5, opacity=0.5),),
+        )
+        for x, y in (("alpha", "kappa"), ("Fz", "gamma"), ("Fz", "p"), ("V", "T")) if {x, y} <= set(table)
+    ]  # fmt: skip
+    if panels:
+        yield Figure("conditions", "Visited combinations of inputs", in_rows(panels))

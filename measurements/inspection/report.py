@@ -7,7 +7,6 @@ from pathlib import Path
 
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.drawing.shown_figure import ShownFigure, shown_figures
 
 from ..findings.finding import Finding, verdict_on
 from ..provenance import provenance
@@ -20,7 +19,6 @@ def write_inspection(
     inspections: Sequence[Inspection],
     findings: Sequence[Finding],
     path: str | Path,
-    drawn: Sequence[Sequence[ShownFigure]] | None = None,
     *,
     command: str = "",
 ) -> None:
@@ -31,8 +29,6 @@ def write_inspection(
     inspections : sequence of Inspection
     findings : sequence of Finding
     path : str or Path
-    drawn : sequence of sequence of ShownFigure, optional
-        The rendered `inspection_figures` of each recording; they are drawn if absent.
     command : str
         The command line, for the provenance.
 
@@ -42,11 +38,11 @@ def write_inspection(
         If the file cannot be written.
     """
     path = path_from(path)
-    images = drawn or [shown_figures(inspection_figures(each)) for each in inspections]
     page = page_text(
-        "tirefmu.measurements.inspection", {"title_of": title, "tables_of": all_tables},
+        "tirefmu.measurements.inspection",
+        {"title_of": title, "tables_of": all_tables, "figures_of": inspection_figures},
         inspections=inspections, findings=findings, verdict=verdict_on(findings),
-        serious=any(each.serious for each in findings), drawn=list(zip(inspections, images, strict=True)), texts=TEXTS,
+        serious=any(each.serious for each in findings), texts=TEXTS,
         origin=provenance([each.recording for each in inspections], command),
     )  # fmt: skip
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import groupby
 
-from tirefmu.tires.drawing.style import drawn_unit, per_si
+from tirefmu.tires.drawing.labels import drawn_unit, per_si
 
 from ..channels import CHANNELS
 from .inspection import Inspection, SweepSummary

@@ -92,21 +92,22 @@ def test_sweeps_are_upright_and_not_mixed(old, bench):
 
 @pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
 def test_curves_are_those_of_the_tires(old, new, bench, signs):
-    figures = comparison_figures(compare(old, new, names=("old", "new")), [bench], signs)
+    given = comparison_figures(compare(old, new, names=("old", "new")), [bench], signs)
+    figures = {figure.name: figure.panels for figure in given}
     found = sweeps(new, "alpha", [bench.with_signs(signs)])
-    for ax, tire in zip(figures["Fy_over_alpha"].axes, (old, new), strict=True):
-        curves = [line for line in ax.lines if line.get_label().endswith(" N")]
+    for panel, tire in zip(figures["Fy_over_alpha"], (old, new), strict=True):
+        curves = [series for series in panel.series if series.kind == "line"]
         assert len(curves) == len(LOADS)
-        for line, sweep in zip(curves, found, strict=True):
-            x, y = line.get_data()
+        for series, sweep in zip(curves, found, strict=True):
+            x, y = series.points
             table = sweep.rows.iloc[:1].assign(**sweep.held).loc[np.zeros(len(x), int) + sweep.rows.index[0]]
             expected = tire.evaluate(table.assign(alpha=np.radians(x)).drop(columns="t"), signs=signs)["Fy"]
             np.testing.assert_allclose(y, expected, rtol=1e-9)
-    slopes = [line for line in figures["Fy_slope_over_alpha"].axes[1].lines if line.get_label().endswith(" N")]
-    curve = next(line for line in figures["stiffness_y_over_load"].axes[0].lines if line.get_label().startswith("new"))
-    for line, sweep in zip(slopes, found, strict=True):
-        steepest = line.get_ydata().max()  # positive at zero slip, in the unit of the stiffness
-        assert steepest == pytest.approx(np.interp(abs(sweep.load), *curve.get_data()), rel=0.05)
+    slopes = figures["Fy_slope_over_alpha"][1].series
+    curve = next(series for series in figures["stiffness_y_over_load"][0].series if series.label.startswith("new"))
+    for series, sweep in zip(slopes, found, strict=True):
+        steepest = series.points[1].max()  # positive at zero slip, in the unit of the stiffness
+        assert steepest == pytest.approx(np.interp(abs(sweep.load), *curve.points), rel=0.05)
 
 
 def test_one_figure_has_one_pressure_and_one_curve_for_each_load(new, bench):
@@ -124,7 +125,7 @@ def test_one_figure_has_one_pressure_and_one_curve_for_each_load(new, bench):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_texts_do_not_change_the_page(old, new, bench, tmp_path, monkeypatch, text):
-    monkeypatch.setattr("tirefmu.comparison.report.comparison_figures", lambda *_: {})
+    monkeypatch.setattr("tirefmu.comparison.report.comparison_figures", lambda *_: [])
 
     def page(name):
         result = compare(old, new, [replace(bench, source=name)], names=(name, "second"))

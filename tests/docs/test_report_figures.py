@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import re
 import shlex
-from base64 import b64decode
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tirefmu.cli import main
+from tirefmu.tires.drawing import files, page, picture
 from tirefmu.tires.drawing.style import CONTRAST, contrast
 
 PAGE = (Path(__file__).parents[2] / "docs" / "report_figures.md").read_text(encoding="utf-8")
 COMMANDS = re.search(r"^```sh\n(.*?)^```$", PAGE, flags=re.MULTILINE | re.DOTALL)[1].splitlines()
 #: Figure, what draws it, and where it is.
 ROWS = re.findall(r"^\| ([\d, a-z]+) \| [^|]* \| `tirefmu (\w+)` \| (.*) \|$", PAGE, flags=re.MULTILINE)
-#: An empty picture: the drawn figures are read before they are rendered.
-PICTURE = b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNk+A8AAQUBAScY42YAAAAASUVORK5CYII=")
 
 
 @pytest.fixture(scope="module")
@@ -32,39 +30,35 @@ def drawn(tmp_path_factory):
             program, command, *arguments = shlex.split(line)
             assert program == "tirefmu"
             record = figures.setdefault(command, []).append
-
-            def kept(figure, *options, record=record, **more):
-                record(figure)
-                return PICTURE
-
-            for module in ("tires.drawing.shown_figure.png", "tires.drawing.files.rendered"):
-                patch.setattr(f"tirefmu.{module}", kept)
+            patch.setattr(page, "chart_data", lambda figure, record=record: record(figure) or "[]")
+            patch.setattr(files, "picture", lambda figure: figure)
+            patch.setattr(files, "rendered", lambda figure, *options, record=record, **more: record(figure) or b"")
+            patch.setattr(picture, "png", lambda *_: b"")
             assert main([command, *arguments, "--quiet"]) == 0
     return figures, {path.stem for path in folder.rglob("*.png")}
 
 
 def plain(text):
-    r"""Return a heading without the notation of mathematics: ``$F_x$ over $\kappa$`` is Fx over kappa."""
-    return re.sub(r"\$[^$]*\$", lambda found: re.sub(r"[$_{}\\]", "", found[0]), text.split("\n")[0])
+    """Return a heading as the page of the documentation writes it."""
+    return text.split("\n")[0].replace("κ", "kappa").replace("α", "alpha")
 
 
-def axes_of(figures, heading):
-    """Return the axes of the figure with a heading, by their titles."""
-    (figure,) = [each for each in figures if plain(each.get_suptitle()) == heading]
-    return {plain(ax.get_title()): ax for ax in figure.axes}
+def panels_of(figures, heading):
+    """Return the panels of the figure with a heading, by their titles."""
+    (figure,) = [each for each in figures if plain(each.title) == heading]
+    return {plain(panel.title): panel for panel in figure.panels}
 
 
 def panel(figures, heading, start):
     """Return the only panel of a figure whose title starts with a text, as a word of its own."""
-    (found,) = [
-        ax for title, ax in axes_of(figures, heading).items() if re.match(re.escape(start) + r"(?!\w| and)", title)
-    ]
-    return found
+    found = panels_of(figures, heading)
+    (one,) = [found[title] for title in found if re.match(re.escape(start) + r"(?!\w| and)", title)]
+    return one
 
 
-def levels(ax):
+def levels(panel):
     """Return the curves with a label in the legend."""
-    return [line for line in ax.get_lines() if not line.get_label().startswith("_")]
+    return [series for series in panel.series if series.kind == "line" and series.label]
 
 
 def test_every_figure_of_the_documents_is_listed():
@@ -81,14 +75,18 @@ def test_a_figure_is_drawn_where_the_page_states(figure, command, where, drawn):
     stems = re.findall(r"`(\w+)`", where)
     assert names
     assert set(stems) <= files
-    if command == "draw":  # every figure of a tire has the name of the tire in its heading
-        shown = [title for each in figures["draw"] for title in map(plain, (ax.get_title() for ax in each.axes))]
-        assert all(any(re.match(re.escape(name) + r"(?!\w| and)", title) for title in shown) for name in names)
+    if command == "draw":  # every figure of a tire has the name of the tire in its heading; surfaces are matplotlib's
+        shown = [
+            *(panel.title for each in figures["draw"] if hasattr(each, "panels") for panel in each.panels),
+            *(ax.get_title() for each in figures["draw"] if hasattr(each, "axes") for ax in each.axes),
+        ]
+        for name in names:
+            assert any(re.match(re.escape(name) + r"(?!\w| and)", plain(title)) for title in shown)
         return
     heading, *panels = names
-    assert axes_of(figures[command], heading)
+    assert panels_of(figures[command], heading)
     for start in panels:
-        assert panel(figures[command], heading, start).get_lines()
+        assert panel(figures[command], heading, start).series
 
 
 def test_a_row_of_the_tables_is_read():
@@ -100,43 +98,48 @@ def test_weighting_functions_are_drawn_over_both_slips(force, drawn):
     figures = drawn[0]["fit"]
     title = "Weighting functions of combined slip"
     over_kappa, over_alpha = (panel(figures, title, f"{force} per {slip}") for slip in ("slip angle", "longitudinal"))
-    assert (plain(over_kappa.get_xlabel()), plain(over_alpha.get_xlabel())) == ("kappa (-)", "alpha (deg)")
-    assert all(np.ptp(line.get_xdata()) > 0.5 for line in levels(over_kappa))  # kappa from -0.3 to 0.3
-    assert all(np.ptp(line.get_xdata()) > 5.9 for line in levels(over_alpha))  # alpha to 6 deg
+    assert (plain(over_kappa.x), plain(over_alpha.x)) == ("kappa (-)", "alpha (deg)")
+    assert all(np.ptp(line.points[0]) > 0.5 for line in levels(over_kappa))  # kappa from -0.3 to 0.3
+    assert all(np.ptp(line.points[0]) > 5.9 for line in levels(over_alpha))  # alpha to 6 deg
 
 
 def test_side_force_over_kappa_at_three_degrees_has_a_curve_for_each_camber(drawn):
-    ax = panel(drawn[0]["fit"], "Forces at combined slip", "Fy per camber")
-    assert "alpha = 3 deg" in plain(ax.get_title())
-    assert [line.get_label() for line in levels(ax)] == ["0 deg", "2 deg", "4 deg"]
-    assert "R²" in ax.get_title()
+    found = panel(drawn[0]["fit"], "Forces at combined slip", "Fy per camber")
+    assert "alpha = 3 deg" in plain(found.title)
+    assert [line.label for line in levels(found)] == ["0 deg", "2 deg", "4 deg"]
+    assert "R²" in found.title
 
 
 def test_old_and_new_parameters_have_the_same_axes(drawn):
     figures = drawn[0]["compare"]
     old, new = (panel(figures, "Pure slip: Fy over alpha", name) for name in ("trento_hoosier", "my"))
-    assert old.get_ylim() == new.get_ylim()
-    assert [line.get_label() for line in levels(old)] == [line.get_label() for line in levels(new)]
-    (ax,) = axes_of(figures, "Cornering stiffness over load").values()
-    assert ax.get_ylabel() == "cornering stiffness (N/deg)"
-    assert all((line.get_ydata() > 0.0).all() for line in ax.get_lines())
+    (figure,) = [each for each in figures if old in each.panels]
+    assert figure.limits(old) == figure.limits(new)
+    assert [line.label for line in levels(old)] == [line.label for line in levels(new)]
+    (over_load,) = panels_of(figures, "Cornering stiffness over load").values()
+    assert over_load.y == "cornering stiffness (N/deg)"
+    assert all((line.points[1] > 0.0).all() for line in over_load.series)
 
 
 def test_the_small_tire_has_crosses_and_the_full_range_of_slip(drawn):
-    pure, *surfaces, combined = drawn[0]["draw"]
-    over_kappa = next(ax for ax in pure.axes if plain(ax.get_xlabel()) == "kappa (-)")
-    assert over_kappa.get_xlim() == (-1.1, 1.1)
-    for figure in (pure, *surfaces, combined):
-        crosses = [line for ax in figure.axes for line in ax.get_lines() if line.get_marker() == "x"]
-        assert sum(len(line.get_xdata()) for line in crosses) > 20
+    pure, combined = (each for each in drawn[0]["draw"] if hasattr(each, "title"))
+    surfaces = [each for each in drawn[0]["draw"] if hasattr(each, "axes")]
+    over_kappa = next(panel for panel in pure.panels if plain(panel.x) == "kappa (-)")
+    assert over_kappa.x_limits == (-1.1, 1.1)
+    for figure in (pure, combined):
+        crosses = [series for panel in figure.panels for series in panel.series if series.marker == "x"]
+        assert sum(series.points.shape[1] for series in crosses) > 20
+    assert len(surfaces) == 3
     for figure in surfaces:
-        assert sum(ax.name == "3d" for ax in figure.axes) == 2
-    assert [len(levels(ax)) for ax in combined.axes] == [9, 9, 9]  # -20 to 20 deg in steps of 5
+        solids = [ax for ax in figure.axes if ax.name == "3d"]
+        assert len(solids) == 2
+        assert sum(len(line.get_xdata()) for ax in solids for line in ax.get_lines() if line.get_marker() == "x") > 20
+    assert [len(levels(panel)) for panel in combined.panels] == [9, 9, 9]  # -20 to 20 deg in steps of 5
 
 
 def test_levels_differ_in_more_than_color_and_are_readable(drawn):
     for heading in ("Pure side force", "Forces at combined slip"):
-        for ax in axes_of(drawn[0]["fit"], heading).values():
-            lines = levels(ax)
-            assert len({line.get_linestyle() + str(line._unscaled_dash_pattern) for line in lines}) == len(lines)
-            assert all(contrast(line.get_color()) >= CONTRAST for line in lines)
+        for found in panels_of(drawn[0]["fit"], heading).values():
+            lines = levels(found)
+            assert len({line.dashes for line in lines}) == len(lines)
+            assert all(contrast(line.color) >= CONTRAST for line in lines)

@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.figure import Figure
 
 from tirefmu.estimation.slip_slope import read_slope
 from tirefmu.fitting.evidence.curves import compare
-from tirefmu.fitting.reporting.captions import data_text
 from tirefmu.fitting.reporting.figures import _weighting, draw_figures
-from tirefmu.fitting.reporting.load_figures import _largest_friction, friction_over_load, stiffness_over_load
+from tirefmu.fitting.reporting.load_figures import (
+    _largest_friction,
+    data_text,
+    friction_over_load,
+    stiffness_over_load,
+)
 from tirefmu.measurements import (
     Noise,
     Recording,
@@ -26,12 +29,8 @@ from tirefmu.measurements import (
     trento_program,
 )
 from tirefmu.symbolic.errors import DataError, FitError
-from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import SIGNS, Tire, published
 from tirefmu.tires.code.modules import numpy_routine
-from tirefmu.tires.drawing import style
-
-from ..hostile import HOSTILE
 
 TIRE = published("trento_hoosier")
 RESIDUALS = ["residuals_over_inputs", "residuals"]
@@ -65,7 +64,7 @@ def trento():
 @pytest.fixture
 def unrendered(monkeypatch):
     """Do not render the figures: which are drawn is the same."""
-    monkeypatch.setattr("tirefmu.tires.drawing.shown_figure.png", lambda figure: b"")
+    monkeypatch.setattr("tirefmu.tires.drawing.picture.png", lambda figure, dpi: b"")
 
 
 def test_every_figure_is_complete_and_reproducible(bench, tmp_path):
@@ -129,10 +128,10 @@ def test_weighting_functions_are_drawn_over_both_slips(trento):
     """Figures 13 and 15. Over each slip the other one has several levels; without side slip Fx is not reduced."""
     figure = _weighting(trento)
     drawn = {}
-    for ax in figure.axes:
-        slip, symbol = (text.split(" (")[0] for text in (ax.get_xlabel(), ax.get_ylabel()))
-        drawn[symbol, slip] = [line.get_xydata() for line in ax.lines if len(line.get_xydata()) > 2]
-    gxa, gyk, kappa, alpha = r"$G_{x\alpha}$", r"$G_{y\kappa}$", r"$\kappa$", r"$\alpha$"
+    for panel in figure.panels:
+        slip, symbol = (text.split(" (")[0] for text in (panel.x, panel.y))
+        drawn[symbol, slip] = [series.points.T for series in panel.series]
+    gxa, gyk, kappa, alpha = "Gxα", "Gyκ", "κ", "α"
     assert {key: len(lines) for key, lines in drawn.items()} == {
         (gxa, kappa): 3, (gxa, alpha): 5, (gyk, kappa): 3, (gyk, alpha): 5,
     }  # fmt: skip
@@ -264,33 +263,33 @@ def test_slopes_over_slip_are_drawn_for_every_model(model):
     loads = [400.0, 700.0]
     program = concatenate([alpha_sweeps(loads, sample_rate=10.0), kappa_sweeps(loads, [0.0], sample_rate=10.0)])
     comparison = compare(tire, [VirtualBench(tire, Noise.none()).run(program)])
-    over_load, over_slip, *lateral = stiffness_over_load(comparison, None, None).axes
+    over_load, over_slip, *lateral = stiffness_over_load(comparison, None, None).panels
     for stiffness, slopes in ((over_load, over_slip), lateral):
-        tires = next(line for line in stiffness.get_lines() if line.get_label() == "tire")
-        for line in (line for line in slopes.get_lines() if line.get_label().endswith(" N")):
-            x, y = line.get_data()
-            load = float(line.get_label().removesuffix(" N"))
-            inside = np.isfinite(tires.get_ydata())
-            expected = np.interp(load, tires.get_xdata()[inside], tires.get_ydata()[inside])
+        measured, values = next(series.points for series in stiffness.series if series.label == "tire")
+        for series in slopes.series:
+            x, y = series.points
+            load = float(series.label.removesuffix(" N"))
+            inside = np.isfinite(values)
+            expected = np.interp(load, measured[inside], values[inside])
             assert np.interp(0.0, x, y) == pytest.approx(expected, rel=0.02)
 
 
 @pytest.mark.parametrize("drawn", ["stiffness", "friction"])
 def test_loads_beyond_the_measured_ones_are_marked(trento, drawn):
     figure = stiffness_over_load(trento, None, None) if drawn == "stiffness" else friction_over_load(trento, None)
-    over_load = [ax for ax in figure.axes if ax.get_xlabel().startswith("load")]
+    over_load = [panel for panel in figure.panels if panel.x.startswith("load")]
     assert len(over_load) == 2
-    for ax, (channel, slip) in zip(over_load, (("Fx", "kappa"), ("Fy", "alpha")), strict=True):
+    for panel, (channel, slip) in zip(over_load, (("Fx", "kappa"), ("Fy", "alpha")), strict=True):
         measured = [group.level for group in per_load(trento, channel, slip).groups]
-        lines = {line.get_label().split("\n")[0]: line for line in ax.get_lines()}
-        loads, values = lines["tire"].get_data()
+        lines = {series.label.split("\n")[0]: series for series in panel.series}
+        loads, values = lines["tire"].points
         known = loads[np.isfinite(values)]
         assert (known.min(), known.max()) == pytest.approx((min(measured), max(measured)))
-        loads, values = lines["beyond the"].get_data()
+        loads, values = lines["beyond the"].points
         beyond = loads[np.isfinite(values)]
         assert ((beyond <= min(measured)) | (beyond >= max(measured))).all()
         assert beyond.max() == pytest.approx(1.25 * max(measured))
-        assert lines["beyond the"].get_linestyle() != lines["tire"].get_linestyle()
+        assert lines["beyond the"].dashes != lines["tire"].dashes
 
 
 def test_the_friction_read_from_data_is_that_of_the_tire(trento):
@@ -313,15 +312,6 @@ def test_measured_recordings(data_folder, tmp_path):
         stiffness = [slope for _, slope in comparison.slopes_at_zero(family)]
         assert stiffness == sorted(stiffness)  # heavier loaded, stiffer
     assert [path.stem for path in draw_figures(TIRE, recordings, tmp_path)] == ALL
-
-
-@pytest.mark.parametrize("text", HOSTILE)
-def test_a_name_is_drawn_without_interpretation(text):
-    """Matplotlib interprets text between dollar signs as a formula, and raises if it is invalid."""
-    figure = Figure(figsize=(4.0, 2.0), layout="constrained")
-    style.write_footnote(figure, "iso", f"data: {figure_text(text)}")
-    figure.suptitle(f"{figure_text(text)}, $F_y$: $p$ = 80 kPa")
-    assert style.png(figure)
 
 
 def test_only_some_of_many_recordings_are_listed(bench):

@@ -13,7 +13,7 @@ import pytest
 from tirefmu.fitting.results.checkpoint import Checkpoint, State
 from tirefmu.measurements import read_recording
 from tirefmu.symbolic.errors import DataError
-from tirefmu.tires.drawing.style import write_whole
+from tirefmu.tires.drawing.whole_file import write_whole
 
 from .harmful import HARMFUL, READ
 from .kinds import IDENTITY, KINDS

@@ -8,7 +8,6 @@ import re
 import shutil
 import subprocess
 import sys
-from base64 import b64encode
 
 import numpy as np
 import pandas as pd
@@ -76,12 +75,10 @@ def test_a_truth_value_of_numpy_is_no_text(tmp_path):
     assert strict((tmp_path / "a.json").read_text()) == {"ok": False, "rows": 3, "path": str(tmp_path)}
 
 
-def test_the_report_shows_the_figures_of_the_folder(chain):
+def test_the_report_has_the_figures_of_the_folder(chain):
     page = (chain[0] / "report.html").read_text(encoding="utf-8")
-    images = [path.read_bytes() for path in (chain[0] / "figures").iterdir()]
-    assert page.count("data:image/png;base64,") == len(images)
-    for image in images:
-        assert b64encode(image).decode() in page
+    assert page.count('class="panels"') == len(list((chain[0] / "figures").iterdir()))
+    assert page.count("data:image/png;base64,") == 1
 
 
 def test_the_fit_is_the_same_everywhere(chain):

@@ -19,6 +19,7 @@ from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, Tire, published
 from tirefmu.tires.drawing import files
 from tirefmu.tires.drawing import tire_figures as drawing
+from tirefmu.tires.drawing.picture import picture, rendered
 
 from ..hostile import HOSTILE
 
@@ -29,9 +30,14 @@ def generic(model, **values):
     return Tire(model, {**SIZE, **values}, ranges={"kappa": (-0.3, 0.3), "Fz": (300.0, 1900.0)})
 
 
-def lines(ax):
+def lines(panel):
     """Return the drawn curves by their legend: x and y."""
-    return {line.get_label(): line.get_xydata().T for line in ax.get_lines() if not line.get_label().startswith("_")}
+    return {series.label: series.points for series in panel.series if series.label}
+
+
+def crosses(panel):
+    """Return the measured points, x and y."""
+    return np.hstack([series.points for series in panel.series if series.marker == "x"])
 
 
 @pytest.fixture(scope="module")
@@ -57,10 +63,9 @@ def test_every_model_and_published_tire_is_drawn(tire, loads, tmp_path, monkeypa
 
 
 @pytest.mark.parametrize("suffix", files.FORMATS)
-def test_the_same_tire_gives_the_same_bytes(small, suffix):
-    sketch = drawing.Sketch(small, "iso", (60.0,))
-    first, second = (files._rendered(drawing.surfaces(sketch, 60.0), suffix) for _ in range(2))
-    assert first == second
+def test_the_same_tire_gives_the_same_bytes(small, suffix, tmp_path):
+    first, second = (files.draw(small, tmp_path / name, loads=[60.0], suffix=suffix) for name in "ab")
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
 
 
 def test_files_have_the_format_of_their_name(small, tmp_path):
@@ -74,8 +79,8 @@ def test_files_have_the_format_of_their_name(small, tmp_path):
 def test_the_curves_are_the_tires(model, signs):
     tire = generic(model)
     figure = drawing.pure(drawing.Sketch(tire, signs, (500.0, 1500.0)))
-    for ax, (channel, slip) in zip(figure.axes, drawing.PURE, strict=True):
-        curves = lines(ax)
+    for panel, (channel, slip) in zip(figure.panels, drawing.PURE, strict=True):
+        curves = lines(panel)
         assert list(curves) == ["500 N", "1500 N"]
         for load, (x, y) in zip((500.0, 1500.0), curves.values(), strict=True):
             assert x[0] < 0.0 < x[-1]
@@ -88,8 +93,8 @@ def test_the_curves_are_the_tires(model, signs):
 
 def test_the_side_force_over_the_longitudinal_force_is_the_tires(small):
     sketch = drawing.Sketch(small, "adapted-sae", (110.0,))
-    (ax,) = drawing.combined(sketch).axes
-    curves = lines(ax)
+    (panel,) = drawing.combined(sketch).panels
+    curves = lines(panel)
     assert list(curves) == [f"{angle} deg" for angle in range(-20, 21, 5)]
     kappa = sketch.grid("kappa", 301)
     for label, (x, y) in curves.items():
@@ -100,14 +105,14 @@ def test_the_side_force_over_the_longitudinal_force_is_the_tires(small):
 
 def test_a_zero_output_is_reported_instead_of_drawn(small):
     figure = drawing.pure(drawing.Sketch(small, "iso", (60.0,)))
-    assert [ax.get_ylabel() for ax in figure.axes] == ["$F_x$ (N)", "$F_y$ (N)"]
-    assert "$M_z$ 0 everywhere" in figure.get_supxlabel()
+    assert [panel.y for panel in figure.panels] == ["Fx (N)", "Fy (N)"]
+    assert "Mz 0 everywhere" in figure.note
 
 
 def test_a_load_beyond_the_range_is_reported(small):
     for loads, noted in (((60.0, 160.0), False), ((60.0, 300.0), True)):
-        text = drawing.pure(drawing.Sketch(small, "iso", loads)).get_supxlabel()
-        assert ("300 N: outside 60 to 160 N" in text.replace("\n", " ")) is noted
+        text = drawing.pure(drawing.Sketch(small, "iso", loads)).note
+        assert ("300 N: outside 60 to 160 N" in text) is noted
 
 
 def test_the_small_tires_loads_are_the_papers(small):
@@ -225,8 +230,8 @@ def test_other_commands_accept_a_published_name(command, name):
 def test_a_tires_name_is_drawn_literally(text, tmp_path):
     """The SVG is well-formed and contains no script and no external resource."""
     tire = Tire("mf96", {**SIZE, "PDY1": 1.0, "PKY1": 10.0, "PCY1": 1.3}, effects=(), name=text)
-    sketch = drawing.Sketch(tire, "iso", (1000.0,))
-    root = ET.fromstring(files._rendered(drawing.pure(sketch), "svg"))
+    pure = picture(drawing.pure(drawing.Sketch(tire, "iso", (1000.0,))))
+    root = ET.fromstring(rendered(pure, "svg", 40))
     tags = {element.tag.rpartition("}")[2] for element in root.iter()}
     assert not tags & {"script", "image", "foreignObject", "a"}
     assert not any(name.startswith("on") for element in root.iter() for name in element.attrib)
@@ -242,13 +247,11 @@ def test_measured_rows_are_crosses_on_the_curves(small, signs):
     points["Fy"] = small.evaluate(points)["Fy"]
     points["Fx"] = small.evaluate(points)["Fx"]
     sketch = drawing.sketched(small, [110.0], signs, points)
-    (ax,) = (ax for ax in drawing.pure(sketch).axes if "alpha" in ax.get_xlabel())
-    (curve, crosses) = (line.get_xydata().T for line in ax.get_lines()[:2])
-    assert sorted(crosses[0].round(6)) == [-10.0, 0.0, 10.0]
-    assert crosses[1] == pytest.approx(np.interp(crosses[0], *curve), rel=1e-3, abs=0.01)
-    panel = drawing.combined(sketch).axes[0]
-    (crosses,) = (line.get_xydata() for line in panel.get_lines() if line.get_marker() == "x")
-    assert len(crosses) == 3
+    (panel,) = (panel for panel in drawing.pure(sketch).panels if panel.x == "α (deg)")
+    alpha, force = crosses(panel)
+    assert sorted(alpha.round(6)) == [-10.0, 0.0, 10.0]
+    assert force == pytest.approx(np.interp(alpha, *lines(panel)["110 N"]), rel=1e-3, abs=0.01)
+    assert crosses(drawing.combined(sketch).panels[0]).shape == (2, 3)
 
 
 def test_crosses_are_at_the_pressure_of_the_curves(small):

@@ -170,14 +170,14 @@ def fit(
     drawn = None
     if figures:
         from tirefmu.fitting.reporting.figures import figures_of
-        from tirefmu.tires.drawing.shown_figure import shown_figures, write_figures
+        from tirefmu.tires.drawing.picture import write_figures
 
         with terminal.working("drawing figures"):
-            drawn = shown_figures(figures_of(result, recordings))
-        try:
-            write_figures(drawn, figures)
-        except OSError as error:
-            raise TirefmuError(f"{figures}: figures cannot be written: {error.strerror or error}") from None
+            drawn = figures_of(result, recordings)
+            try:
+                write_figures(drawn, figures)
+            except OSError as error:
+                raise TirefmuError(f"{figures}: figures cannot be written: {error.strerror or error}") from None
         terminal.print(f"figures: {len(drawn)} in {figures}")
     if report:
         from tirefmu.fitting.reporting.report import write_report

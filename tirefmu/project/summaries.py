@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tirefmu.tires.drawing.style import drawn_unit
+from tirefmu.tires.drawing.labels import drawn_unit
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,10 @@ import pandas as pd
 from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
 
 from ..tire_argument import TireLike, tire_from
-from .own_matplotlib import Figure
-from .style import DPI, rendered, write_whole
-from .tire_figures import combined, pure, sketched, surfaces
+from .picture import DPI, picture, rendered
+from .surface_figure import surfaces
+from .tire_figures import combined, pure, sketched
+from .whole_file import write_whole
 
 FORMATS = ("png", "svg", "pdf")
 _DATELESS = {"png": None, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
@@ -71,18 +72,16 @@ def draw(
         raise UnknownName("format of figures", suffix, FORMATS)
     sketch = sketched(tire_from(tire), loads, signs, points, kappa)
     target = path_from(folder, "folder")
-    figures = {"pure": pure(sketch)}
+    figures = {"pure": picture(pure(sketch))}
     figures |= {f"surfaces_{load:g}N": surfaces(sketch, load) for load in sketch.loads}
-    figures["combined"] = combined(sketch)
+    figures["combined"] = picture(combined(sketch))
     # All are rendered before the first is written: a failure leaves the folder as it was.
-    images = {f"{name}.{suffix}": _rendered(figure, suffix) for name, figure in figures.items()}
+    images = {
+        f"{name}.{suffix}": rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])
+        for name, figure in figures.items()
+    }
     try:
         target.mkdir(parents=True, exist_ok=True)
         return [write_whole(target / name, image) for name, image in images.items()]
     except OSError as error:
         raise TirefmuError(f"{target}: figures cannot be written ({error.strerror or error})") from None
-
-
-def _rendered(figure: Figure, suffix: str) -> bytes:
-    """Return the figure as a file's bytes, the same each time."""
-    return rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])

@@ -16,18 +16,15 @@ with chdir(Path(__file__).parent):
     from matplotlib.axes import Axes as Axes
     from matplotlib.backends.backend_agg import FigureCanvasAgg as FigureCanvasAgg
     from matplotlib.cm import ScalarMappable as ScalarMappable
-    from matplotlib.collections import PolyCollection as PolyCollection
     from matplotlib.colors import LinearSegmentedColormap as LinearSegmentedColormap
     from matplotlib.colors import Normalize as Normalize
-    from matplotlib.colors import to_hex as to_hex
-    from matplotlib.colors import to_rgba_array as to_rgba_array
-    from matplotlib.figure import Figure as Figure
-    from matplotlib.lines import Line2D as Line2D
-    from matplotlib.patches import Rectangle as Rectangle
+    from matplotlib.figure import Figure
     from matplotlib.patheffects import Normal as Normal
     from matplotlib.patheffects import Stroke as Stroke
     from matplotlib.ticker import MaxNLocator as MaxNLocator
 
+#: Distinct from the figure that is data.
+MatplotlibFigure = Figure
 #: The settings that come with matplotlib, but for the program that shows windows; an SVG file is the same each time.
 SETTINGS = {name: value for name, value in rcParamsDefault.items() if "backend" not in name}
 SETTINGS["svg.hashsalt"] = "tirefmu"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Callable, Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -12,8 +13,10 @@ from markupsafe import Markup
 
 from tirefmu.symbolic.escaping import visible
 
+from .chart_data import chart_data
 from .chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
-from .style import write_whole
+from .figure import Figure
+from .whole_file import write_whole
 
 #: What every page shares: its frame with the style, and tables and figures that scroll on a narrow screen.
 FRAME, PARTS, STYLE = "page.html", "parts.html", "page.css"
@@ -28,7 +31,8 @@ def page_text(
 
     All texts are escaped, and control characters and marks of the writing direction are made visible. The content
     security policy of the template allows embedded images, and one script: the one that makes charts of figures. It is
-    part of the page if a figure has panels.
+    part of the page if the page has a figure; the first figure is drawn as a picture as well, which is seen in print
+    and without scripts.
 
     Parameters
     ----------
@@ -51,11 +55,11 @@ def page_text(
     )  # fmt: skip
     script = f"{library_file(LIBRARY_SCRIPT)}\n{_shared(CHART_SCRIPT)}"
     environment.globals |= {
-        "charted": [],  # texts of the figures with panels so far: the script is last in the page
+        "charted": [],  # titles of the figures so far: the script is last in the page
         "chart_script": Markup(script), "allowed_script": Markup(allowed(script)),
         "chart_style": Markup(f"{library_file(LIBRARY_STYLE)}\n{_shared(CHART_STYLE)}"),
     }  # fmt: skip
-    environment.filters |= {"sentence": _sentence, **filters}
+    environment.filters |= {"sentence": _sentence, "chart_data": chart_data, "still": _still, **filters}
     source = (files(package) / template).read_text(encoding="utf-8")
     return environment.from_string(source).render(**content)
 
@@ -63,6 +67,13 @@ def page_text(
 def _sentence(text: str) -> str:
     """Return a text with a capital first letter; unlike capitalize, it leaves the other ones."""
     return text[:1].upper() + text[1:]
+
+
+def _still(figure: Figure) -> str:
+    """Return the picture of a figure for a page."""
+    from .picture import PAGE_DPI, png  # imports matplotlib, which takes its time
+
+    return b64encode(png(figure, PAGE_DPI)).decode("ascii")
 
 
 def style_sheet() -> str:

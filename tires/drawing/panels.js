@@ -1,64 +1,75 @@
 "use strict";
 
-/** Room for the axes of a chart, and its height, in pixels of the page. */
+/** Room for the axes of a chart in pixels of the page, and pixels for an inch of a panel's height. */
 const AXIS = { x: 36, y: 62 };
-const CHART_HEIGHT = 300;
+const PER_INCH = 77;
+const LEAST_HEIGHT = 190;
 const FONT = "12px system-ui, sans-serif";
-/** Dashes of a line by the style of the figure, in widths of a line. */
-const DASHES = { "--": [7, 4], "-.": [7, 3, 1, 3], ":": [2, 3] };
+/** Corners of markers, in halves of their size. */
+const MARKERS = {
+  "^": [[-1, 0.9], [1, 0.9], [0, -1]],
+  v: [[-1, -0.9], [1, -0.9], [0, 1]],
+  s: [[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
+  D: [[-1.1, 0], [0, -1.1], [1.1, 0], [0, 1.1]],
+};
+/** Ends and middle of the colors of a map, red, green, blue: below 0, 0, above 0. */
+const MAP_COLORS = [[33, 102, 172], [247, 247, 247], [178, 24, 43]];
 /** A point is read from this distance at most, in pixels. */
 const REACH = 40;
+/** The sample of a toggle in pixels. */
+const SAMPLE = { width: 30, height: 12 };
 
-for (const data of document.querySelectorAll("script.panels")) offer(data.parentElement, data);
-
-/** Put a button over a figure that shows its charts in place of it. */
-function offer(figure, data) {
-  const button = element("button", "Zoom and read values", figure.before.bind(figure));
-  button.type = "button";
-  button.className = "offer";
-  button.setAttribute("aria-expanded", "false");
-  let charts = null;
-  button.addEventListener("click", () => {
-    const opened = button.getAttribute("aria-expanded") === "false";
-    button.setAttribute("aria-expanded", String(opened));
-    button.textContent = opened ? "Show the figure" : "Zoom and read values";
-    figure.classList.toggle("charted", opened);
-    if (opened) charts ??= new Charts(figure, JSON.parse(data.textContent));
-  });
+document.documentElement.classList.add("scripted");
+const opener = new IntersectionObserver(
+  (entries) => entries.filter((each) => each.isIntersecting).forEach(({ target }) => {
+    opener.unobserve(target);
+    target.panel.open();
+  }),
+  { rootMargin: "300px" },
+);
+/** Add the rows of charts of a figure; those with the same x axis are zoomed together. */
+function addCharts(figure, rows) {
+  const charts = [];
+  const host = document.createElement("div");
+  host.className = "charts";
+  figure.querySelector("script").after(host);
+  for (const row of rows) {
+    const line = element("div", "", host);
+    for (const panel of row) if (panel) charts.push(new PanelChart(line, panel, charts));
+  }
 }
 
-function element(name, text, place) {
+function element(name, text, parent) {
   const made = document.createElement(name);
   made.textContent = text;
-  place(made);
+  parent.append(made);
   return made;
 }
 
-/** The charts of a figure. Those that share an axis in the figure are zoomed together along it. */
-class Charts {
-  constructor(figure, panels) {
-    const host = element("div", "", figure.append.bind(figure));
-    host.className = panels.every((each) => each.shared) ? "charts column" : "charts";
-    this.all = panels.map((panel) => new PanelChart(host, panel, (range) => this.zoomTogether(range)));
-  }
-
-  zoomTogether(range) {
-    for (const each of this.all) if (each.panel.shared) each.zoom({ x: range });
-  }
-}
-
+/** A chart of a panel. It is drawn when it is nearly in view. */
 class PanelChart {
-  constructor(host, panel, zoomShared) {
+  constructor(row, panel, all) {
     this.panel = panel;
-    this.zoomShared = zoomShared;
-    this.series = panel.series.map((each) => ({ ...each, x: numbers(each.x), y: numbers(each.y), shown: true }));
+    this.all = all;
     this.limits = { x: panel.limits[0], y: panel.limits[1] };
-    const frame = element("figure", "", host.append.bind(host));
+    this.hidden = new Set();
     this.title = panel.title || `${panel.y} over ${panel.x}`;
-    element("figcaption", this.title, frame.append.bind(frame));
-    this.addToggles(element("div", panel.legend, frame.append.bind(frame)));
-    this.box = element("div", "", frame.append.bind(frame));
-    this.readout = element("output", "", frame.append.bind(frame));
+    this.frame = element("figure", "", row);
+    this.frame.style.flexGrow = panel.width;
+    element("figcaption", this.title, this.frame);
+    this.toggles = element("div", panel.legend, this.frame);
+    this.toggles.className = "toggles";
+    this.box = element("div", "", this.frame);
+    this.box.style.minHeight = `${this.size().height}px`;
+    this.readout = element("output", "", this.frame);
+    this.frame.panel = this;
+    opener.observe(this.frame);
+  }
+
+  open() {
+    this.series = this.panel.series.map((each) => ({ ...each, x: numbers(each.x), y: numbers(each.y) }));
+    this.rimmed = this.series.some((each) => each.kind === "points");
+    this.addToggles();
     this.mark = document.createElement("div");
     this.mark.className = "mark";
     this.mark.hidden = true;
@@ -69,34 +80,39 @@ class PanelChart {
     new ResizeObserver(() => this.plot.setSize(this.size())).observe(this.box);
   }
 
-  /** Add a button for each named series that hides it, and what has its color, and one for the zoom. */
-  addToggles(bar) {
-    bar.className = "toggles";
-    const named = this.series.filter((each) => each.label);
-    const rest = this.series.filter((each) => !each.label && each.kind === "points");
-    for (const [label, members] of [
-      ...named.map((each) => [each.label, [each, ...this.series.filter((other) => other.kind === "band" && other.color === each.color)]]),
-      ...(rest.length ? [["points", rest]] : []),
-    ]) {
-      const button = element("button", label, bar.append.bind(bar));
-      button.type = "button";
-      button.setAttribute("aria-pressed", "true");
-      button.style.setProperty("--color", members[0].color);
-      button.style.setProperty("--dashes", members[0].kind === "points" ? "dotted" : DASHES[members[0].dashes] ? "dashed" : "solid");
-      button.addEventListener("click", () => {
-        for (const each of members) each.shown = !each.shown;
-        button.setAttribute("aria-pressed", String(members[0].shown));
-        this.plot.redraw(false);
-      });
+  /** Add a button for each name, one for the points where lines have the same names, and one for the zoom. */
+  addToggles() {
+    const names = [...new Set(this.series.map((each) => each.label))].filter(Boolean);
+    for (const name of names) this.addToggle(name, (each) => each.label === name);
+    const points = this.series.filter((each) => each.kind === "points");
+    if (points.length && points.length < this.series.length && points.some((each) => !each.label || isShared(each, this.series))) {
+      this.addToggle("points", (each) => each.kind === "points");
     }
-    const reset = element("button", "Reset zoom", bar.append.bind(bar));
+    const reset = element("button", "Reset zoom", this.toggles);
     reset.type = "button";
-    reset.className = "reset";
     reset.addEventListener("click", () => this.reset());
   }
 
+  addToggle(name, belongs) {
+    const button = element("button", "", this.toggles);
+    button.type = "button";
+    button.setAttribute("aria-pressed", "true");
+    if (name !== "points") drawSample(element("canvas", "", button), this.series.filter(belongs));
+    element("span", name, button);
+    button.addEventListener("click", () => {
+      const shown = this.hidden.delete(name);
+      if (!shown) this.hidden.add(name);
+      button.setAttribute("aria-pressed", String(shown));
+      this.plot.redraw(false);
+    });
+  }
+
+  isShown(series) {
+    return !this.hidden.has(series.label) && !(series.kind === "points" && this.hidden.has("points"));
+  }
+
   size() {
-    return { width: Math.max(this.box.clientWidth, 200), height: CHART_HEIGHT };
+    return { width: Math.max(this.box.clientWidth, 150), height: Math.max(this.panel.height * PER_INCH, LEAST_HEIGHT) };
   }
 
   options() {
@@ -128,11 +144,18 @@ class PanelChart {
     if (height && height < plot.over.clientHeight) range.y = [plot.posToVal(top + height, "y"), plot.posToVal(top, "y")];
     plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     this.zoom(range);
-    if (this.panel.shared && range.x) this.zoomShared(range.x);
   }
 
+  /** Take limits, and the same ones along x in the panels with the same axis. */
   zoom(range) {
+    const together = range.x && this.panel.x_axis ? this.all.filter((each) => each.panel.x_axis === this.panel.x_axis) : [];
+    for (const each of together) if (each !== this) each.setLimits({ x: range.x });
+    this.setLimits(range);
+  }
+
+  setLimits(range) {
     this.limits = { ...this.limits, ...range };
+    if (!this.plot) return;
     this.plot.batch(() => {
       for (const axis of ["x", "y"]) {
         const [min, max] = this.limits[axis];
@@ -145,7 +168,6 @@ class PanelChart {
   reset() {
     const [x, y] = this.panel.limits;
     this.zoom({ x, y });
-    if (this.panel.shared) this.zoomShared(x);
   }
 
   describe() {
@@ -158,58 +180,72 @@ class PanelChart {
 
   draw(plot) {
     const { ctx, bbox } = plot;
+    const across = (value) => plot.valToPos(value, "x", true);
+    const down = (value) => plot.valToPos(value, "y", true);
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
-    for (const each of this.series) if (each.shown) drawSeries(plot, each);
+    if (this.panel.cells) drawCells(ctx, this.panel.cells, across, down);
+    ctx.fillStyle = "#8c8c8c";
+    for (const y of this.panel.across) ctx.fillRect(bbox.left, down(y), bbox.width, devicePixelRatio);
+    for (const x of this.panel.upright) ctx.fillRect(across(x), bbox.top, devicePixelRatio, bbox.height);
+    for (const each of this.series) if (this.isShown(each)) drawSeries(ctx, each, across, down, this.rimmed);
     ctx.restore();
   }
 
-  /** Show the values of the nearest point, and mark it. */
+  /** Show the values of the nearest point and mark it, or those of the cell of a map. */
   read(plot) {
     const { left, top } = plot.cursor;
     let found = null;
     let least = REACH ** 2;
     for (const series of this.series) {
-      if (!series.shown || !["line", "points"].includes(series.kind)) continue;
+      if (!this.isShown(series) || series.kind === "band") continue;
       for (let i = 0; i < series.x.length; i += 1) {
         const distance = (plot.valToPos(series.x[i], "x") - left) ** 2 + (plot.valToPos(series.y[i], "y") - top) ** 2;
         if (distance < least) [found, least] = [{ series, x: series.x[i], y: series.y[i] }, distance];
       }
     }
     this.mark.hidden = !found || left < 0;
-    if (this.mark.hidden) return;
+    if (this.mark.hidden) {
+      const cell = this.panel.cells && cellText(this.panel.cells, plot.posToVal(left, "x"), plot.posToVal(top, "y"));
+      if (cell) this.readout.textContent = cell;
+      return;
+    }
     this.mark.style.left = `${plot.valToPos(found.x, "x")}px`;
     this.mark.style.top = `${plot.valToPos(found.y, "y")}px`;
-    const name = found.series.label || (found.series.kind === "points" ? "point" : "line");
-    const thinned = found.series.step > 1 ? `; 1 of ${found.series.step} points is shown` : "";
+    const { label, kind, step } = found.series;
+    const name = [label, kind === "points" ? "point" : label ? "" : "line"].filter(Boolean).join(", ");
+    const thinned = step > 1 ? `; 1 of ${step} points is shown` : "";
     this.readout.textContent = `${name}: ${this.panel.x} ${short(found.x)}, ${this.panel.y} ${short(found.y)}${thinned}`;
   }
 }
 
-function drawSeries(plot, series) {
-  const { ctx, bbox } = plot;
-  const across = (value) => plot.valToPos(value, "x", true);
-  const down = (value) => plot.valToPos(value, "y", true);
+function isShared(points, all) {
+  return all.some((each) => each.kind === "line" && each.label === points.label);
+}
+
+function drawSeries(ctx, series, across, down, rimmed = false) {
+  const scale = devicePixelRatio * 1.33; // from points
   ctx.fillStyle = series.color;
-  ctx.strokeStyle = series.color;
-  ctx.globalAlpha = series.opacity ?? 1;
-  if (series.kind === "points") {
-    const size = (series.x.length === 1 ? 7 : Math.min(Math.max(series.width, 2), 3)) * devicePixelRatio;
-    series.x.forEach((x, i) => ctx.fillRect(across(x) - size / 2, down(series.y[i]) - size / 2, size, size));
-  } else {
-    ctx.lineWidth = series.width * devicePixelRatio;
-    ctx.setLineDash((DASHES[series.dashes] ?? []).map((each) => each * devicePixelRatio));
-    ctx.beginPath();
-    if (series.kind === "across") [bbox.left, bbox.left + bbox.width].forEach((x) => ctx.lineTo(x, down(series.y[0])));
-    else if (series.kind === "upright") [bbox.top, bbox.top + bbox.height].forEach((y) => ctx.lineTo(across(series.x[0]), y));
-    else drawPieces(ctx, series, across, down);
-    if (series.kind === "band") ctx.fill();
-    else ctx.stroke();
-    ctx.setLineDash([]);
+  ctx.globalAlpha = series.opacity;
+  ctx.beginPath();
+  if (series.kind !== "points") drawPieces(ctx, series, across, down);
+  if (series.kind === "band") ctx.fill();
+  if (series.kind === "line") {
+    if (rimmed) stroke(ctx, "#fff", (series.size + 1) * scale, []);
+    stroke(ctx, series.color, series.size * scale, series.dashes.map((each) => each * series.size * scale));
   }
+  if (series.marker) drawMarkers(ctx, series, across, down, scale);
   ctx.globalAlpha = 1;
+}
+
+function stroke(ctx, color, width, dashes) {
+  ctx.strokeStyle = color;
+  ctx.lineWidth = width;
+  ctx.setLineDash(dashes);
+  ctx.stroke();
+  ctx.setLineDash([]);
 }
 
 /** Draw a line that is interrupted where a value is missing. */
@@ -222,6 +258,66 @@ function drawPieces(ctx, series, across, down) {
   });
 }
 
+function drawMarkers(ctx, series, across, down, scale) {
+  const half = Math.max(series.kind === "points" ? series.size : 4, 2) * 0.5 * scale;
+  const corners = MARKERS[series.marker];
+  ctx.beginPath();
+  series.x.forEach((value, i) => {
+    const [x, y] = [across(value), down(series.y[i])];
+    if (corners) {
+      corners.forEach(([right, low], k) => (k ? ctx.lineTo(x + right * half, y + low * half) : ctx.moveTo(x + right * half, y + low * half)));
+      ctx.closePath();
+    } else {
+      ctx.moveTo(x + half, y);
+      ctx.arc(x, y, half, 0, 7);
+    }
+  });
+  if (series.marker === "ring") stroke(ctx, series.color, scale, []);
+  else ctx.fill();
+}
+
+/** Draw what a toggle stands for: a piece of its line, and its marker. */
+function drawSample(canvas, members) {
+  canvas.width = SAMPLE.width * devicePixelRatio;
+  canvas.height = SAMPLE.height * devicePixelRatio;
+  canvas.style.width = `${SAMPLE.width}px`;
+  const across = (share) => share * canvas.width;
+  const down = (share) => share * canvas.height;
+  for (const { kind, ...look } of members) {
+    const shape = kind === "band" ? { x: [0, 1, 1, 0], y: [0, 0, 1, 1] } : kind === "line" ? { x: [0, 1], y: [0.5, 0.5] } : { x: [0.5], y: [0.5] };
+    drawSeries(canvas.getContext("2d"), { ...look, kind, ...shape, size: kind === "points" ? 6 : look.size }, across, down);
+  }
+}
+
+function drawCells(ctx, cells, across, down) {
+  ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  cells.counts.forEach((column, i) => column.forEach((count, j) => {
+    const [left, right, low, high] = [across(cells.x[i]), across(cells.x[i + 1]), down(cells.y[j]), down(cells.y[j + 1])];
+    const share = cells.means[i][j] === null ? null : Math.max(-1, Math.min(1, cells.means[i][j] / cells.limit));
+    ctx.fillStyle = share === null ? "#d9d9d9" : mixed(share);
+    ctx.fillRect(left, high, right - left - devicePixelRatio, low - high - devicePixelRatio);
+    if (!count || !cells.numbered || right - left < 8 * devicePixelRatio * String(count).length) return;
+    ctx.fillStyle = Math.abs(share) > 0.6 ? "#fff" : "#000";
+    ctx.fillText(count, (left + right) / 2, (low + high) / 2);
+  }));
+}
+
+/** Return the color of a share of the largest mean. */
+function mixed(share) {
+  const [from, to] = [MAP_COLORS[1], MAP_COLORS[share < 0 ? 0 : 2]];
+  return `rgb(${from.map((part, i) => Math.round(part + Math.abs(share) * (to[i] - part))).join()})`;
+}
+
+function cellText(cells, x, y) {
+  const [i, j] = [cells.x.findLastIndex((edge) => edge <= x), cells.y.findLastIndex((edge) => edge <= y)];
+  const count = cells.counts[i]?.[j];
+  if (count === undefined) return "";
+  const mean = cells.means[i][j];
+  return `${cells.label}: ${mean === null ? "-" : short(mean)}, ${count} rows`;
+}
+
 function numbers(text) {
   return new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
 }
@@ -230,3 +326,5 @@ function numbers(text) {
 function short(value) {
   return String(Number(value.toPrecision(5)));
 }
+
+for (const data of document.querySelectorAll("script.panels")) addCharts(data.parentElement, JSON.parse(data.textContent));

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from .own_matplotlib import Axes, Figure, own_settings
-from .style import LETTER, drawn_unit, letter, per_si, some_of, write_footnote
+from .figure import Figure, Panel, Series
+from .labels import axis_label, note, per_si
+from .style import BLUE, LIGHT_GRAY, some_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -19,13 +20,14 @@ INPUTS = ("alpha", "kappa", "Fz", "gamma", "p", "V", "T")
 LEAST_RANGE = 0.02
 #: Bins of a panel with equal numbers of rows, and the smallest number of rows of a bin.
 BINS, LEAST_ROWS = 16, 5
+#: Points of a panel.
+POINTS = 1000
 
 
-@own_settings()
 def residuals_over_inputs(
     table: pd.DataFrame, residuals: Mapping[str, FloatArray], signs: str, *notes: str
 ) -> Figure | None:
-    """Draw residuals over every input that varies: a row of panels per channel, a column per input.
+    """Return residuals over every input that varies: a row of panels per channel, a column per input.
 
     A panel is omitted if the input does not vary in the rows in which the channel is measured, or is unknown there.
 
@@ -38,7 +40,7 @@ def residuals_over_inputs(
     signs : str
         Convention of table and residuals.
     *notes : str
-        Further sentences of the footnote.
+        Further parts of the note.
 
     Returns
     -------
@@ -49,8 +51,8 @@ def residuals_over_inputs(
     --------
     >>> table = pd.DataFrame({"alpha": np.linspace(-0.1, 0.1, 50), "Fz": 900.0})
     >>> figure = residuals_over_inputs(table, {"Fy": np.sin(40.0 * table["alpha"].to_numpy())}, "iso")
-    >>> len(figure.axes)
-    1
+    >>> [panel.x for panel in figure.panels]
+    ['α (deg)']
     """
     shown = {
         channel: [name for name in INPUTS if name in table and _varies(table[name][np.isfinite(values)])]
@@ -60,27 +62,14 @@ def residuals_over_inputs(
     inputs = [name for name in INPUTS if any(name in names for names in shown.values())]
     if not inputs:
         return None
-    figure = Figure(figsize=(2.7 * len(inputs) + 1.0, 1.0 + 2.1 * len(shown)), layout="constrained")
-    figure.suptitle("Residuals over the inputs: data minus tire", fontweight="bold")
-    grid = figure.subplots(len(shown), len(inputs), squeeze=False, sharey="row", sharex="col")
-    for axes, (channel, names) in zip(grid, shown.items(), strict=True):
-        values = residuals[channel]
-        limit = 1.15 * float(np.nanquantile(np.abs(values), 0.995)) or 1.0
-        first = axes[inputs.index(names[0])]
-        first.set(ylabel=f"{LETTER[channel]} ({drawn_unit(channel)})", ylim=(-limit, limit))
-        first.tick_params(labelleft=True)
-        for ax, name in zip(axes, inputs, strict=True):
-            if name in names:
-                _draw(ax, table[name].to_numpy(dtype=np.float64) * per_si(name), values)
-            else:
-                ax.remove()
-    for column, name in zip(grid.T, inputs, strict=True):
-        last = [ax for ax, names in zip(column, shown.values(), strict=True) if name in names][-1]
-        last.set_xlabel(f"{letter(signs, name)} ({drawn_unit(name)})")
-        last.tick_params(labelbottom=True)
-    note = "line: mean of rows with similar input; bars: their standard deviation; the axes contain 99.5 % of the rows"
-    write_footnote(figure, signs, note, *notes)
-    return figure
+    rows = tuple(
+        tuple(_panel(table[name], residuals[channel], channel, signs) if name in names else None for name in inputs)
+        for channel, names in shown.items()
+    )
+    text = "line: mean of rows with similar input; bars: their standard deviation; the axes contain 99.5 % of the rows"
+    return Figure(
+        "residuals_over_inputs", "Residuals over the inputs: data minus tire", rows, note(signs, text, *notes)
+    )
 
 
 def _varies(column: pd.Series) -> bool:
@@ -88,16 +77,24 @@ def _varies(column: pd.Series) -> bool:
     return bool(len(known) and np.ptp(known) > LEAST_RANGE * np.abs(known).max())
 
 
-def _draw(ax: Axes, x: FloatArray, residual: FloatArray) -> None:
+def _panel(column: pd.Series, residual: FloatArray, channel: str, signs: str) -> Panel:
+    name = str(column.name)
+    x = column.to_numpy(dtype=np.float64) * per_si(name)
+    limit = 1.15 * float(np.nanquantile(np.abs(residual), 0.995)) or 1.0
     known = np.isfinite(residual) & np.isfinite(x)
-    few = some_of(pd.DataFrame({"x": x[known], "y": residual[known]}))
-    ax.plot(few["x"], few["y"], ".", ms=1.5, mew=0.0, color="0.6")
+    few = some_of(pd.DataFrame({"x": x[known], "y": residual[known]}), POINTS)
+    series = [Series("points", few["x"], few["y"], LIGHT_GRAY, marker=".", size=1.5)]
     parts = [(x[rows], residual[rows]) for rows in _bins(x, known)]
     if parts:
         center, mean, spread = np.transpose([(np.median(a), b.mean(), b.std()) for a, b in parts])
-        ax.errorbar(center, mean, spread, color="C0", lw=1.4, elinewidth=0.8, marker="o", ms=3, zorder=3)
-    ax.axhline(0.0, color="k", lw=0.8)
-    ax.grid(alpha=0.3)
+        gap = np.full(len(parts), np.nan)
+        bars = np.column_stack([center, center, gap]), np.column_stack([mean - spread, mean + spread, gap])
+        series.append(Series("line", bars[0].ravel(), bars[1].ravel(), BLUE, size=0.8))
+        series.append(Series("line", center, mean, BLUE, marker="o"))
+    return Panel(
+        axis_label(name, signs), axis_label(channel), tuple(series), across=(0.0,), y_limits=(-limit, limit),
+        x_axis=name, y_axis=channel, width=2.7, height=2.1,
+    )  # fmt: skip
 
 
 def _bins(x: FloatArray, known: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:

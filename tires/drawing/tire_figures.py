@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, isfinite, radians
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,35 +18,12 @@ from tirefmu.symbolic.escaping import figure_text
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate
 from ..signs import REVERSED, SIGNS, convert_signs
-from .own_matplotlib import (
-    Axes,
-    Figure,
-    LinearSegmentedColormap,
-    MaxNLocator,
-    Normalize,
-    ScalarMappable,
-    colormaps,
-    own_settings,
-)
-from .style import (
-    HANDLE,
-    LETTER,
-    draw_line,
-    drawn_unit,
-    finish,
-    held_text,
-    letter,
-    level_styles,
-    level_text,
-    per_si,
-    some_of,
-    write_footnote,
-)
+from .figure import Figure, Panel, Series, curve, in_rows
+from .labels import axis_label, held_text, letter, level_text, note, per_si
+from .style import BLACK, LIGHT_GRAY, level_styles, some_of
 
 FloatArray = npt.NDArray[np.float64]
 
-#: The figures of a tire, by the names that `plot` takes.
-KINDS = ("pure", "surfaces", "combined")
 #: Slips beyond these are not drawn, however far the tire is known.
 WIDEST = {"kappa": (-1.0, 1.0), "alpha": (-radians(20.0), radians(20.0))}
 #: Largest longitudinal slip that can be requested.
@@ -60,39 +36,9 @@ MARKED = (-0.5, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.5)
 NEAR_LOAD, NEAR_ZERO = 0.1, {"gamma": radians(0.5), "alpha": radians(0.5), "kappa": 0.01}
 #: Measured rows are drawn within this distance of the pressure of the curves, Pa.
 NEAR_PRESSURE = 3000.0
-#: Crosses of a curve, because more would cover it; and their style.
+#: Crosses of a curve, because more would cover it.
 MOST_CROSSES = 400
-CROSS: dict[str, Any] = {"ms": 4.0, "mew": 0.8, "alpha": 0.7}
-#: Blue below 0, red above, without the dark ends on which no number can be read.
-_COLORS = LinearSegmentedColormap.from_list("forces", colormaps["RdBu_r"](np.linspace(0.1, 0.9, 256)))
 _POINTS = 301  # of a curve
-_MESH = 81  # points of a surface along each slip
-
-
-def plot(
-    tire: TireDefinition, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso"
-) -> Figure:
-    """Return one figure of a tire; `Tire.plot` documents the parameters.
-
-    Raises
-    ------
-    UnknownName
-        If the kind or the convention does not exist.
-    TirefmuError
-        If a load is not positive, or the tire makes no force or one that is not finite.
-
-    Examples
-    --------
-    >>> from tirefmu.tires import published
-    >>> len(plot(published("unicamp_small_tire"), "combined", loads=[60.0, 110.0]).axes)
-    2
-    """
-    if kind not in KINDS:
-        raise UnknownName("kind of figure", kind, KINDS)
-    sketch = sketched(tire, loads, signs)
-    if kind == "surfaces":
-        return surfaces(sketch, sketch.loads[len(sketch.loads) // 2])
-    return pure(sketch) if kind == "pure" else combined(sketch)
 
 
 def sketched(
@@ -212,8 +158,8 @@ class Sketch:
 
     def footnotes(self, crosses: str = "at any slip") -> list[str]:
         """Return what all figures have in common, which rows crosses are, and which loads are beyond the range."""
-        held = [f"$p$ = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
-        notes = [f"model {self.tire.model}", ", ".join([r"$\gamma$ = 0", *held])]
+        held = [f"p = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
+        notes = [f"model {self.tire.model}", ", ".join(["γ = 0", *held])]
         if self.points is not None:
             drawn = any(len(self.measured(load)) for load in self.loads)
             near = f"measured upright within {NEAR_LOAD:.0%} of the load"
@@ -222,7 +168,7 @@ class Sketch:
         for slip, (first, last) in self._requested.items():
             low, high = self.tire.ranges.get(slip, (first, last))
             if first < low or last > high:
-                notes.append(f"{LETTER[slip]} outside {low:g} to {high:g}, for which the tire is known: extrapolated")
+                notes.append(f"{letter(slip)} outside {low:g} to {high:g}, for which the tire is known: extrapolated")
         low, high = self.tire.ranges.get("Fz", (0.0, float("inf")))
         beyond = [f"{load:g}" for load in self.loads if not low <= load <= high]
         if beyond:
@@ -256,111 +202,45 @@ def _checked_range(kappa: Sequence[float]) -> tuple[float, float]:
     return float(kappa[0]), float(kappa[1])
 
 
-@own_settings()
+def crosses(rows: pd.DataFrame, x: str, y: str, color: str = BLACK) -> Series:
+    """Return measured rows as crosses."""
+    scales = [per_si(name) for name in (x, y)]
+    return Series("points", rows[x] * scales[0], rows[y] * scales[1], color, marker="x", size=4.0, opacity=0.7)
+
+
 def pure(sketch: Sketch) -> Figure:
     """Fx over kappa, Fy and Mz over alpha, one curve for each load."""
     shown = [(channel, slip) for channel, slip in PURE if channel in sketch.channels]
-    figure = Figure(figsize=(4.9 * len(shown) + 1.2, 4.9), layout="constrained")
-    figure.suptitle(f"{sketch.title}: pure slip", fontweight="bold")
-    for ax, (channel, slip) in zip(figure.subplots(1, len(shown), squeeze=False)[0], shown, strict=True):
-        grid, other = sketch.grid(slip, _POINTS), "alpha" if slip == "kappa" else "kappa"
-        kappa, alpha = (grid, 0.0) if slip == "kappa" else (0.0, grid)
-        for load, style in zip(sketch.loads, level_styles(len(sketch.loads), "Fz"), strict=True):
-            curve = sketch.over(load, kappa, alpha)[channel]
-            draw_line(ax, grid * per_si(slip), curve, style, level_text("Fz", load))
-            rows = sketch.measured(load, channel, zero=other)
-            ax.plot(rows[slip] * per_si(slip), rows[channel], "x", color=style.color, **CROSS)
-        finish(ax, slip, f"{LETTER[channel]} ({drawn_unit(channel)})")
-        ax.set_title(f"{LETTER[channel]} over {LETTER[slip]} at {LETTER[other]} = 0", fontsize=10)
-        ax.margins(x=0.0)
-    _shared_legend(figure, ax, f"load {letter(sketch.signs, 'Fz')}")
-    write_footnote(figure, sketch.signs, *sketch.footnotes("in pure slip"), *_left_out(sketch))
-    return figure
+    zero = [name for name, _ in PURE if name in sketch.tire.outputs and name not in sketch.channels]
+    left_out = [f"{' and '.join(zero)} 0 everywhere and not drawn"] if zero else []
+    text = note(sketch.signs, *sketch.footnotes("in pure slip"), *left_out)
+    row = tuple(_pure_panel(sketch, channel, slip) for channel, slip in shown)
+    return Figure("pure", f"{sketch.title}: pure slip", (row,), text)
 
 
-def _left_out(sketch: Sketch) -> list[str]:
-    zero = [LETTER[name] for name, _ in PURE if name in sketch.tire.outputs and name not in sketch.channels]
-    return [f"{' and '.join(zero)} 0 everywhere and not drawn"] if zero else []
+def _pure_panel(sketch: Sketch, channel: str, slip: str) -> Panel:
+    grid, other = sketch.grid(slip, _POINTS), "alpha" if slip == "kappa" else "kappa"
+    kappa, alpha = (grid, 0.0) if slip == "kappa" else (0.0, grid)
+    x = grid * per_si(slip)
+    series = []
+    for load, style in zip(sketch.loads, level_styles(len(sketch.loads), "Fz"), strict=True):
+        series.append(curve(x, sketch.over(load, kappa, alpha)[channel], style, level_text("Fz", load)))
+        series.append(crosses(sketch.measured(load, channel, zero=other), slip, channel, style.color))
+    return Panel(
+        axis_label(slip), axis_label(channel), tuple(series), f"{channel} over {letter(slip)} at {letter(other)} = 0",
+        f"load {letter('Fz', sketch.signs)}", (0.0,), (0.0,), x_limits=(x[0], x[-1]), width=4.9, height=4.0,
+    )  # fmt: skip
 
 
-def _shared_legend(figure: Figure, ax: Axes, title: str) -> None:
-    """Add one legend for all axes."""
-    handles, labels = ax.get_legend_handles_labels()
-    where: dict[str, Any] = {"loc": "outside right center", "frameon": False}
-    figure.legend(handles, labels, title=title, fontsize=9, handlelength=HANDLE, **where)
-
-
-@own_settings()
-def surfaces(sketch: Sketch, load: float) -> Figure:
-    """Fx and Fy over both slips at one load: as surfaces, and below as maps to read values from."""
-    shown = [name for name in ("Fx", "Fy") if name in sketch.channels] or sketch.channels
-    kappa, alpha = sketch.mesh(_MESH)
-    forces = sketch.over(load, kappa, alpha)
-    figure = Figure(figsize=(6.2 * len(shown), 10.2), layout="constrained")
-    loaded = f"{letter(sketch.signs, 'Fz')} = {level_text('Fz', load)}"
-    figure.suptitle(f"{sketch.title}: forces in combined slip at {loaded}", fontweight="bold")
-    for column, channel in enumerate(shown, start=1):
-        force = forces[channel].to_numpy().reshape(kappa.shape)
-        top = float(np.abs(force).max())
-        norm = Normalize(-top, top)
-        solid = figure.add_subplot(2, len(shown), column, projection="3d")
-        _draw_solid(solid, kappa, alpha, force, norm, channel)
-        rows = sketch.measured(load, channel)
-        x, y = (rows[slip].to_numpy(dtype=float) * per_si(slip) for slip in ("kappa", "alpha"))
-        solid.plot(x, y, rows[channel].to_numpy(dtype=float), "kx", zorder=9, **CROSS)
-        flat = figure.add_subplot(2, len(shown), len(shown) + column)
-        _draw_map(flat, kappa, alpha, force, norm)
-        bar = figure.colorbar(ScalarMappable(norm, _COLORS), ax=flat, shrink=0.9, pad=0.02)
-        bar.set_label(f"{LETTER[channel]} ({drawn_unit(channel)})")
-    write_footnote(figure, sketch.signs, *sketch.footnotes())
-    return figure
-
-
-def _draw_solid(
-    ax: Any, kappa: FloatArray, alpha: FloatArray, force: FloatArray, norm: Normalize, channel: str
-) -> None:
-    x, y = kappa * per_si("kappa"), alpha * per_si("alpha")
-    ax.plot_surface(x, y, force, cmap=_COLORS, norm=norm, rcount=41, ccount=41, edgecolor="0.25", linewidth=0.2)
-    ax.set(xlabel=f"{LETTER['kappa']} ({drawn_unit('kappa')})", ylabel=f"{LETTER['alpha']} ({drawn_unit('alpha')})")
-    ax.zaxis.set_rotate_label(False)
-    ax.set_zlabel(f"{LETTER[channel]} ({drawn_unit(channel)})", rotation=90.0)
-    ax.set_title(f"{LETTER[channel]} over {LETTER['kappa']} and {LETTER['alpha']}", fontsize=10, y=0.98)
-    # Seen from the low side: no valley hides behind a hill.
-    azimuth = -128.0 if channel == "Fx" else -55.0 if np.sum(force * alpha) > 0.0 else 55.0
-    ax.view_init(elev=24.0, azim=azimuth)
-    ax.set_box_aspect((1.0, 1.0, 0.8), zoom=1.0)
-    ax.tick_params(labelsize=8)
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(MaxNLocator(5))
-
-
-def _draw_map(ax: Axes, kappa: FloatArray, alpha: FloatArray, force: FloatArray, norm: Normalize) -> None:
-    x, y = kappa * per_si("kappa"), alpha * per_si("alpha")
-    ax.contourf(x, y, force, levels=41, cmap=_COLORS, norm=norm)
-    if np.ptp(force) > 0.0:
-        lines = ax.contour(x, y, force, levels=11, colors="0.15", linewidths=0.7)
-        ax.clabel(lines, fontsize=7, fmt="%g")
-    ax.set(xlabel=f"{LETTER['kappa']} ({drawn_unit('kappa')})", ylabel=f"{LETTER['alpha']} ({drawn_unit('alpha')})")
-
-
-@own_settings()
 def combined(sketch: Sketch) -> Figure:
     """Fy against Fx at constant slip angle, kappa running: one panel for each load."""
-    columns = 2 if len(sketch.loads) == 4 else min(len(sketch.loads), 3)
-    rows = ceil(len(sketch.loads) / columns)
-    figure = Figure(figsize=(4.9 * columns + 1.2, 0.9 + 4.8 * rows), layout="constrained")
-    figure.suptitle(f"{sketch.title}: side force against longitudinal force", fontweight="bold")
-    axes = figure.subplots(rows, columns, squeeze=False).ravel()
-    for unused in axes[len(sketch.loads) :]:
-        unused.remove()
-    for ax, load in zip(axes, sketch.loads, strict=False):
-        _draw_shared(ax, sketch, load)
-    _shared_legend(figure, axes[0], f"slip angle {LETTER['alpha']}")
     marked = ", ".join(f"{kappa:g}" for kappa in _marked(sketch))
     low, high = sketch.span("kappa")
-    note = f"lines: {LETTER['kappa']} from {low:g} to {high:g}; grey: constant {LETTER['kappa']} = {marked}"
-    write_footnote(figure, sketch.signs, note, *sketch.footnotes())
-    return figure
+    text = f"lines: κ from {low:g} to {high:g}; gray: constant κ = {marked}"
+    panels = [_combined_panel(sketch, load) for load in sketch.loads]
+    title = f"{sketch.title}: side force against longitudinal force"
+    rows = in_rows(panels, 2 if len(panels) == 4 else 3)
+    return Figure("combined", title, rows, note(sketch.signs, text, *sketch.footnotes()))
 
 
 def _marked(sketch: Sketch) -> list[float]:
@@ -368,20 +248,15 @@ def _marked(sketch: Sketch) -> list[float]:
     return [kappa for kappa in MARKED if low <= kappa <= high]
 
 
-def _draw_shared(ax: Axes, sketch: Sketch, load: float) -> None:
+def _combined_panel(sketch: Sketch, load: float) -> Panel:
     angles, kappa = sketch.angles(), sketch.grid("kappa", _POINTS)
-    for slip in _marked(sketch):
-        across = sketch.over(load, slip, sketch.grid("alpha", _POINTS))
-        ax.plot(across["Fx"], across["Fy"], color="0.75", lw=0.8, zorder=1)
+    across = [sketch.over(load, slip, sketch.grid("alpha", _POINTS)) for slip in _marked(sketch)]
+    series = [Series("line", forces["Fx"], forces["Fy"], LIGHT_GRAY, size=0.8) for forces in across]
     for angle, style in zip(angles, level_styles(len(angles), "alpha"), strict=True):
         along = sketch.over(load, kappa, angle)
-        draw_line(ax, along["Fx"], along["Fy"], style, level_text("alpha", angle))
-    rows = sketch.measured(load, "Fx", "Fy")
-    ax.plot(rows["Fx"], rows["Fy"], "kx", zorder=1, **CROSS)
-    ax.set_title(held_text(sketch.signs, {"Fz": load}), fontsize=10)
-    ax.set(xlabel=f"{LETTER['Fx']} ({drawn_unit('Fx')})", ylabel=f"{LETTER['Fy']} ({drawn_unit('Fy')})")
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.xaxis.set_major_locator(MaxNLocator(6))
-    ax.grid(alpha=0.3)
-    ax.axhline(0.0, color="0.3", lw=0.8)
-    ax.axvline(0.0, color="0.3", lw=0.8)
+        series.append(curve(along["Fx"], along["Fy"], style, level_text("alpha", angle)))
+    series.append(crosses(sketch.measured(load, "Fx", "Fy"), "Fx", "Fy"))
+    return Panel(
+        axis_label("Fx"), axis_label("Fy"), tuple(series), held_text(sketch.signs, {"Fz": load}),
+        f"slip angle {letter('alpha')}", (0.0,), (0.0,), width=4.9, height=4.8, equal=True,
+    )  # fmt: skip

@@ -9,6 +9,7 @@ import pytest
 from tirefmu.measurements import Recording
 from tirefmu.measurements.inspection.figures import _over_slip
 from tirefmu.measurements.inspection.inspection import inspect
+from tirefmu.tires.drawing.style import LIGHT_GRAY
 
 
 @pytest.fixture(scope="module")
@@ -65,12 +66,12 @@ def test_a_panel_over_slip_has_one_level_of_the_other_inputs():
     )
     table["t"], table["Fy"] = 0.01 * np.arange(len(table)), -1000.0 * table["alpha"] + 10.0 * table["part"]
     ((inspection,), _) = inspect([Recording(table.drop(columns="part"), "iso", "a.csv")])
-    (ax,) = _over_slip(inspection).axes
-    drawn = {line.get_color(): np.sort(line.get_ydata()) for line in ax.get_lines() if len(line.get_ydata()) > 2}
+    (panel,) = next(_over_slip(inspection)).panels
+    drawn = {series.color: np.sort(series.points[1]) for series in panel.series}
     included = table[inspection.exclusion.included]
     pure = included[included["part"].isin([0, 4])]
-    gray = drawn.pop("0.8")
+    gray = drawn.pop(LIGHT_GRAY)
     (points,) = drawn.values()
     np.testing.assert_allclose(points, np.sort(pure["Fy"]))
     assert len(gray) + len(points) == len(included)
-    assert "80 kPa" in ax.get_title()
+    assert "80 kPa" in panel.title

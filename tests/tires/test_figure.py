@@ -1,0 +1,96 @@
+"""A figure is drawn twice from the same data, and no text of it ends the script element of a page or is a formula."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64decode
+
+import numpy as np
+import pytest
+
+from tests.hostile import HOSTILE
+from tirefmu.tires.drawing.chart_data import MOST_POINTS, chart_data
+from tirefmu.tires.drawing.figure import Cells, Figure, Panel, Series, band, in_rows
+from tirefmu.tires.drawing.picture import picture, png
+
+X = np.linspace(-1.0, 1.0, 7)
+LINE = Series("line", X, -300.0 * X, "#123456", "tire", (4.0, 2.0))
+PANEL = Panel("α (deg)", "Fy (N)", (Series("points", X, 200.0 * X, marker="^"), band(X, X, X + 5.0, "#123456"), LINE))
+
+
+def figure_of(*panels, columns=2):
+    return Figure("any", "any", in_rows(panels, columns))
+
+
+def charts(figure):
+    """Return the panels of the charts, with the numbers of their series."""
+    panels = [panel for row in json.loads(chart_data(figure)) for panel in row if panel]
+    for panel in panels:
+        for series in panel["series"]:
+            series |= {axis: np.frombuffer(b64decode(series[axis]), dtype="<f4") for axis in ("x", "y")}
+    return panels
+
+
+def test_the_chart_and_the_picture_have_the_values_and_the_look():
+    (panel,) = charts(figure_of(PANEL))
+    (ax,) = picture(figure_of(PANEL)).axes
+    points, _, line = panel["series"]
+    assert [each["kind"] for each in panel["series"]] == ["points", "band", "line"]
+    assert (line["color"], line["label"], line["dashes"]) == ("#123456", "tire", [4.0, 2.0])
+    for series, drawn in zip((points, line), ax.get_lines(), strict=True):
+        np.testing.assert_allclose([series["x"], series["y"]], drawn.get_data(), rtol=1e-6)
+        assert drawn.get_color() == series["color"]
+    np.testing.assert_allclose(panel["limits"], [ax.get_xlim(), ax.get_ylim()])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (panel["x"], panel["y"])
+
+
+def test_panels_with_a_common_axis_have_its_limits():
+    shared = {"x_axis": "slip", "y_axis": "force"}
+    near, far = (Panel("x", "y", (Series("line", [0.0, end], [0.0, 2.0 * end]),), **shared) for end in (1.0, 10.0))
+    other = Panel("x", "y", (Series("line", [0.0, 1.0], [0.0, 1.0]),), y_limits=(0.0, None))
+    first, second, alone = charts(figure_of(near, far, other))
+    assert first["limits"] == second["limits"] == [[-0.5, 10.5], [-1.0, 21.0]]
+    np.testing.assert_allclose(alone["limits"], [[-0.05, 1.05], [0.0, 1.05]])
+
+
+def test_values_without_range_and_without_number_have_limits():
+    for values in ([3.0, 3.0], [np.nan, np.nan], []):
+        for low, high in charts(figure_of(Panel("x", "y", (Series("line", values, values),))))[0]["limits"]:
+            assert low < high
+
+
+def test_of_many_points_every_kth_is_taken_and_gaps_stay():
+    y = np.arange(2.5 * MOST_POINTS)
+    y[7] = np.nan
+    (series,) = charts(figure_of(Panel("x", "y", (Series("line", y, y),))))[0]["series"]
+    assert series["step"] == 3
+    np.testing.assert_array_equal(series["y"][:5], np.float32([0.0, 3.0, 6.0, np.nan, 9.0]))
+
+
+def test_a_map_has_its_cells_in_both():
+    means = np.array([[1.0, np.nan], [-2.0, 0.5]])
+    cells = Cells(np.arange(3.0), np.arange(3.0), means, np.array([[4, 0], [5, 6]]), True, 2.0, "mean (N)")
+    figure = figure_of(Panel("x", "y", x_limits=(0.0, 2.0), y_limits=(0.0, 2.0), cells=cells))
+    (panel,) = charts(figure)
+    assert panel["cells"]["means"] == [[1.0, None], [-2.0, 0.5]]
+    assert sorted(text.get_text() for text in picture(figure).axes[0].texts) == ["4", "5", "6"]
+
+
+def test_a_single_panel_of_a_row_is_as_wide_as_the_others_together():
+    wide = Figure("any", "any", ((PANEL, PANEL), (PANEL,)))
+    made = picture(wide)
+    made.draw_without_rendering()
+    widths = [ax.get_position().width for ax in made.axes]
+    assert widths[2] > 1.8 * widths[0]
+    assert in_rows([PANEL] * 3)[1] == (PANEL, None)
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_a_text_is_drawn_literally_and_stays_inside_the_element(text):
+    panel = Panel(text, text, (Series("line", [0.0, 1.0], [0.0, 1.0], label=text),), text, text)
+    shown = chart_data(figure_of(panel))
+    assert "<" not in shown
+    ((decoded,),) = json.loads(shown)
+    assert decoded["title"] == decoded["series"][0]["label"] == text
+    if "\ud800" not in text and len(text) < 1000:
+        assert png(Figure("any", text, ((panel,),), text), 40).startswith(b"\x89PNG")
