@@ -71,7 +71,7 @@ def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path
     for text in (shown, f"{curve['lower']:.5g} to {curve['upper']:.5g}"):
         assert text in out
         assert text in page
-    assert "profile likelihood" in page
+    assert "Profile likelihood" in page
 
 
 def test_intervals_that_cannot_be_computed_are_refused_before_the_fit(table, tmp_path, capsys):

@@ -159,7 +159,7 @@ def test_the_command_prints_a_model_with_all_functions(tmp_path, capsys):
     ("arguments", "message"),
     [
         (["trento_hoosier"], "TIRE needs --language"),
-        (["--language", "cpp"], "need a TIRE"),
+        (["--language", "cpp"], "--language needs a TIRE"),
         (["trento_hoosier", "--check"], "takes no TIRE"),
         (["missing.tir", "--language", "cpp", "-o", "out"], "missing.tir: no such file"),
         (["trento", "--language", "cpp", "-o", "out"], "did you mean trento_hoosier?"),
