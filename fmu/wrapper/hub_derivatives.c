@@ -17,7 +17,7 @@ static double parameter(const State *state, size_t i) { return state->values[FIR
 static double radius_change(State *state, const double seeds[N_VALUES])
 {
     double values[N_SLOTS], tangents[N_SLOTS];
-    Tangent tangent;
+    Tangent tangent = {0};
     Radius radius;
 
     tangent_find_radius(state, &radius);
