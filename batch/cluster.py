@@ -27,24 +27,10 @@ def completed_on_cluster(
 ) -> Iterator[tuple[int, Result | Lost]]:
     """Yield number and result of each task as it finishes.
 
-    Parameters
-    ----------
-    function : callable
-    tasks : iterable
-        Read as they are needed. The workers receive them with their data and read no files.
-    address : str
-        Of the scheduler, such as tcp://127.0.0.1:8786.
-
-    Yields
-    ------
-    tuple of int and result
-        `Lost` if the function raises, or workers end repeatedly with the task. If a worker ends, its tasks are
-        computed by another one.
-
-    Raises
-    ------
-    FitError
-        If Dask is not installed, the scheduler does not answer, or workers have another version of tirefmu.
+    `tasks`: read as they are needed. The workers receive them with their data and read no files. `address`: of the
+    scheduler, such as tcp://127.0.0.1:8786. Yields: `Lost` if the function raises, or workers end repeatedly with the
+    task. If a worker ends, its tasks are computed by another one. Raises `FitError` if Dask is not installed, the
+    scheduler does not answer, or workers have another version of tirefmu.
     """
     numbered = enumerate(tasks)
     with _connected(address) as client:

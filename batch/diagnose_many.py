@@ -34,21 +34,10 @@ DIAGNOSED, DIFFERS = "diagnosed", "FMU differs"
 class DiagnosisResult:
     """The result of one diagnosis of a batch.
 
-    Attributes
-    ----------
-    name : str
-    status : str
-        "diagnosed", "FMU differs" (from direct evaluation), "failed" for invalid data or options, or "lost".
-    reasons : tuple of str
-    verdict, rating : str
-        As in the diagnosis: a sentence, and "green", "amber" or "red".
-    found : tuple of str
-        The identified effects.
-    delivered : bool
-    rows : int
-    seconds : float
-    errors : mapping of str to mapping
-        By channel, on the hold-out set: error ``before`` and ``after``, and noise ``floor``.
+    - `status`: "diagnosed", "FMU differs" (from direct evaluation), "failed" for invalid data or options, or "lost".
+    - `verdict`, `rating`: as in the diagnosis: a sentence, and "green", "amber" or "red".
+    - `found`: the identified effects.
+    - `errors`: by channel, on the hold-out set: error ``before`` and ``after``, and noise ``floor``.
     """
 
     name: str
@@ -226,8 +215,6 @@ def digest_of(job: DiagnosisJob) -> str:
 def table_of(results: Sequence[DiagnosisResult]) -> pd.DataFrame:
     """Return a row for each recording: status, verdict, effects, and errors by channel.
 
-    Examples
-    --------
     >>> table_of([DiagnosisResult("run7", "failed", ("run7.csv: no rows",))])["reasons"].tolist()
     ['run7.csv: no rows']
     """

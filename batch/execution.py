@@ -33,22 +33,10 @@ def completed(
 ) -> Iterator[tuple[int, Result | Lost]]:
     """Yield number and result of each task as it finishes.
 
-    Parameters
-    ----------
-    function : callable
-        Of a module that other processes can import.
-    tasks : iterable
-        Read as they are needed.
-    workers : int, optional
-        Number of processes. Default: one for each processor.
+    `function`: of a module that other processes can import. `tasks`: read as they are needed. `workers`: number of
+    processes. Default: one for each processor. Yields: `Lost` if the function raises, or its process ends twice: once
+    with others, then alone.
 
-    Yields
-    ------
-    tuple of int and result
-        `Lost` if the function raises, or its process ends twice: once with others, then alone.
-
-    Notes
-    -----
     Each process computes with one thread: the results do not depend on the number of processes.
     """
     workers = workers or os.cpu_count() or 1

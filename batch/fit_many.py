@@ -33,13 +33,9 @@ Progress = Callable[[JobResult, int, int], None]
 class Batch:
     """The results of a batch.
 
-    Attributes
-    ----------
-    results : tuple of JobResult
-        In the order of the jobs.
-    folder : Path
-        ``NAME.tir`` and ``NAME.json`` of each job, ``summary.csv`` (and ``summary.parquet`` with pyarrow), and
-        ``summary.html``.
+    - `results`: in the order of the jobs.
+    - `folder`: ``NAME.tir`` and ``NAME.json`` of each job, ``summary.csv`` (and ``summary.parquet`` with pyarrow), and
+      ``summary.html``.
     """
 
     results: tuple[JobResult, ...]
@@ -131,10 +127,7 @@ def fit_many(
 def task_of(job: FitJob) -> Task:
     """Return a job with its data.
 
-    Raises
-    ------
-    TirefmuError
-        If a file cannot be used.
+    Raises `TirefmuError` if a file cannot be used.
     """
     start = job.options.get("start")
     given = start if start in (None, "features") else tire_from(start)

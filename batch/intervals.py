@@ -30,12 +30,8 @@ def check_intervals(
 ) -> None:
     """Raise for intervals that cannot be computed, before a fit.
 
-    Raises
-    ------
-    FitError
-        If there are too few replicates or sweeps.
-    UnknownName
-        If the model does not have a coefficient; without a model, this is seen after the fit.
+    Raises `FitError` if there are too few replicates or sweeps. Raises `UnknownName` if the model does not have a
+    coefficient; without a model, this is seen after the fit.
     """
     if replicates is not None:
         check_replicates(replicates, recordings)

@@ -29,16 +29,10 @@ READING: Mapping[str, type] = {"signs": str, "where": str}
 class FitJob:
     """One fit of a batch.
 
-    Attributes
-    ----------
-    name : str
-        Name of its output files.
-    tables : tuple of Path
-        The recordings of the tire.
-    signs, where : str or None
-        As for `tirefmu.measurements.recordings_from`.
-    options : mapping of str to object
-        Arguments of `tirefmu.fit`. ``start`` is a path or a name.
+    - `name`: name of its output files.
+    - `tables`: the recordings of the tire.
+    - `signs`, `where`: as for `tirefmu.measurements.recordings_from`.
+    - `options`: arguments of `tirefmu.fit`. ``start`` is a path or a name.
     """
 
     name: str
@@ -51,27 +45,11 @@ class FitJob:
 def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tuple[FitJob, ...]:
     r"""Return the jobs of a file, or of a folder.
 
-    Parameters
-    ----------
-    path : str or Path
-        A TOML file with ``[[jobs]]``, each with ``name``, ``tables`` and options, and ``[defaults]`` with options of
-        all jobs. Paths are relative to the file. Or a folder: each recording in it is a job with its name.
-    options : mapping of str to object, optional
-        Options of all jobs of a folder.
+    `path`: a TOML file with ``[[jobs]]``, each with ``name``, ``tables`` and options, and ``[defaults]`` with options
+    of all jobs. Paths are relative to the file. Or a folder: each recording in it is a job with its name. `options`:
+    options of all jobs of a folder. Raises `FitError` if the file cannot be read, has no job, an invalid value, or two
+    jobs of the same name. Raises `UnknownName` if a key does not exist.
 
-    Returns
-    -------
-    tuple of FitJob
-
-    Raises
-    ------
-    FitError
-        If the file cannot be read, has no job, an invalid value, or two jobs of the same name.
-    UnknownName
-        If a key does not exist.
-
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder, "jobs.toml")
@@ -125,10 +103,8 @@ def _job(item: Any, defaults: Mapping[str, Any], path: Path, number: int) -> Fit
 def unique(jobs: Sequence[Job], source: str | Path) -> tuple[Job, ...]:
     """Return the jobs.
 
-    Raises
-    ------
-    FitError
-        If a name is no file name, or two jobs would write the same files, also where file names have no case.
+    Raises `FitError` if a name is no file name, or two jobs would write the same files, also where file names have no
+    case.
     """
     known: dict[str, Job] = {}
     for job in jobs:

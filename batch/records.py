@@ -17,23 +17,13 @@ from tirefmu.fitting import FitResult
 class JobResult:
     """The result of one fit of a batch.
 
-    Attributes
-    ----------
-    name : str
-    status : str
-        The verdict of the fit ("usable", "usable with limits", "not usable"); "failed" for invalid data or options,
-        "lost" if the process ended or the program has an error.
-    reasons : tuple of str
-        In order of weight.
-    model : str
-    rows : int
-        Measured rows.
-    seconds : float
-        Of the fit.
-    channels : mapping of str to mapping of str to float
-        By channel over all recordings: ``rmse`` (N, N m) and the lowest ``r2``.
-    values : mapping of str to float
-        Coefficients of the tire.
+    - `status`: the verdict of the fit ("usable", "usable with limits", "not usable"); "failed" for invalid data or
+      options, "lost" if the process ended or the program has an error.
+    - `reasons`: in order of weight.
+    - `rows`: measured rows.
+    - `seconds`: of the fit.
+    - `channels`: by channel over all recordings: ``rmse`` (N, N m) and the lowest ``r2``.
+    - `values`: coefficients of the tire.
     """
 
     name: str
@@ -68,13 +58,7 @@ class JobResult:
 
 
 def result_of_fit(name: str, fit: FitResult) -> JobResult:
-    """Return what a batch keeps of a fit.
-
-    Parameters
-    ----------
-    name : str
-    fit : FitResult
-    """
+    """Return what a batch keeps of a fit."""
     rows, channels = 0, {}
     for channel in dict.fromkeys(one.channel for one in fit.channels):
         own = [one for one in fit.channels if one.channel == channel]
@@ -91,12 +75,6 @@ def result_of_fit(name: str, fit: FitResult) -> JobResult:
 def table_of(results: Iterable[JobResult]) -> pd.DataFrame:
     """Return a row for each job: status, reasons, model, rows, seconds, RMSE and R2 by channel, coefficients.
 
-    Parameters
-    ----------
-    results : iterable of JobResult
-
-    Examples
-    --------
     >>> table = table_of([JobResult("front", "failed", ("front.csv: no rows",))])
     >>> table[["name", "status", "reasons"]].to_numpy().tolist()
     [['front', 'failed', 'front.csv: no rows']]

@@ -54,13 +54,8 @@ Result = TypeVar("Result", bound=Stored)
 class Outcome(Generic[Result]):
     """What a worker returns.
 
-    Attributes
-    ----------
-    result : Stored
-    files : mapping of str to bytes
-        Contents of the output files by path in the folder of the batch.
-    report : mapping of str to object
-        Further JSON values for NAME.json.
+    - `files`: contents of the output files by path in the folder of the batch.
+    - `report`: further JSON values for NAME.json.
     """
 
     result: Result
@@ -72,20 +67,12 @@ class Outcome(Generic[Result]):
 class Kind(Generic[Job, Task, Result]):
     """How the jobs of a batch are computed and stored.
 
-    Attributes
-    ----------
-    task_of : callable
-        Returns a job with its data; raises TirefmuError if a file cannot be used.
-    run : callable
-        Computes a task in any process: a function of a module.
-    digest_of : callable
-        Returns a digest of what determines the result of a job.
-    without : callable
-        Returns the result of a job with name, status and reasons only.
-    from_json : callable
-        Returns the result of `Stored.to_json`.
-    earlier : callable
-        Returns the output files that earlier runs have left for a job, by folder and name.
+    - `task_of`: returns a job with its data; raises TirefmuError if a file cannot be used.
+    - `run`: computes a task in any process: a function of a module.
+    - `digest_of`: returns a digest of what determines the result of a job.
+    - `without`: returns the result of a job with name, status and reasons only.
+    - `from_json`: returns the result of `Stored.to_json`.
+    - `earlier`: returns the output files that earlier runs have left for a job, by folder and name.
     """
 
     task_of: Callable[[Job], Task]
@@ -103,29 +90,10 @@ def compute(
 ) -> tuple[Result, ...]:  # fmt: skip
     """Compute the jobs of a batch.
 
-    Parameters
-    ----------
-    kind : Kind
-    jobs : sequence
-    folder : Path
-        For the results; it is created.
-    scheduler, workers
-        As for `workers.results`.
-    resume : bool
-        Keep the results that the folder has of the same jobs. Only lost jobs are computed again.
-    progress : callable or None
-        Called with each result and the numbers of finished and of all jobs.
-    summarize : callable
-        Called with the results in the order of the jobs, also if the batch is interrupted.
-
-    Returns
-    -------
-    tuple
-
-    Raises
-    ------
-    DataError
-        If the folder cannot be written.
+    `folder`: for the results; it is created. `scheduler`, `workers`: as for `workers.results`. `resume`: keep the
+    results that the folder has of the same jobs. Only lost jobs are computed again. `progress`: called with each result
+    and the numbers of finished and of all jobs. `summarize`: called with the results in the order of the jobs, also if
+    the batch is interrupted. Raises `DataError` if the folder cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -44,19 +44,11 @@ STATISTICS: Mapping[str, Callable[[FloatArray], FloatArray]] = {
 class Task:
     """Some runs of a study: what a worker needs.
 
-    Attributes
-    ----------
-    first : int
-        Number of the first run.
-    content : bytes
-        The FMU.
-    table : DataFrame
-        Time and inputs in the convention of the FMU.
-    outputs : tuple of str
-    axes : str
-        Convention of the FMU.
-    values : tuple of mapping of str to float
-        Parameters of each run.
+    - `first`: number of the first run.
+    - `content`: the FMU.
+    - `table`: time and inputs in the convention of the FMU.
+    - `axes`: convention of the FMU.
+    - `values`: parameters of each run.
     """
 
     first: int
@@ -173,10 +165,7 @@ def _tasks(path: Path, study: Study, recordings: Sequence[Recording]) -> Iterato
 def run(task: Task) -> list[FloatArray | str]:
     """Simulate the runs of a task, in any process.
 
-    Returns
-    -------
-    list of ndarray, shape (n_rows, n_outputs), or str
-        Of each run: outputs in ISO-W, or the reason why the FMU fails.
+    Returns shape (n_rows, n_outputs): of each run: outputs in ISO-W, or the reason why the FMU fails.
     """
     with TemporaryDirectory(prefix="tirefmu-") as scratch:
         path = Path(scratch, "study.fmu")

@@ -29,18 +29,11 @@ RANGE: Mapping[str, type] = {"from": float, "to": float, "count": int}
 class Study:
     """A study.
 
-    Attributes
-    ----------
-    tables : tuple of Path
-        Manoeuvres: recordings with the inputs of the FMU over time.
-    signs : str or None
-        Convention of the tables.
-    outputs : tuple of str
-        Outputs of the FMU to evaluate; all outputs of the tables' contract if empty.
-    values : tuple of mapping of str to float
-        Parameters of each run of a manoeuvre.
-    series : bool
-        Whether the outputs over time are stored, not only their statistics.
+    - `tables`: manoeuvres: recordings with the inputs of the FMU over time.
+    - `signs`: convention of the tables.
+    - `outputs`: outputs of the FMU to evaluate; all outputs of the tables' contract if empty.
+    - `values`: parameters of each run of a manoeuvre.
+    - `series`: whether the outputs over time are stored, not only their statistics.
     """
 
     tables: tuple[Path, ...]
@@ -53,26 +46,11 @@ class Study:
 def read_study(path: str | Path) -> Study:
     r"""Return the study of a TOML file.
 
-    Parameters
-    ----------
-    path : str or Path
-        With ``tables`` (relative to the file) and ``[parameters]``: of each a list of values or a range
-        ``{from = 0.5, to = 1.0, count = 6}``. All combinations are simulated; with ``samples`` a Latin hypercube of so
-        many points in the ranges (``seed``).
+    `path`: with ``tables`` (relative to the file) and ``[parameters]``: of each a list of values or a range ``{from =
+    0.5, to = 1.0, count = 6}``. All combinations are simulated; with ``samples`` a Latin hypercube of so many points in
+    the ranges (``seed``). Raises `FitError` if the file cannot be read or has an invalid value, or the study too many
+    runs. Raises `UnknownName` if a key does not exist.
 
-    Returns
-    -------
-    Study
-
-    Raises
-    ------
-    FitError
-        If the file cannot be read or has an invalid value, or the study too many runs.
-    UnknownName
-        If a key does not exist.
-
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder, "study.toml")

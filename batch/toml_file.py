@@ -18,12 +18,7 @@ NESTED = ("jobs", "defaults", "parameters")
 
 
 def check_keys(table: Any, kinds: Mapping[str, type], location: str) -> None:
-    """Raise unless a table has known keys with values of their types only.
-
-    Raises
-    ------
-    FitError, UnknownName
-    """
+    """Raise unless a table has known keys with values of their types only."""
     if not isinstance(table, dict):
         raise FitError(f"{location} is not a table")
     for key, value in table.items():

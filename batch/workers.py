@@ -19,21 +19,9 @@ def results(
 ) -> Iterator[tuple[int, Result | Lost]]:
     """Yield number and result of each task as it finishes.
 
-    Parameters
-    ----------
-    function : callable
-        Of a module that other processes can import.
-    tasks : iterable
-        Read as they are needed.
-    scheduler : str or None
-        Address of a Dask scheduler, or None for processes of this machine.
-    workers : int or None
-        Number of local processes; by default one for each processor.
-
-    Yields
-    ------
-    tuple of int and result
-        `Lost` if a task has no result.
+    `function`: of a module that other processes can import. `tasks`: read as they are needed. `scheduler`: address of a
+    Dask scheduler, or None for processes of this machine. `workers`: number of local processes; by default one for each
+    processor. Yields: `Lost` if a task has no result.
     """
     return completed_on_cluster(function, tasks, scheduler) if scheduler else completed(function, tasks, workers)
 
@@ -44,21 +32,8 @@ def all_results(
 ) -> list[Result]:  # fmt: skip
     """Return the result of every task, in their order.
 
-    Parameters
-    ----------
-    function, tasks, scheduler, workers
-        As for `results`.
-    finished : callable
-        Called with each task that has a result.
-
-    Returns
-    -------
-    list
-
-    Raises
-    ------
-    FitError
-        If a task has no result.
+    `function`, `tasks`, `scheduler`, `workers`: as for `results`. `finished`: called with each task that has a result.
+    Raises `FitError` if a task has no result.
     """
     found: dict[int, Result] = {}
     for number, outcome in results(function, tasks, scheduler, workers):

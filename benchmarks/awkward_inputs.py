@@ -141,12 +141,8 @@ def _stop_fit(*_: object) -> None:
 class Outcome:
     """What tirefmu makes of an input.
 
-    Parameters
-    ----------
-    inspect, fit : int
-        Exit code of ``tirefmu inspect``; 2 if the data of a fit are refused, 0 if the fit would start.
-    messages : tuple of str
-        The errors, or the findings.
+    `inspect`, `fit`: exit code of ``tirefmu inspect``; 2 if the data of a fit are refused, 0 if the fit would start.
+    `messages`: the errors, or the findings.
     """
 
     inspect: int
@@ -157,14 +153,7 @@ class Outcome:
 def outcome(contents: list[Content], folder: Path, *, fit: bool = True) -> Outcome:
     """Return the outcome of an input.
 
-    Parameters
-    ----------
-    contents : list of DataFrame or str
-        Written as a.csv, b.csv.
-    folder : pathlib.Path
-        Empty.
-    fit : bool
-        Whether to start a fit, too; it takes most of the time.
+    `contents`: written as a.csv, b.csv. `folder`: empty. `fit`: whether to start a fit, too; it takes most of the time.
     """
     paths = [folder / f"{name}.csv" for name, _ in zip("ab", contents, strict=False)]
     for path, content in zip(paths, contents, strict=True):

@@ -31,22 +31,15 @@ class Delivered:
 
     Errors against noise-free forces include the noise of the channel, so that a change below it does not count.
 
-    Attributes
-    ----------
-    recording, holdout : float
-        On the training rows and the hold-out rows of the recording.
-    recording_together, holdout_together : float
-        The same, of all channels together (root mean square of their ratios).
-    true_recording, true_holdout : float
-        On the same rows, against noise-free forces: noise that happens to resemble an effect does not count.
-    manoeuvres, operating : float
-        Against noise-free forces, on other manoeuvres and over the operating range.
-    increase : float
-        Largest increase of the error over the operating range, relative to the root mean square force.
-    spreads : float
-        The same relative to the spread of the identified effects among tires.
-    reported : tuple of float
-        Reported residual over the residual recomputed from the delivered tire, for each channel and set of rows.
+    - `recording`, `holdout`: on the training rows and the hold-out rows of the recording.
+    - `recording_together`, `holdout_together`: the same, of all channels together (root mean square of their ratios).
+    - `true_recording`, `true_holdout`: on the same rows, against noise-free forces: noise that happens to resemble an
+      effect does not count.
+    - `manoeuvres`, `operating`: against noise-free forces, on other manoeuvres and over the operating range.
+    - `increase`: largest increase of the error over the operating range, relative to the root mean square force.
+    - `spreads`: the same relative to the spread of the identified effects among tires.
+    - `reported`: reported residual over the residual recomputed from the delivered tire, for each channel and set of
+      rows.
     """
 
     recording: float
@@ -68,13 +61,7 @@ class Delivered:
 
 
 def delivered(case: Case, result: Diagnosis) -> Delivered:
-    """Compare the delivered tire.
-
-    Parameters
-    ----------
-    case : Case
-    result : Diagnosis
-    """
+    """Compare the delivered tire."""
     channels = list(result.gap["train"])
     held = result.holdout_mask(len(case.table))
     tires = (result.base_tire, result.tire)

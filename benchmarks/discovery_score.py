@@ -20,34 +20,18 @@ RIGHT_VARIABLES = 0.5
 class Outcome:
     """The outcome of a case.
 
-    Attributes
-    ----------
-    kind, name : str
-    number : int
-    hidden, found : tuple of str
-    first : bool
-        Whether the first identified effect is right.
-    extra : tuple of str
-        Identified effects that are not hidden.
-    exact : bool
-        Whether the identified effects are the hidden ones.
-    closed : float
-        Relative reduction of the squared error on other manoeuvres, in units of the noise variance of each channel.
-    covered, intervals : int
-        True values within their 95 % intervals, and their number.
-    reported, next_test : bool
-        Confounded effects: whether all are reported, and the measurement that separates them.
-    depends_on : tuple of str
-    variables, added : bool
-        Unknown effect: whether its variables are right, and whether its formula was added.
-    seconds : float
-        CPU time.
-    rows : int
-        Rows of the recording.
-    delivered : Delivered or None
-        The delivered tire; None if there is none.
-    failed : str
-        Exception and reason if there is no diagnosis.
+    - `first`: whether the first identified effect is right.
+    - `extra`: identified effects that are not hidden.
+    - `exact`: whether the identified effects are the hidden ones.
+    - `closed`: relative reduction of the squared error on other manoeuvres, in units of the noise variance of each
+      channel.
+    - `covered`, `intervals`: true values within their 95 % intervals, and their number.
+    - `reported`, `next_test`: confounded effects: whether all are reported, and the measurement that separates them.
+    - `variables`, `added`: unknown effect: whether its variables are right, and whether its formula was added.
+    - `seconds`: CPU time.
+    - `rows`: rows of the recording.
+    - `delivered`: the delivered tire; None if there is none.
+    - `failed`: exception and reason if there is no diagnosis.
     """
 
     kind: str
@@ -101,17 +85,7 @@ class Outcome:
 
 
 def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, seconds: float) -> Outcome:
-    """Return the outcome of a diagnosis.
-
-    Parameters
-    ----------
-    suite : Suite
-    kind : str
-    number : int
-    case : Case
-    result : Diagnosis
-    seconds : float
-    """
+    """Return the outcome of a diagnosis."""
     found = tuple(one.effect for one in result.found)
     hidden = (NAMED.get(case.unknown, "UNKNOWN"),) if case.unknown else case.hidden
     allowed, confounded_effects, words = set(hidden), set[str](), ""

@@ -17,18 +17,11 @@ from diagnosis import kinds as first
 class Suite:
     """A suite of made recordings.
 
-    Attributes
-    ----------
-    name : str
-    number_of_cases : mapping of str to int
-        By kind.
-    case_of : callable
-        Returns a case by kind and number.
-    unknown : mapping of str to frozenset of str
-        Variables of each structure that is not in the library; empty if any are right.
-    confounded : sequence
-        By number: program, hidden effect, other effects that may be identified first, effects that must be reported as
-        confounded, and words of the separating measurement.
+    - `number_of_cases`: by kind.
+    - `case_of`: returns a case by kind and number.
+    - `unknown`: variables of each structure that is not in the library; empty if any are right.
+    - `confounded`: by number: program, hidden effect, other effects that may be identified first, effects that must be
+      reported as confounded, and words of the separating measurement.
     """
 
     name: str

@@ -18,11 +18,7 @@ ROWS = (1000, 3000, 6000, 10000, 1_000_000)
 def table_of(outcomes: Sequence[Outcome], source: str) -> str:
     """Return the results by criterion, kind and effect, and the wrong cases.
 
-    Parameters
-    ----------
-    outcomes : sequence of Outcome
-    source : str
-        The command and the version.
+    `source`: the command and the version.
     """
     kinds = list(dict.fromkeys(one.kind for one in outcomes))
     parts = [f"Computed by {source}: {len(outcomes)} recordings.", _levels(outcomes), _delivered(outcomes)]
@@ -40,15 +36,7 @@ def table_of(outcomes: Sequence[Outcome], source: str) -> str:
 def split_page(page: Path, suite: str) -> tuple[str, str]:
     """Return the text of a page before and after the table of a suite, including the marks.
 
-    Parameters
-    ----------
-    page : Path
-    suite : str
-
-    Raises
-    ------
-    SystemExit
-        If the page cannot be read or has no marks.
+    Raises `SystemExit` if the page cannot be read or has no marks.
     """
     try:
         text = page.read_text(encoding="utf-8")
@@ -61,14 +49,7 @@ def split_page(page: Path, suite: str) -> tuple[str, str]:
 
 
 def put_table(page: Path, suite: str, table: str) -> None:
-    """Replace the table of a suite between its marks in a page.
-
-    Parameters
-    ----------
-    page : Path
-    suite : str
-    table : str
-    """
+    """Replace the table of a suite between its marks in a page."""
     head, tail = split_page(page, suite)
     page.write_text(f"{head}\n\n{table}\n\n{tail}", encoding="utf-8")
 

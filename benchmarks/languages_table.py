@@ -25,15 +25,9 @@ Cells = Mapping[tuple[str, str], str]
 def cell(differences: Mapping[str, list[float]], remark: str = "") -> str:
     """Return the text of a cell.
 
-    Parameters
-    ----------
-    differences : mapping of str to list of float
-        By function, the largest differences of the printouts with values in the lines and with coefficients.
-    remark : str
-        How the run differs from the others.
+    `differences`: by function, the largest differences of the printouts with values in the lines and with coefficients.
+    `remark`: how the run differs from the others.
 
-    Examples
-    --------
     >>> cell({"forces": [1e-15, 2e-15], "jacobian_inputs": [3e-14], "states": []}, "40 rows")
     '2e-15, 3e-14, - (40 rows)'
     """
@@ -47,8 +41,6 @@ def cell(differences: Mapping[str, list[float]], remark: str = "") -> str:
 def stored(page: str) -> dict[tuple[str, str], str]:
     """Return the cells in the text of the page.
 
-    Examples
-    --------
     >>> stored(table({("c", "mf96"): "1e-15, 2e-15, -"}))
     {('c', 'mf96'): '1e-15, 2e-15, -'}
     """

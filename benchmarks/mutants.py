@@ -30,14 +30,9 @@ PASSED, FAILED = 0, 1
 class Fault:
     """A line, its replacement with a fault, and the tests that have to detect it.
 
-    Attributes
-    ----------
-    file : str
-        Relative to the root.
-    old, new : str
-        `old` occurs once in the file.
-    tests : tuple of str
-        Arguments of pytest.
+    - `file`: relative to the root.
+    - `old`, `new`: `old` occurs once in the file.
+    - `tests`: arguments of pytest.
     """
 
     file: str

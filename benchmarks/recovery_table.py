@@ -31,19 +31,10 @@ class Task:
 class Refit:
     """The result of a task.
 
-    Attributes
-    ----------
-    ok : bool
-    missed : float
-        The largest difference of a channel from the exact forces, relative to the noise.
-    covered, intervals : int
-        Of the coefficients: finite intervals that contain the true value, and all finite ones.
-    seconds : float
-    conditions : int
-    predictions_covered : mapping of str to int
-        Of each quantity, over the operating conditions.
-    bootstrap_covered, bootstrap_intervals : int
-        The same of the percentile intervals.
+    - `missed`: the largest difference of a channel from the exact forces, relative to the noise.
+    - `covered`, `intervals`: of the coefficients: finite intervals that contain the true value, and all finite ones.
+    - `predictions_covered`: of each quantity, over the operating conditions.
+    - `bootstrap_covered`, `bootstrap_intervals`: the same of the percentile intervals.
     """
 
     task: Task
@@ -76,8 +67,6 @@ def store(path: Path | None, refit: Refit) -> None:
 def share(counts: Sequence[int], of: Sequence[int]) -> tuple[float, float]:
     """Return the share of all and its standard error, both in %, from the scatter between the fits.
 
-    Examples
-    --------
     >>> share([9, 10], [10, 10])
     (95.0, 5.0)
     """

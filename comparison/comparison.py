@@ -25,11 +25,7 @@ EQUAL = 0.01
 class Difference:
     """A coefficient with different values in two tires; None where the model of a tire lacks it.
 
-    Attributes
-    ----------
-    name, unit, description : str
-    first, second : float or None
-        In ISO-W.
+    - `first`, `second`: in ISO-W.
     """
 
     name: str
@@ -43,13 +39,8 @@ class Difference:
 class ChannelErrors:
     """The errors of both tires in a channel of a recording.
 
-    Attributes
-    ----------
-    recording, channel, unit : str
-    rows : int
-        Those that a fit would use.
-    rmse, r2 : (float, float)
-        Of the first and the second tire; R2 is NaN if the measured values are constant.
+    - `rows`: those that a fit would use.
+    - `rmse`, `r2`: of the first and the second tire; R2 is NaN if the measured values are constant.
     """
 
     recording: str
@@ -64,12 +55,7 @@ class ChannelErrors:
 class Characteristic:
     """A quantity over load of both tires at one load, without slip.
 
-    Attributes
-    ----------
-    title, unit : str
-    load : float
-        N.
-    first, second : float
+    - `load`: N.
     """
 
     title: str
@@ -83,19 +69,11 @@ class Characteristic:
 class Comparison:
     """Two tires and what differs.
 
-    Attributes
-    ----------
-    tires : (Tire, Tire)
-        In ISO-W.
-    names : (str, str)
-        Different ones.
-    effects : (tuple of str, tuple of str)
-        Effects of the first tire that the second lacks, and the reverse.
-    differences : tuple of Difference
-        Those of effects that a tire lacks are among them.
-    characteristics : tuple of Characteristic
-        At the nominal load of the first tire.
-    errors : tuple of ChannelErrors
+    - `tires`: in ISO-W.
+    - `names`: different ones.
+    - `effects`: effects of the first tire that the second lacks, and the reverse.
+    - `differences`: those of effects that a tire lacks are among them.
+    - `characteristics`: at the nominal load of the first tire.
     """
 
     tires: tuple[Tire, Tire]
@@ -143,25 +121,9 @@ class Comparison:
 def compare(first: Tire, second: Tire, recordings: Sequence[Recording] = (), *, names: tuple[str, str]) -> Comparison:
     """Compare two tires of any models.
 
-    Parameters
-    ----------
-    first, second : Tire
-    recordings : sequence of Recording
-        Both tires are evaluated over their rows.
-    names : (str, str)
-        Shown for the tires; numbered if they are the same.
+    `recordings`: both tires are evaluated over their rows. `names`: shown for the tires; numbered if they are the same.
+    Raises `DataError` if a recording has no measured output, or an input is not finite.
 
-    Returns
-    -------
-    Comparison
-
-    Raises
-    ------
-    DataError
-        If a recording has no measured output, or an input is not finite.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> old = published("trento_hoosier")
     >>> [each.name for each in compare(old, old.with_values(PDY1=2.5), names=("old", "new")).differences]

@@ -35,17 +35,8 @@ _POINTS = 201
 def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], signs: str) -> list[Figure]:
     """Return the figures of a comparison.
 
-    Parameters
-    ----------
-    comparison : Comparison
-    recordings : sequence of Recording
-    signs : {"iso", "adapted-sae", "sae"}
-        Convention in which they are drawn.
-
-    Returns
-    -------
-    list of Figure
-        What neither tire has is omitted.
+    `signs`, one of "iso", "adapted-sae", "sae": convention in which they are drawn. Returns: what neither tire has is
+    omitted.
     """
     given = [recording.with_signs(signs) for recording in recordings]
     figures = []

@@ -19,24 +19,8 @@ def write_comparison(
 ) -> list[Path]:
     """Write the figures of a comparison and the page ``report.html``, which contains them.
 
-    Parameters
-    ----------
-    comparison : Comparison
-    recordings : sequence of Recording
-    folder : str or Path
-        Created if it does not exist.
-    signs : {"iso", "adapted-sae", "sae"}
-        Convention in which the figures are drawn.
-
-    Returns
-    -------
-    list of Path
-        The page first.
-
-    Raises
-    ------
-    TirefmuError
-        If a file cannot be written.
+    `folder`: created if it does not exist. `signs`, one of "iso", "adapted-sae", "sae": convention in which the figures
+    are drawn. Returns: the page first. Raises `TirefmuError` if a file cannot be written.
     """
     folder = path_from(folder, "folder")
     figures = comparison_figures(comparison, recordings, signs)

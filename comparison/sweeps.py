@@ -24,15 +24,9 @@ FURTHER = ("p", "V")
 class Sweep:
     """A sweep of a slip with all other inputs constant.
 
-    Attributes
-    ----------
-    slip : str
-    held : mapping of str to float
-        The other inputs, SI units, in the signs of the figure.
-    low, high : float
-        Range of the slip.
-    rows : pandas.DataFrame
-        Measured rows; empty without a recording.
+    - `held`: the other inputs, SI units, in the signs of the figure.
+    - `low`, `high`: range of the slip.
+    - `rows`: measured rows; empty without a recording.
     """
 
     slip: str
@@ -52,18 +46,8 @@ def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep
 
     They are at the pressure and the speed with the most rows. Sweeps at one load are one.
 
-    Parameters
-    ----------
-    tire : Tire
-        Determines loads and range if no recording has such a sweep.
-    slip : str
-        "kappa" or "alpha".
-    recordings : sequence of Recording
-        All in the same convention.
-
-    Returns
-    -------
-    list of Sweep
+    `tire`: determines loads and range if no recording has such a sweep. `slip`: "kappa" or "alpha". `recordings`: all
+    in the same convention.
     """
     found = [sweep for recording in recordings for sweep in _measured(recording, slip)]
     for name in FURTHER:

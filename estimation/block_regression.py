@@ -23,12 +23,9 @@ IntArray = npt.NDArray[np.int64]
 class BlockSums:
     """Cross products of columns and a residual for each block.
 
-    Attributes
-    ----------
-    matrix : ndarray, shape (n_blocks, m, m)
-    target : ndarray, shape (n_blocks, m)
-    power : ndarray, shape (n_blocks,)
-        Sum of squares of the residual.
+    - `matrix`, shape (n_blocks, m, m).
+    - `target`, shape (n_blocks, m).
+    - `power`, shape (n_blocks,): sum of squares of the residual.
     """
 
     matrix: FloatArray
@@ -39,14 +36,8 @@ class BlockSums:
 def block_sums(columns: FloatArray, residual: FloatArray, edges: IntArray) -> BlockSums:
     """Return cross products by block.
 
-    Parameters
-    ----------
-    columns : ndarray, shape (n_channels, n, m)
-        Weighted.
-    residual : ndarray, shape (n_channels, n)
-        Weighted.
-    edges : ndarray of int, shape (n_blocks + 1,)
-        First row of each block, and the number of all rows.
+    `columns`, shape (n_channels, n, m): weighted. `residual`, shape (n_channels, n): weighted. `edges`, shape (n_blocks
+    + 1,): first row of each block, and the number of all rows.
     """
     m = columns.shape[-1]
     matrix, target, power = [], [], []
@@ -63,17 +54,11 @@ def block_sums(columns: FloatArray, residual: FloatArray, edges: IntArray) -> Bl
 class Regression:
     """Regression of a residual on columns.
 
-    Attributes
-    ----------
-    estimate : ndarray, shape (m,)
-    jackknife : ndarray, shape (m, m)
-        Covariance of the estimate by the jackknife over blocks.
-    loss : ndarray, shape (n_blocks,)
-        Sum of squared residuals in each block with the estimate from the other blocks.
-    inverse : ndarray, shape (m, m)
-        Inverse of the normal matrix with the priors.
-    others : ndarray, shape (n_blocks, m)
-        The estimate without each block.
+    - `estimate`, shape (m,).
+    - `jackknife`, shape (m, m): covariance of the estimate by the jackknife over blocks.
+    - `loss`, shape (n_blocks,): sum of squared residuals in each block with the estimate from the other blocks.
+    - `inverse`, shape (m, m): inverse of the normal matrix with the priors.
+    - `others`, shape (n_blocks, m): the estimate without each block.
     """
 
     estimate: FloatArray
@@ -86,13 +71,8 @@ class Regression:
 def regression(sums: BlockSums, belief: FloatArray, pull: FloatArray | None = None) -> Regression:
     """Return the regression, and the estimates without each block.
 
-    Parameters
-    ----------
-    sums : BlockSums
-    belief : ndarray, shape (m,)
-        Precision (inverse variance) of the prior of each coefficient, with mean 0.
-    pull : ndarray, shape (m,), optional
-        Contribution of the priors to the target, if the residual belongs to coefficients away from the prior means.
+    `belief`, shape (m,): precision (inverse variance) of the prior of each coefficient, with mean 0. `pull`, shape
+    (m,): contribution of the priors to the target, if the residual belongs to coefficients away from the prior means.
     """
     matrix, target = sums.matrix.sum(axis=0) + np.diag(belief), sums.target.sum(axis=0)
     if pull is not None:
@@ -117,8 +97,6 @@ def regression(sums: BlockSums, belief: FloatArray, pull: FloatArray | None = No
 def error_of_sum(gains: FloatArray) -> float:
     """Return the standard error of the sum of independent gains, shape (n_blocks,).
 
-    Examples
-    --------
     >>> round(error_of_sum(np.array([1.0, 3.0])), 12)
     2.0
     """
@@ -131,15 +109,8 @@ def limited(gains: FloatArray, share: float) -> FloatArray:
     One block in which the model fails most can have nearly all of the gain. The standard error of the sum then equals
     the sum, however consistent the other blocks are.
 
-    Parameters
-    ----------
-    gains : ndarray, shape (n_blocks,)
-        In independent blocks.
-    share : float
-        Largest share of the sum, between 0 and 1.
+    `gains`, shape (n_blocks,): in independent blocks. `share`: largest share of the sum, between 0 and 1.
 
-    Examples
-    --------
     >>> limited(np.array([1000.0, 4.0, 3.0, 3.0, -1.0]), 0.5)
     array([ 9.,  4.,  3.,  3., -1.])
     >>> limited(np.array([1000.0, -4.0, 0.0]), 0.5)
@@ -158,13 +129,8 @@ def limited(gains: FloatArray, share: float) -> FloatArray:
 def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: int) -> FloatArray:
     """Return covariances of channels over time, tapered, shape (n_channels, n_channels, lags + 1).
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n_channels, n)
-        Weighted, 0 if not present.
-    present : ndarray of bool, shape (n_channels, n)
-    lags : int
-        The largest lag; Parzen's taper makes the spectrum positive.
+    `residual`, shape (n_channels, n): weighted, 0 if not present. `present`, shape (n_channels, n). `lags`: the largest
+    lag; Parzen's taper makes the spectrum positive.
     """
     size = fft.next_fast_len(residual.shape[1] + lags + 1)
     waves, mask = fft.rfft(residual, size), fft.rfft(present.astype(np.float64), size)
@@ -181,12 +147,8 @@ def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: i
 def coloured_covariance(traces: FloatArray, covariance: FloatArray) -> FloatArray:
     """Return the covariance of products of traces and coloured noise, shape (m, m).
 
-    Parameters
-    ----------
-    traces : ndarray, shape (n_channels, n, m)
-        0 in rows that are not used.
-    covariance : ndarray, shape (n_channels, n_channels, lags + 1)
-        From `autocovariance`.
+    `traces`, shape (n_channels, n, m): 0 in rows that are not used. `covariance`, shape (n_channels, n_channels, lags +
+    1): from `autocovariance`.
     """
     _, n, m = traces.shape
     lags = covariance.shape[-1] - 1
@@ -204,15 +166,9 @@ def coloured_covariance(traces: FloatArray, covariance: FloatArray) -> FloatArra
 def wald_p(estimate: FloatArray, covariance: FloatArray, n_blocks: int | None = None) -> float:
     """Return the p-value of Wald's test that the true values are 0.
 
-    Parameters
-    ----------
-    estimate : ndarray, shape (k,)
-    covariance : ndarray, shape (k, k)
-    n_blocks : int, optional
-        Number of blocks from which the covariance was estimated (Hotelling's distribution); None if it is known.
+    `estimate`, shape (k,). `covariance`, shape (k, k). `n_blocks`: number of blocks from which the covariance was
+    estimated (Hotelling's distribution); None if it is known.
 
-    Examples
-    --------
     >>> round(wald_p(np.array([1.96]), np.eye(1)), 3)
     0.05
     """

@@ -38,25 +38,10 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
     `STRETCHES`. Autocovariances are about 0, the expectation under a correct model, not about the mean: a constant
     error of a whole sweep is fully correlated. Neither sums nor pairs span segments.
 
-    Parameters
-    ----------
-    residual : array_like, shape (n,)
-        In the order of time; NaN if not measured.
-    segment : array_like of int, shape (n,), optional
-        Number of the segment without gaps of each row; by default one segment.
+    `residual`, shape (n,): in the order of time; NaN if not measured. `segment`, shape (n,): number of the segment
+    without gaps of each row; by default one segment. Returns: at least 1; 1 for a residual of 0, about 1.1 for white
+    noise. Raises `DataError` if no residual is finite.
 
-    Returns
-    -------
-    float
-        At least 1; 1 for a residual of 0, about 1.1 for white noise.
-
-    Raises
-    ------
-    DataError
-        If no residual is finite.
-
-    Examples
-    --------
     >>> correlation_length(np.repeat([1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0], 10)) > 5.0
     True
     >>> correlation_length([0.0, 0.0])
@@ -87,25 +72,10 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
 def effective_sample_size(residual: npt.ArrayLike, segment: npt.ArrayLike | None = None) -> float:
     """Return the number of independent rows with the information of a correlated residual.
 
-    Parameters
-    ----------
-    residual : array_like, shape (n,)
-        Measured minus computed; NaN if not measured.
-    segment : array_like of int, shape (n,), optional
-        Number of the segment without gaps of each row; by default one segment.
+    `residual`, shape (n,): measured minus computed; NaN if not measured. `segment`, shape (n,): number of the segment
+    without gaps of each row; by default one segment. Returns: the number of finite residuals divided by their
+    `correlation_length`. Raises `DataError` if no residual is finite.
 
-    Returns
-    -------
-    float
-        The number of finite residuals divided by their `correlation_length`.
-
-    Raises
-    ------
-    DataError
-        If no residual is finite.
-
-    Examples
-    --------
     >>> noise = np.random.default_rng(0).standard_normal(2000)
     >>> bool(effective_sample_size(noise) > 1700.0), bool(effective_sample_size(np.repeat(noise, 8)) < 2300.0)
     (True, True)

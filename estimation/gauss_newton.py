@@ -82,17 +82,11 @@ class Unconstrained:
 class Damping:
     """Settings of the damping.
 
-    Attributes
-    ----------
-    first, least, most : float
-        Initial value and limits. The loop ends if the step with damping `most` is rejected.
-    up, down : float
-        Factors after a rejected and an accepted step; with ``down`` 0 each iteration starts with `least`.
-    by_curvature : bool
-        Whether D is the diagonal of H (Marquardt), for coefficients in their own units, or the identity (Levenberg),
-        for scaled ones.
-    trusted : float
-        A step is accepted if it lowers the cost by more than this share of the predicted reduction.
+    - `first`, `least`, `most`: initial value and limits. The loop ends if the step with damping `most` is rejected.
+    - `up`, `down`: factors after a rejected and an accepted step; with ``down`` 0 each iteration starts with `least`.
+    - `by_curvature`: whether D is the diagonal of H (Marquardt), for coefficients in their own units, or the identity
+      (Levenberg), for scaled ones.
+    - `trusted`: a step is accepted if it lowers the cost by more than this share of the predicted reduction.
     """
 
     first: float
@@ -108,19 +102,12 @@ class Damping:
 class Minimum:
     """The result of the loop.
 
-    Attributes
-    ----------
-    x : ndarray, shape (n,)
-    cost : float
-        The cost at x.
-    steps : int
-        Number of steps, without the last one after convergence.
-    converged : bool
-        Whether the predicted reduction is within the tolerance.
-    predicted : float
-        The predicted reduction; infinite if it cannot be computed.
-    reason : str
-        Why there is no optimum; empty if the loop converged, or if `steps` or `stop` ended it.
+    - `x`, shape (n,).
+    - `cost`: the cost at x.
+    - `steps`: number of steps, without the last one after convergence.
+    - `converged`: whether the predicted reduction is within the tolerance.
+    - `predicted`: the predicted reduction; infinite if it cannot be computed.
+    - `reason`: why there is no optimum; empty if the loop converged, or if `steps` or `stop` ended it.
     """
 
     x: FloatArray
@@ -145,28 +132,11 @@ def minimize(
 ) -> Minimum:
     """Take damped Gauss-Newton steps until the predicted reduction is small enough.
 
-    Parameters
-    ----------
-    objective : Objective
-    x, lower, upper : ndarray, shape (n,)
-        Start, within the bounds, and the bounds.
-    enough : callable
-        Returns for x and its cost the largest predicted reduction of an optimum (the tolerance). The last step is
-        taken, too.
-    damping : Damping
-    steps : int
-        Upper limit; with 0 the criterion is only evaluated at the start.
-    constraints : Constraints, optional
-    stop : callable
-        Called after every step; True ends the loop.
+    `x`, `lower`, `upper`, shape (n,): start, within the bounds, and the bounds. `enough`: returns for x and its cost
+    the largest predicted reduction of an optimum (the tolerance). The last step is taken, too. `steps`: upper limit;
+    with 0 the criterion is only evaluated at the start. `stop`: called after every step; True ends the loop. Returns:
+    also if the start violates a constraint, a value is not finite, or no step is accepted.
 
-    Returns
-    -------
-    Minimum
-        Also if the start violates a constraint, a value is not finite, or no step is accepted.
-
-    Examples
-    --------
     >>> class Line:  # residuals 2 x - 3
     ...     def cost(self, x):
     ...         return float(0.5 * (2.0 * x - 3.0) @ (2.0 * x - 3.0))
@@ -204,19 +174,9 @@ def restore(
 ) -> FloatArray | None:
     """Return a point near x that satisfies the constraints: minimum of the quadratic model with linearized constraints.
 
-    Parameters
-    ----------
-    objective : Objective
-    x, lower, upper : ndarray, shape (n,)
-        A point that violates the constraints slightly, and the bounds.
-    damping : float
-        Multiple of the identity that is added to the Gauss-Newton matrix.
-    constraints : Constraints
-
-    Returns
-    -------
-    ndarray, shape (n,), or None
-        None if a few steps do not satisfy the constraints.
+    `x`, `lower`, `upper`, shape (n,): a point that violates the constraints slightly, and the bounds. `damping`:
+    multiple of the identity that is added to the Gauss-Newton matrix. Returns shape (n,): none if a few steps do not
+    satisfy the constraints.
     """
     with one_blas_thread():
         for _ in range(RESTORING_STEPS):

@@ -43,12 +43,8 @@ DIRECTION_TIME = 0.1
 class NoiseFloor:
     """Noise floors of a channel, root mean square in its unit.
 
-    Attributes
-    ----------
-    floor : float
-        With a smooth function of the recorded inputs.
-    with_history : float
-        With a smooth function of the inputs, the direction in which the slips change, and slow time.
+    - `floor`: with a smooth function of the recorded inputs.
+    - `with_history`: with a smooth function of the inputs, the direction in which the slips change, and slow time.
     """
 
     floor: float
@@ -60,22 +56,10 @@ def noise_floor(
 ) -> dict[str, NoiseFloor]:
     """Return the noise floors of the channels of a recording.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Inputs of the recording in SI units; with ``t`` if known.
-    residuals : mapping of str to ndarray, shape (n_rows,)
-        By channel: measured minus computed; NaN in rows that are not used.
-    with_history : bool
-        Whether to compute the second floor, too; otherwise it is NaN.
+    `table`: inputs of the recording in SI units; with ``t`` if known. `residuals`, shape (n_rows,): by channel:
+    measured minus computed; NaN in rows that are not used. `with_history`: whether to compute the second floor, too;
+    otherwise it is NaN. Returns: at most the root mean square of the residual; NaN if a channel has too few rows.
 
-    Returns
-    -------
-    dict of str to NoiseFloor
-        At most the root mean square of the residual; NaN if a channel has too few rows.
-
-    Examples
-    --------
     >>> rng = np.random.default_rng(1)
     >>> alpha = 0.2 * np.sin(np.linspace(0.0, 60.0, 3000))
     >>> missing = 50.0 * np.cos(20.0 * alpha)

@@ -35,14 +35,9 @@ ROWS_OF_PART = 64
 class NoiseParts:
     """The noise of a channel in three parts.
 
-    Attributes
-    ----------
-    white, short, drift : float
-        Variances, in the squared unit of the residual.
-    fading : float
-        Correlation of the short-range part from one row to the next.
-    memory : float, s
-        Time over which the drift's correlation falls to 1/e.
+    - `white`, `short`, `drift`: variances, in the squared unit of the residual.
+    - `fading`: correlation of the short-range part from one row to the next.
+    - `memory`: time over which the drift's correlation falls to 1/e.
     """
 
     white: float
@@ -55,20 +50,8 @@ class NoiseParts:
 def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseParts:
     """Estimate the noise of a channel from its residual.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        At approximately equal time steps.
-    present : ndarray of bool, shape (n,)
-        False for rows that are not used.
-    step : float, s
+    `residual`, shape (n,): at approximately equal time steps. `present`, shape (n,): false for rows that are not used.
 
-    Returns
-    -------
-    NoiseParts
-
-    Examples
-    --------
     >>> rng = np.random.default_rng(3)
     >>> from scipy.signal import lfilter
     >>> drift = lfilter([np.sqrt(1.0 - 0.99**2)], [1.0, -0.99], rng.standard_normal(6000))
@@ -111,13 +94,8 @@ def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:
 class Whitening:
     """Filter that transforms rows with coloured noise to rows with white noise of variance 1.
 
-    Parameters
-    ----------
-    noise : sequence of NoiseParts, one a channel
-        Of rows weighted by `root`.
-    t : ndarray, shape (n,), s
-    root : ndarray, shape (n_channels, n)
-        Weights; 0 for rows that are not used. Drift is constant in N, so the weighted drift is proportional to them.
+    `noise`: of rows weighted by `root`. `t`, shape (n,). `root`, shape (n_channels, n): weights; 0 for rows that are
+    not used. Drift is constant in N, so the weighted drift is proportional to them.
     """
 
     def __init__(self, noise: tuple[NoiseParts, ...], t: FloatArray, root: FloatArray) -> None:
@@ -143,10 +121,7 @@ class Whitening:
     def __call__(self, rows: FloatArray) -> FloatArray:
         """Return whitened rows.
 
-        Parameters
-        ----------
-        rows : ndarray, shape (n_channels, n, m) or (n_channels, n)
-            Weighted.
+        `rows`, shape (n_channels, n, m): weighted.
         """
         if rows.ndim == 2:
             return self(rows[:, :, None])[:, :, 0]
@@ -164,11 +139,8 @@ class Whitening:
     def _filtered(self, parts: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the innovations of all parts and the states at their ends.
 
-        Parameters
-        ----------
-        parts : ndarray, shape (ROWS_OF_PART, n_parts, n_channels, m)
-        states : ndarray, shape (2, n_parts, n_channels, m)
-            Short-range noise and drift at the beginning of each part.
+        `parts`, shape (ROWS_OF_PART, n_parts, n_channels, m). `states`, shape (2, n_parts, n_channels, m): short-range
+        noise and drift at the beginning of each part.
         """
         innovation, (short, drift) = np.empty_like(parts), states.copy()
         decay, gain, size = self._decay[..., None], self._gain[..., None], self._size[..., None]

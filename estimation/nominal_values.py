@@ -22,24 +22,10 @@ LARGEST_RATIO = 30.0
 def check_nominal(nominal: Mapping[str, float], model: Model, tables: Iterable[pd.DataFrame]) -> None:
     """Refuse nominal values that are far outside the tables, or outside the bounds of the model where none shows them.
 
-    Parameters
-    ----------
-    nominal : mapping of str to float
-        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).
-    model : Model
-        Values that it does not have are not checked.
-    tables : iterable of pandas.DataFrame
-        In SI units, in any sign convention.
+    `nominal`: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s). `model`: values that it does not have are not checked. `tables`: in
+    SI units, in any sign convention. Raises `UnknownName` if there is no such nominal value. Raises `FitError` if a
+    value is not positive, or far outside the tables.
 
-    Raises
-    ------
-    UnknownName
-        If there is no such nominal value.
-    FitError
-        If a value is not positive, or far outside the tables.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> check_nominal({"Fz0": 0.22, "R0": 0.23}, model("mf96"), [pd.DataFrame({"Fz": [220.0, 700.0, 1120.0]})])
     Traceback (most recent call last):

@@ -12,12 +12,6 @@ from threadpoolctl import ThreadpoolController
 def one_blas_thread() -> AbstractContextManager[object]:
     """Return a context in which the BLAS libraries of NumPy and SciPy use one thread.
 
-    Returns
-    -------
-    context manager
-
-    Examples
-    --------
     >>> with one_blas_thread():
     ...     print("one thread")
     one thread

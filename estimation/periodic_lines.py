@@ -37,12 +37,8 @@ SIMULATED_PEAK = 8.0
 class Line:
     """A periodic disturbance.
 
-    Attributes
-    ----------
-    over : str
-        "t" or "distance".
-    frequency : float
-        In 1/s or 1/m.
+    - `over`: "t" or "distance".
+    - `frequency`: in 1/s or 1/m.
     """
 
     over: str
@@ -51,10 +47,7 @@ class Line:
     def waves(self, at: FloatArray) -> FloatArray:
         """Return cosine and sine, shape (2, n).
 
-        Parameters
-        ----------
-        at : ndarray, shape (n,)
-            Time, s, or distance, m.
+        `at`, shape (n,): time, s, or distance, m.
         """
         phase = 2.0 * np.pi * self.frequency * at
         return np.stack([np.cos(phase), np.sin(phase)])
@@ -65,22 +58,10 @@ def periodic_lines(
 ) -> list[Line]:
     """Return the lines of residuals, the largest first.
 
-    Parameters
-    ----------
-    axes : dict of str to ndarray, shape (n,)
-        Time and distance rolled ("t", "distance"), ascending.
-    residual : ndarray, shape (n_channels, n)
-    present : ndarray of bool, shape (n_channels, n)
-        False for rows that are not used.
-    simulated : ndarray, shape (n_channels, n)
-        Forces of the model.
+    `axes`, shape (n,): time and distance rolled ("t", "distance"), ascending. `residual`, shape (n_channels, n).
+    `present`, shape (n_channels, n): false for rows that are not used. `simulated`, shape (n_channels, n): forces of
+    the model.
 
-    Returns
-    -------
-    list of Line
-
-    Examples
-    --------
     >>> t, rng = np.arange(4000) / 50.0, np.random.default_rng(0)
     >>> force = 100.0 * np.sin(0.7 * t)
     >>> rest = rng.standard_normal(4000) + np.sin(2.0 * np.pi * 4.9 * t)

@@ -22,27 +22,10 @@ def best_step(
 ) -> tuple[FloatArray, float]:
     """Return the step that minimizes a quadratic model within bounds, and the reduction of the model.
 
-    Parameters
-    ----------
-    gradient : ndarray, shape (n,)
-    matrix : ndarray, shape (n, n)
-        Positive definite.
-    rows : ndarray, shape (m, n)
-    least, most : ndarray, shape (m,)
-        Bounds of ``rows @ step``; infinite without a bound. A step of zero must be within them.
+    `gradient`, shape (n,). `matrix`, shape (n, n): positive definite. `rows`, shape (m, n). `least`, `most`, shape
+    (m,): bounds of ``rows @ step``; infinite without a bound. A step of zero must be within them. Returns `step`, shape
+    (n,). Raises `numpy.linalg.LinAlgError` if the matrix is not positive definite, or no step is found.
 
-    Returns
-    -------
-    step : ndarray, shape (n,)
-    reduction : float
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If the matrix is not positive definite, or no step is found.
-
-    Examples
-    --------
     >>> step, reduction = best_step(
     ...     np.array([-2.0, 1.0]), np.eye(2), np.eye(2), np.array([-9.0, 0.0]), np.array([0.5, 9.0])
     ... )

@@ -28,16 +28,11 @@ MOST_CORRELATED = 0.99
 class Slope:
     """A slope at zero slip.
 
-    Attributes
-    ----------
-    value : float
-        NaN if the rows do not determine it.
-    error : float
-        Its standard error under residuals that are correlated in time, also those of a curve that is not a cubic.
-    rows : ndarray of int, shape (m,)
-        The rows from which it was read.
-    influence : ndarray, shape (m,)
-        Derivative of the value by the force of these rows: ``value = influence @ force[rows]``.
+    - `value`: NaN if the rows do not determine it.
+    - `error`: its standard error under residuals that are correlated in time, also those of a curve that is not a
+      cubic.
+    - `rows`, shape (m,): the rows from which it was read.
+    - `influence`, shape (m,): derivative of the value by the force of these rows: ``value = influence @ force[rows]``.
     """
 
     value: float
@@ -55,20 +50,9 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     for any correlation that is short compared with a pass of the slip, and that of autoregressive noise, which accounts
     for the part of the noise that the cubic follows.
 
-    Parameters
-    ----------
-    slip, force : ndarray, shape (n,)
-        In the order of time; NaN is ignored.
-    window : float
-        Half width, in the unit of the slip.
+    `slip`, `force`, shape (n,): in the order of time; NaN is ignored. `window`: half width, in the unit of the slip.
+    Returns: NaN if a quarter of the window has no rows, or the window fewer than 12.
 
-    Returns
-    -------
-    Slope
-        NaN if a quarter of the window has no rows, or the window fewer than 12.
-
-    Examples
-    --------
     >>> slip = np.linspace(-1.0, 1.0, 201)
     >>> found = read_slope(slip, np.sin(3.0 * slip), 0.3)
     >>> round(found.value, 2), found.error < 0.01

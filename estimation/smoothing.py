@@ -34,19 +34,9 @@ STRAIGHT = 2.0
 def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     """Return a channel without its short-range noise, and the standard deviation of this noise.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        At approximately equal time steps.
+    `values`, shape (n,): at approximately equal time steps. Returns shape (n,). Returns: 0 if the channel was not
+    smoothed.
 
-    Returns
-    -------
-    ndarray, shape (n,)
-    float
-        0 if the channel was not smoothed.
-
-    Examples
-    --------
     >>> rng = np.random.default_rng(1)
     >>> ramp = np.concatenate([np.linspace(0.0, 1.0, 300), np.ones(300)])
     >>> clean, noise = smoothed(ramp + 0.01 * rng.standard_normal(600))
@@ -113,18 +103,8 @@ def parabolas(values: FloatArray, width: int) -> FloatArray:
     The first and the last windows also give the rows at the ends. `scipy.signal.savgol_filter` returns the same;
     loading scipy.signal takes longer than smoothing a recording.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-    width : int
-        Rows of a window: odd, at most n.
+    `values`, shape (n,). `width`: rows of a window: odd, at most n. Returns shape (n,).
 
-    Returns
-    -------
-    ndarray, shape (n,)
-
-    Examples
-    --------
     >>> parabolas(np.array([0.0, 1.0, 4.0, 9.0, 16.0, 25.0]), 5).round(9).tolist()
     [0.0, 1.0, 4.0, 9.0, 16.0, 25.0]
     """

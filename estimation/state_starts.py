@@ -37,27 +37,16 @@ def estimated_starts(
 ) -> FloatArray:
     """Return the start values that minimize the squared residual.
 
-    Parameters
-    ----------
-    residual : callable
-        Returns the residual in standard deviations, shape (n_channels, n), 0 where nothing was measured, for start
-        values of shape (n_states, n_segments) and changes of coefficients, shape (n_coefficients,).
-    segment : ndarray of int, shape (n,)
-        The segment of each column of the residual.
-    first : ndarray, shape (n_states, n_segments)
-        Initial values; also the mean of the prior.
-    size : ndarray, shape (n_states,)
-        Typical size of each state.
-    coefficients : ndarray, shape (n_coefficients,), optional
-        Typical sizes of coefficients that are estimated together with the starts, as the effect of a start is its
-        product with a coefficient; they are not returned. Default: none.
+    - `residual`: returns the residual in standard deviations, shape (n_channels, n), 0 where nothing was measured, for
+      start values of shape (n_states, n_segments) and changes of coefficients, shape (n_coefficients,).
+    - `segment`, shape (n,): the segment of each column of the residual.
+    - `first`, shape (n_states, n_segments): initial values; also the mean of the prior.
+    - `size`, shape (n_states,): typical size of each state.
+    - `coefficients`, shape (n_coefficients,): typical sizes of coefficients that are estimated together with the
+      starts, as the effect of a start is its product with a coefficient; they are not returned. Default: none.
 
-    Returns
-    -------
-    ndarray, shape (n_states, n_segments)
+    Returns shape (n_states, n_segments).
 
-    Examples
-    --------
     >>> t, segment = np.tile(np.arange(50.0), 2), np.repeat([0, 1], 50)
     >>> true = np.array([[2.0, -1.0]])
     >>> model = lambda starts: (starts[:, segment] * np.exp(-t / 10.0) * 100.0)
@@ -91,18 +80,9 @@ def estimated_starts(
 def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] = ()) -> Recording:
     """Return a recording with the start values of states with a fitted start as columns, which `Tire.evaluate` reads.
 
-    Parameters
-    ----------
-    tire : Tire
-    recording : Recording
-        With time and measured forces; returned unchanged without them, or if no state has a fitted start.
-    free : collection of str
-        Coefficients that are estimated together with the starts, but not returned.
-
-    Returns
-    -------
-    Recording
-        With a column for each such state; its values count at the first row of each segment.
+    `recording`: with time and measured forces; returned unchanged without them, or if no state has a fitted start.
+    `free`: coefficients that are estimated together with the starts, but not returned. Returns: with a column for each
+    such state; its values count at the first row of each segment.
     """
     names = [name for name in tire.states if tire.book.states[name].start_is_fitted]
     table = recording.table.drop(columns=[name for name in names if name in recording.table])

@@ -22,25 +22,10 @@ def with_turn_slip(recording: Recording) -> Recording:
     The contact point moves straight ahead and the wheel plane turns by the yaw angle psi. In ISO signs alpha = -psi,
     and the turn slip is psi'/V. The slip angle is smoothed before. Across a gap in time, and at standstill, phit is 0.
 
-    Parameters
-    ----------
-    recording : Recording
+    Raises `DataError` if t, alpha or V is missing.
 
-    Returns
-    -------
-    Recording
+    Source: Pacejka, Tire and Vehicle Dynamics (2012), section 4.3.3: turn slip, the yaw rate over the speed.
 
-    Raises
-    ------
-    DataError
-        If t, alpha or V is missing.
-
-    References
-    ----------
-    Pacejka, Tire and Vehicle Dynamics (2012), section 4.3.3: turn slip, the yaw rate over the speed.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> table = pd.DataFrame({"t": [0.0, 0.1, 0.2], "alpha": [0.0, 0.02, 0.04], "V": 10.0})
     >>> with_turn_slip(Recording(table, "iso", "sweep")).table["phit"].round(4).tolist()

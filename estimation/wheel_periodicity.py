@@ -34,18 +34,11 @@ SIGNIFICANT, BY_CHANCE = 5.0, 1e-3
 class Periodicity:
     """Periodic part of the channels of a recording once per revolution.
 
-    Attributes
-    ----------
-    radius : float
-        Effective rolling radius, m.
-    frequency : float
-        Mean frequency of the wheel, 1/s.
-    amplitude : ndarray, shape (n_channels,)
-        Of the first harmonic, in the channel's unit, without the contribution of noise.
-    share : ndarray, shape (n_channels,)
-        Share of the mean squared residual.
-    significant : ndarray of bool, shape (n_channels,)
-        Whether the power is significant in comparison with other radii.
+    - `radius`: effective rolling radius, m.
+    - `frequency`: mean frequency of the wheel, 1/s.
+    - `amplitude`, shape (n_channels,): of the first harmonic, in the channel's unit, without the contribution of noise.
+    - `share`, shape (n_channels,): share of the mean squared residual.
+    - `significant`, shape (n_channels,): whether the power is significant in comparison with other radii.
     """
 
     radius: float
@@ -60,26 +53,11 @@ def once_per_revolution(
 ) -> Periodicity | None:
     """Estimate the periodic part of residuals with the wheel revolution.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,), s
-        With approximately equal steps within a segment.
-    speed : ndarray, shape (n,), m/s
-        Circumferential speed of the wheel.
-    residual : ndarray, shape (n_channels, n)
-        NaN for rows that are not used.
-    segment : ndarray of int, shape (n,)
-        Number of the segment without gaps of each row.
-    radius : float, m
-        Expected rolling radius; `RADII` is the search range.
+    `t`, shape (n,): with approximately equal steps within a segment. `speed`, shape (n,): circumferential speed of the
+    wheel. `residual`, shape (n_channels, n): NaN for rows that are not used. `segment`, shape (n,): number of the
+    segment without gaps of each row. `radius`: expected rolling radius; `RADII` is the search range. Returns: none if
+    no interval is long enough for any radius.
 
-    Returns
-    -------
-    Periodicity or None
-        None if no interval is long enough for any radius.
-
-    Examples
-    --------
     >>> t, rng = np.arange(6000) / 100.0, np.random.default_rng(0)
     >>> turning = 3.0 * np.sin(10.0 * t / 0.2) + rng.standard_normal(6000)
     >>> found = once_per_revolution(t, np.full(6000, 10.0), turning[None], np.zeros(6000, dtype=int), 0.25)

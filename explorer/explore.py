@@ -39,28 +39,12 @@ def explore(
 
     The page is one file without connections to others: chart library, measured rows and the tire's code are in it.
 
-    Parameters
-    ----------
-    tire : Tire, str or path-like
-        A tire, a .tir file or the name of a published tire. The page is in ISO-W.
-    path : str or Path
-        The HTML file.
-    recordings : sequence of Recording
-        Their rows are drawn under the curves.
-    compare : Tire, str or path-like, optional
-        A second tire, of any model.
-    intervals : mapping of str to (float, float), optional
-        95 % intervals of coefficients in ISO-W, as in `FitResult.to_json`.
+    `tire`: a tire, a .tir file or the name of a published tire. The page is in ISO-W. `path`: the HTML file.
+    `recordings`: their rows are drawn under the curves. `compare`: a second tire, of any model. `intervals`: 95 %
+    intervals of coefficients in ISO-W, as in `FitResult.to_json`. Raises `TirefmuError` if the page cannot be written,
+    or the chart library is not installed. Raises `UnknownName` if an interval belongs to no coefficient of the tire's
+    model.
 
-    Raises
-    ------
-    TirefmuError
-        If the page cannot be written, or the chart library is not installed.
-    UnknownName
-        If an interval belongs to no coefficient of the tire's model.
-
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     explore("trento_hoosier", Path(folder) / "tire.html")

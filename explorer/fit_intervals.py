@@ -16,21 +16,8 @@ LARGEST = 50_000_000
 def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
     """Return the 95 % intervals of a fit in ISO-W, by coefficient; those without a finite interval are absent.
 
-    Parameters
-    ----------
-    path : Path
-        Result of ``tirefmu fit --json``.
-    tire : Tire, str or path-like
-        The fitted tire.
-
-    Returns
-    -------
-    dict of str to (float, float)
-
-    Raises
-    ------
-    TirefmuError
-        If the file is not the result of a fit of a tire of this model.
+    `path`: result of ``tirefmu fit --json``. `tire`: the fitted tire. Raises `TirefmuError` if the file is not the
+    result of a fit of a tire of this model.
     """
     declared = tire_from(tire).book.coefficients
     intervals = {}

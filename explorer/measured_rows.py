@@ -25,15 +25,9 @@ FEWEST_ROWS = 5
 class MeasuredRows:
     """Rows of a recording at one operating condition.
 
-    Attributes
-    ----------
-    title : str
-    slip : str
-        The swept slip; empty for none or both.
-    levels : mapping of str to float
-        Of the held inputs, in SI units.
-    table : pandas.DataFrame
-        In ISO-W.
+    - `slip`: the swept slip; empty for none or both.
+    - `levels`: of the held inputs, in SI units.
+    - `table`: in ISO-W.
     """
 
     title: str
@@ -45,21 +39,8 @@ class MeasuredRows:
 def measured_rows(recordings: Sequence[Recording], inputs: Collection[str]) -> list[MeasuredRows]:
     """Return the rows that a fit would use, by operating condition.
 
-    Parameters
-    ----------
-    recordings : sequence of Recording
-    inputs : collection of str
-        Those that the tire reads.
-
-    Returns
-    -------
-    list of MeasuredRows
-        In the order of the recordings; those with the most rows first.
-
-    Raises
-    ------
-    DataError
-        If a recording has no measured output, or an input is not finite.
+    `inputs`: those that the tire reads. Returns: in the order of the recordings; those with the most rows first. Raises
+    `DataError` if a recording has no measured output, or an input is not finite.
     """
     found = []
     for recording in recordings:
@@ -94,16 +75,8 @@ def _level(name: str, level: float) -> str:
 def rows_data(conditions: Sequence[MeasuredRows], most: int = MOST_ROWS) -> dict[str, Any]:
     """Return conditions as JSON values; columns are base64 texts of little-endian 32-bit floats.
 
-    Parameters
-    ----------
-    conditions : sequence of MeasuredRows
-    most : int
-        Upper limit of the rows.
-
-    Returns
-    -------
-    dict
-        ``total``: number of all rows; ``conditions``: title, slip, levels, number of rows and columns of each.
+    `most`: upper limit of the rows. Returns: ``total``: number of all rows; ``conditions``: title, slip, levels, number
+    of rows and columns of each.
     """
     total = sum(len(each.table) for each in conditions)
     share = min(1.0, most / total) if total else 1.0

@@ -17,14 +17,7 @@ _NAME = "tire"
 def program_for_page(tire: Tire) -> Program:
     """Return what the page computes: forces, named quantities, rates of states, with the coefficients as variables.
 
-    Parameters
-    ----------
-    tire : Tire
-        In ISO-W. Its effects are those that can be switched on the page.
-
-    Returns
-    -------
-    Program
+    `tire`: in ISO-W. Its effects are those that can be switched on the page.
     """
     coefficients = dict(zip(tire.book.coefficients, tire.parameters().tolist(), strict=False))
     nominal = {name: tire.nominal(name) for name in tire.inputs}
@@ -41,14 +34,7 @@ def lagged_slips(found: Program) -> list[Quantity]:
 def module_expression(found: Program) -> str:
     """Return a JavaScript expression whose value has the functions of a program.
 
-    Parameters
-    ----------
-    found : Program
-
-    Returns
-    -------
-    str
-        Printable ASCII. Comments are not part of it: they may contain text from files.
+    Returns: printable ASCII. Comments are not part of it: they may contain text from files.
     """
     module = printer("javascript")(found)[f"{_NAME}.mjs"]
     plain = re.sub(r"/\*.*?\*/|//[^\n]*", "", module, flags=re.DOTALL)

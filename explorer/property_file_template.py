@@ -19,20 +19,11 @@ CHANGES = "changed"
 def property_file_template(tire: Tire) -> list[Any]:
     """Return the lines of a tire's .tir file; those that depend on the state of the page are objects.
 
-    Parameters
-    ----------
-    tire : Tire
-        In ISO-W, with every effect that can be switched on the page.
+    `tire`: in ISO-W, with every effect that can be switched on the page. Returns: ``{"coefficient": name, "rest":
+    comment}`` is the line of a coefficient, ``{"assumed": names, "title": section}`` the list of coefficients that the
+    tire's file did not have. The page writes the entries of [TIREFMU] that depend on the effects at ``{"effects":
+    True}``, and what was changed at ``{"changes": True}``.
 
-    Returns
-    -------
-    list of str or dict
-        ``{"coefficient": name, "rest": comment}`` is the line of a coefficient, ``{"assumed": names, "title":
-        section}`` the list of coefficients that the tire's file did not have. The page writes the entries of
-        [TIREFMU] that depend on the effects at ``{"effects": True}``, and what was changed at ``{"changes": True}``.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> lines = property_file_template(published("trento_hoosier").in_signs("iso"))
     >>> next(line for line in lines if isinstance(line, dict))["coefficient"]

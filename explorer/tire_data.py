@@ -32,8 +32,6 @@ CORE = "core"
 def shown(unit: str) -> tuple[str, float]:
     """Return the unit in which an input is shown, and what converts an SI value into it.
 
-    Examples
-    --------
     >>> shown("Pa"), shown("N")
     (('kPa', 0.001), ('N', 1.0))
     """
@@ -45,14 +43,7 @@ def switchable(tire: Tire) -> Tire:
 
     Its forces are the same: coefficients of effects that were absent have their neutral values.
 
-    Parameters
-    ----------
-    tire : Tire
-        In ISO-W.
-
-    Returns
-    -------
-    Tire
+    `tire`: in ISO-W.
     """
     effects = tire.book.default_effects | tire.has
     absent = tire.book.owned(*sorted(tire.book.effects.keys() - tire.has))
@@ -69,23 +60,9 @@ def tire_data(
 ) -> dict[str, Any]:
     """Return what the page shows of a tire.
 
-    Parameters
-    ----------
-    tire : Tire
-        In ISO-W.
-    name : str
-        Shown where the tire has no name.
-    read : mapping of str to float
-        The coefficients that the page's code reads: they have sliders, except the ends of ranges of inputs.
-    intervals : mapping of str to (float, float)
-        95 % intervals of coefficients in ISO-W.
-    lags : sequence of Quantity
-        The lagged slips of the page's code.
-
-    Returns
-    -------
-    dict
-        JSON values.
+    `tire`: in ISO-W. `name`: shown where the tire has no name. `read`: the coefficients that the page's code reads:
+    they have sliders, except the ends of ranges of inputs. `intervals`: 95 % intervals of coefficients in ISO-W.
+    `lags`: the lagged slips of the page's code. Returns: JSON values.
     """
     whole = switchable(tire)
     book = whole.book

@@ -36,20 +36,10 @@ FEATURES = "features"
 class Plan:
     """What is fitted, without the data: the arguments of a fit, checked.
 
-    Attributes
-    ----------
-    options : FitOptions
-    book : Model
-        With the added effects of the start tire and the requested ones of the library.
-    start : Tire or None
-        The start tire.
-    features : bool
-        Whether initial values are read from the data.
-    recipe : Recipe
-    constraints : mapping of str to sequence of Constraint
-        Constraints to enforce, by output.
-    solver : Solver
-    loss : Loss
+    - `book`: with the added effects of the start tire and the requested ones of the library.
+    - `start`: the start tire.
+    - `features`: whether initial values are read from the data.
+    - `constraints`: constraints to enforce, by output.
     """
 
     options: FitOptions
@@ -65,21 +55,8 @@ class Plan:
     def of(cls, model: str | None, start: TireLike | None, options: FitOptions) -> Plan:
         """Check the arguments of a fit.
 
-        Parameters
-        ----------
-        model : str or None
-            By default the model of the start tire, or the default model.
-        start : Tire, path, name or "features", or None
-        options : FitOptions
-
-        Returns
-        -------
-        Plan
-
-        Raises
-        ------
-        UnknownName, FitError, WrongType
-            If an argument names something unknown, or arguments contradict each other.
+        `model`: by default the model of the start tire, or the default model. Raises `UnknownName, FitError, WrongType`
+        if an argument names something unknown, or arguments contradict each other.
         """
         features = isinstance(start, str) and start == FEATURES and not Path(start).is_file()
         tire = None if start is None or features else _start_tire(start, (options.nominal or {}).get("R0"))
@@ -99,16 +76,9 @@ class Plan:
 class Setup:
     """What a running fit starts from.
 
-    Attributes
-    ----------
-    plan : Plan
-    data : FitData
-    tire : Tire
-        Initial values, in adapted SAE.
-    read : mapping of str to float
-        Initial values that were read from the data.
-    notes : tuple of str
-        Notes for the user: what was assumed, what is not fitted.
+    - `tire`: initial values, in adapted SAE.
+    - `read`: initial values that were read from the data.
+    - `notes`: notes for the user: what was assumed, what is not fitted.
     """
 
     plan: Plan
@@ -121,20 +91,8 @@ class Setup:
     def of(cls, plan: Plan, recordings: Sequence[Recording]) -> Setup:
         """Combine a plan with data.
 
-        Parameters
-        ----------
-        plan : Plan
-        recordings : sequence of Recording
-            Of any signs.
-
-        Returns
-        -------
-        Setup
-
-        Raises
-        ------
-        UnknownName, DataError, FitError
-            If the data have no information on the tire, or contradict the nominal values.
+        `recordings`: of any signs. Raises `UnknownName, DataError, FitError` if the data have no information on the
+        tire, or contradict the nominal values.
         """
         options, book, start = plan.options, plan.book, plan.start
         check_nominal(options.nominal or {}, book, (recording.table for recording in recordings))

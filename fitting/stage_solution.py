@@ -32,23 +32,13 @@ SAMPLE, LEAST_ROWS = 30_000, 60_000
 class StageSolver:
     """Solves the problem of a stage from any start.
 
-    Attributes
-    ----------
-    problem : Problem
-    lower, upper : ndarray, shape (n_free,)
-        Scaled bounds of the free coefficients.
-    constraints : VerifiedConstraints
-        Of the fit; violated points are added to them.
-    channels : sequence of str
-        The channels of the stage.
-    stage_type : {"intermediate", "penultimate", "final"}
-    ridge : float
-        Strength of the regularization.
-    solver : Solver
-    report : callable
-        Called with iteration and cost.
-    stop : callable
-        True ends the solution.
+    - `lower`, `upper`, shape (n_free,): scaled bounds of the free coefficients.
+    - `constraints`: of the fit; violated points are added to them.
+    - `channels`: the channels of the stage.
+    - `stage_type`, one of "intermediate", "penultimate", "final".
+    - `ridge`: strength of the regularization.
+    - `report`: called with iteration and cost.
+    - `stop`: true ends the solution.
     """
 
     problem: Problem
@@ -68,16 +58,8 @@ class StageSolver:
         An intermediate stage is solved again once: if its values violated a constraint, their residuals would give the
         next stage weights for a noise that no tire with this constraint reaches.
 
-        Parameters
-        ----------
-        start : ndarray, shape (n_free,)
-            Scaled free values.
-        continues : bool
-            Whether the start is the solution for the same coefficients with fewer rows.
-
-        Returns
-        -------
-        Solution
+        `start`, shape (n_free,): scaled free values. `continues`: whether the start is the solution for the same
+        coefficients with fewer rows.
         """
         known = self.constraints.of(self.channels) + self.constraints.violated
         approached = self.stage_type == "intermediate"

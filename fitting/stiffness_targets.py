@@ -22,11 +22,8 @@ FloatArray = npt.NDArray[np.float64]
 class StiffnessTargets:
     """The targets of the stages of one fit; they are read from the data when a stage first uses them.
 
-    Parameters
-    ----------
-    weight : float
-        A target that is off by its deviation costs as much as this number of independent rows off by theirs; 0: there
-        are no targets.
+    `weight`: a target that is off by its deviation costs as much as this number of independent rows off by theirs; 0:
+    there are no targets.
     """
 
     def __init__(self, weight: float) -> None:
@@ -36,13 +33,7 @@ class StiffnessTargets:
     def add(self, problem: Problem, start: FloatArray, data: pd.DataFrame) -> None:
         """Add the targets of the channels that have a weight to a problem.
 
-        Parameters
-        ----------
-        problem : Problem
-        start : ndarray, shape (n_free,)
-            Its scaled initial values.
-        data : pandas.DataFrame
-            All fitted rows, in adapted SAE.
+        `start`, shape (n_free,): its scaled initial values. `data`: all fitted rows, in adapted SAE.
         """
         if not self._weight:
             return
@@ -64,14 +55,8 @@ def solve_with_targets(
 
     The targets change the solution a little, in a narrow valley: a few Gauss-Newton steps, many of IPOPT.
 
-    Parameters
-    ----------
-    problem : Problem
-    start : ndarray, shape (n_free,)
-    solve : callable
-        A solver for this problem: takes the start, and `refine` as in `tirefmu.fitting.solvers.ipopt.solve`.
-    stop : callable
-        True ends the solution after the first part.
+    `start`, shape (n_free,). `solve`: a solver for this problem: takes the start, and `refine` as in
+    `tirefmu.fitting.solvers.ipopt.solve`. `stop`: true ends the solution after the first part.
     """
     targets, problem.targets = problem.targets, ()
     first = solve(start)

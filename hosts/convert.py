@@ -35,19 +35,11 @@ GENERAL = {"LONGVL": 16.7, "VXLOW": 1.0}
 class Conversion:
     """A written property file.
 
-    Attributes
-    ----------
-    path : Path
-    tire : Tire
-        What the file contains.
-    model : str
-    refitted : bool
-        Whether coefficients were fitted to the tire's forces: of another model, without those that the host lacks, or
-        because added effects change the forces at nominal conditions, where their states are in equilibrium.
-    errors : mapping of str to float
-        Root mean square of the difference of each force or moment from the tire, relative to the root mean square of
-        the tire's, over its range, also of the inputs of added effects; empty if the file is the same tire.
-    findings : list of Finding
+    - `tire`: what the file contains.
+    - `refitted`: whether coefficients were fitted to the tire's forces: of another model, without those that the host
+      lacks, or because added effects change the forces at nominal conditions, where their states are in equilibrium.
+    - `errors`: root mean square of the difference of each force or moment from the tire, relative to the root mean
+      square of the tire's, over its range, also of the inputs of added effects; empty if the file is the same tire.
     """
 
     path: Path
@@ -61,27 +53,11 @@ class Conversion:
 def convert(tire: TireLike, path: str | Path, host: str, model: str | None = None) -> Conversion:
     """Write a tire as a property file for another program.
 
-    Parameters
-    ----------
-    tire : Tire, str or path-like
-    path : str or Path
-    host : str
-        One of `tirefmu.hosts.dialects.HOSTS`.
-    model : str, optional
-        One of the models that the host has; default: that of the tire if the host has it, else the host's first. The
-        coefficients of another model than the tire's are fitted to its forces, and so are those of its own model if
-        it has coefficients that the host's model lacks, or added effects that change the forces at nominal conditions.
-
-    Returns
-    -------
-    Conversion
-
-    Raises
-    ------
-    UnknownName
-        If there is no such host.
-    TirefmuError
-        If the host has no such model, or the file cannot be written.
+    `host`: one of `tirefmu.hosts.dialects.HOSTS`. `model`: one of the models that the host has; default: that of the
+    tire if the host has it, else the host's first. The coefficients of another model than the tire's are fitted to its
+    forces, and so are those of its own model if it has coefficients that the host's model lacks, or added effects that
+    change the forces at nominal conditions. Raises `UnknownName` if there is no such host. Raises `TirefmuError` if the
+    host has no such model, or the file cannot be written.
     """
     rules, whole = host_named(host), tire_from(tire).in_signs("iso")
     chosen = model or (whole.model if whole.model in rules.dialects else next(iter(rules.dialects)))

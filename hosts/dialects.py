@@ -26,22 +26,13 @@ SINCE_MF61 = (
 class Dialect:
     """How a host expects the file of one model.
 
-    Attributes
-    ----------
-    entries : mapping of str to str
-        What conversion writes into [MODEL], by key.
-    formats : tuple of str
-        Accepted values of PROPERTY_FILE_FORMAT; empty: the host ignores it.
-    fittyp : tuple of int
-        Accepted values of FITTYP; empty: the host ignores it.
-    use_modes : tuple of int
-        Accepted values of USE_MODE; empty: any.
-    fe_methods : tuple of str
-        Accepted values of FE_METHOD; empty: the host ignores it.
-    required : tuple of str
-        Keys that the host insists on.
-    lacking : tuple of str
-        Coefficients of tirefmu's model that the host's does not have: they must be neutral.
+    - `entries`: what conversion writes into [MODEL], by key.
+    - `formats`: accepted values of PROPERTY_FILE_FORMAT; empty: the host ignores it.
+    - `fittyp`: accepted values of FITTYP; empty: the host ignores it.
+    - `use_modes`: accepted values of USE_MODE; empty: any.
+    - `fe_methods`: accepted values of FE_METHOD; empty: the host ignores it.
+    - `required`: keys that the host insists on.
+    - `lacking`: coefficients of tirefmu's model that the host's does not have: they must be neutral.
     """
 
     entries: Mapping[str, str]
@@ -57,19 +48,11 @@ class Dialect:
 class Host:
     """A program that reads property files.
 
-    Attributes
-    ----------
-    title, source : str
-    dialects : mapping of str to Dialect
-        By model; the first is that of a conversion for which no model is requested.
-    units : mapping of str to tuple of str
-        Accepted units by key of [UNITS].
-    ignored : tuple of str
-        Effects of the models that the host does not evaluate.
-    longest_line : int
-        Longest line in characters; 0: no limit known.
-    notes : tuple of str
-        What is known to differ, or is not known.
+    - `dialects`: by model; the first is that of a conversion for which no model is requested.
+    - `units`: accepted units by key of [UNITS].
+    - `ignored`: effects of the models that the host does not evaluate.
+    - `longest_line`: longest line in characters; 0: no limit known.
+    - `notes`: what is known to differ, or is not known.
     """
 
     title: str

@@ -31,23 +31,9 @@ def acting(tire: Tire, lacking: Collection[str]) -> list[str]:
 def nearest(tire: Tire, forces: FloatArray, lacking: Collection[str], table: pd.DataFrame) -> Tire:
     """Return a tire with some neutral coefficients, all others fitted to forces.
 
-    Parameters
-    ----------
-    tire : Tire
-        Where the fit starts.
-    forces : ndarray, shape (n_outputs, n)
-        Those of the tire's outputs, in its signs.
-    lacking : collection of str
-        Coefficients that are neutral.
-    table : pandas.DataFrame
-        The operating conditions of the forces, as for `Tire.evaluate`, n rows.
+    `tire`: where the fit starts. `forces`, shape (n_outputs, n): those of the tire's outputs, in its signs. `lacking`:
+    coefficients that are neutral. `table`: the operating conditions of the forces, as for `Tire.evaluate`, n rows.
 
-    Returns
-    -------
-    Tire
-
-    Examples
-    --------
     Without the tire's QDZ2 the trail no longer changes with load; its mean is that of the table.
 
     >>> from tirefmu.tires import Tire

@@ -55,26 +55,9 @@ def host_named(name: str) -> Host:
 def lint(path: str | Path, host: str) -> list[Finding]:
     """Check a property file for a host.
 
-    Parameters
-    ----------
-    path : str or Path
-    host : str
-        One of `HOSTS`.
+    `host`: one of `HOSTS`. Returns: errors first. Raises `UnknownName` if there is no such host. Raises `TirError` if
+    the file is no property file that tirefmu can read.
 
-    Returns
-    -------
-    list of Finding
-        Errors first.
-
-    Raises
-    ------
-    UnknownName
-        If there is no such host.
-    TirError
-        If the file is no property file that tirefmu can read.
-
-    Examples
-    --------
     >>> from importlib.resources import files
     >>> path = files("tirefmu.tires.published_tires") / "trento_hoosier.tir"
     >>> [finding.text for finding in lint(path, "chrono")]

@@ -36,37 +36,14 @@ def generate(
 ) -> list[Path]:
     """Print a tire as code for another program.
 
-    Parameters
-    ----------
-    tire : Tire, str or path-like
-        A tire, a .tir file, a published tire, or a model: then with default values.
-    language : str
-    folder : str or Path
-        Created if necessary; files of the same names are replaced.
-    functions : sequence of str
-        Of "forces", "quantities", "jacobian_inputs", "jacobian_parameters" and "states".
-    values : {"inline", "struct", "file"}, optional
-        Where the coefficients are; default: "inline" for a tire, "struct" for a model.
-    only : sequence of str
-        Forces and moments to print; all if empty.
-    rows : int
-        Rows of the self-test.
+    `tire`: a tire, a .tir file, a published tire, or a model: then with default values. `folder`: created if necessary;
+    files of the same names are replaced. `functions`: of "forces", "quantities", "jacobian_inputs",
+    "jacobian_parameters" and "states". `values`, one of "inline", "struct", "file": where the coefficients are;
+    default: "inline" for a tire, "struct" for a model. `only`: forces and moments to print; all if empty. `rows`: rows
+    of the self-test. Returns: the written files. Raises `UnknownName` if a language, a function, an output or the tire
+    does not exist. Raises `TirefmuError` if the derivatives by coefficients are requested without coefficients, or
+    states of a tire without states, or a file cannot be written.
 
-    Returns
-    -------
-    list of Path
-        The written files.
-
-    Raises
-    ------
-    UnknownName
-        If a language, a function, an output or the tire does not exist.
-    TirefmuError
-        If the derivatives by coefficients are requested without coefficients, or states of a tire without states, or
-        a file cannot be written.
-
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     written = generate("trento_hoosier", "cpp", folder, only=["Fy"])
@@ -126,17 +103,7 @@ def _tire(tire: TireLike) -> tuple[Tire, str]:
 def program_of(tire: Tire, name: str, selection: Selection, rows: int = ROWS) -> Program:
     """Return what is printed of a tire: lines, header and self-test.
 
-    Parameters
-    ----------
-    tire : Tire
-        In ISO-W.
-    name : str
-    selection : Selection
-    rows : int
-
-    Returns
-    -------
-    Program
+    `tire`: in ISO-W.
     """
     book = tire.book
     parameters = dict(zip(book.coefficients, tire.parameters().tolist(), strict=False))

@@ -30,16 +30,7 @@ def check_text(tire: Tire, program: Program, rows: int = ROWS, seed: int = 0) ->
     it or to the result, whichever is larger.
     Each further line has the inputs and the results of a row.
 
-    Parameters
-    ----------
-    tire : Tire
-        In ISO-W.
-    program : Program
-    rows, seed : int
-
-    Returns
-    -------
-    str
+    `tire`: in ISO-W.
     """
     inputs = operating_conditions(tire, rows, seed)
     lagged = [quantity.name for quantity in program.inputs[len(inputs) :]]
@@ -107,11 +98,7 @@ def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatAr
     not known better than it changes with the last digit of the coefficients: its size is larger accordingly. Single
     rows in which a result is ill-conditioned are omitted, such as rows next to a jump.
 
-    Returns
-    -------
-    inputs : ndarray, shape (n_inputs, n)
-    results : ndarray, shape (n, n_results)
-    sizes : ndarray, shape (n_results,)
+    Returns `inputs`, shape (n_inputs, n). Returns `results`, shape (n, n_results). Returns `sizes`, shape (n_results,).
     """
     parameters = tire.parameters()
     parts, sizes = [], []

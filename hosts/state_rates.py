@@ -20,16 +20,8 @@ def state_rates(
 ) -> FloatArray:
     """Return derivatives and decay rates of states, shape (rows, n_labels).
 
-    Parameters
-    ----------
-    tire : Tire
-    code : Code
-        Of its model.
-    inputs : ndarray, shape (n_inputs, rows)
-        The inputs of the model, then the lagged slips.
-    parameters : ndarray, shape (n_parameters,)
-    labels : sequence of str
-        ``NAME_dot`` or ``NAME_decay`` of a state.
+    `code`: of its model. `inputs`, shape (n_inputs, rows): the inputs of the model, then the lagged slips.
+    `parameters`, shape (n_parameters,). `labels`: ``NAME_dot`` or ``NAME_decay`` of a state.
     """
     n = len(tire.inputs)
     row = dict(zip(tire.inputs, inputs, strict=False))

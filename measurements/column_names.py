@@ -47,17 +47,8 @@ def intended_channel(column: str) -> str | None:
     qualifier ("raw", "filtered"), names that contain an alias of several words, and single typing errors. Named
     quantities of a tire (``alpha_y``) are not channels.
 
-    Parameters
-    ----------
-    column : str
-        Name of a column that the contract does not have.
+    `column`: name of a column that the contract does not have.
 
-    Returns
-    -------
-    str or None
-
-    Examples
-    --------
     >>> [intended_channel(name) for name in ("Alpha", "SA", "gama", "alpha_deg", "SlipAngle", "TirePressure_kPa")]
     ['alpha', 'alpha', 'gamma', 'alpha', 'alpha', 'p']
     >>> intended_channel("alpha_y") is None
@@ -85,16 +76,6 @@ def intended_channel(column: str) -> str | None:
 def unit_in_name(column: str) -> tuple[str, str] | None:
     """Return channel and unit of a name like ``alpha_deg`` or ``p (kPa)``, or None.
 
-    Parameters
-    ----------
-    column : str
-
-    Returns
-    -------
-    tuple of (str, str) or None
-
-    Examples
-    --------
     >>> unit_in_name("p_kPa"), unit_in_name("kappa_in")
     (('p', 'kPa'), None)
     """
@@ -110,23 +91,11 @@ def unit_in_name(column: str) -> tuple[str, str] | None:
 def check_names(names: Iterable[str], source: str, required: Collection[str] = INPUTS) -> None:
     """Refuse a column whose name resembles a channel that the table lacks.
 
-    Parameters
-    ----------
-    names : iterable of str
-        The columns of a table.
-    source : str
-        The file, for the message.
-    required : collection of str
-        The channels that a caller reads. Outputs are required where data are compared with a tire
-        (`Recording.measured`); a table to evaluate may have columns such as FX as a reference.
+    `names`: the columns of a table. `source`: the file, for the message. `required`: the channels that a caller reads.
+    Outputs are required where data are compared with a tire (`Recording.measured`); a table to evaluate may have
+    columns such as FX as a reference. Raises `DataError`: with the column, and the name or the header that was probably
+    meant.
 
-    Raises
-    ------
-    DataError
-        With the column, and the name or the header that was probably meant.
-
-    Examples
-    --------
     >>> check_names(["alpha", "SlipAngle", "remark"], "a.csv")
     >>> check_names(["SlipAngle", "Fz"], "a.csv")
     Traceback (most recent call last):
@@ -145,16 +114,6 @@ def check_names(names: Iterable[str], source: str, required: Collection[str] = I
 def unread_columns(names: Iterable[str]) -> list[str]:
     """Return the columns that are no channels: they are passed through and used by effects with inputs of their own.
 
-    Parameters
-    ----------
-    names : iterable of str
-
-    Returns
-    -------
-    list of str
-
-    Examples
-    --------
     >>> unread_columns(["alpha", "lap", "Fy"])
     ['lap']
     """

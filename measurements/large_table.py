@@ -36,23 +36,8 @@ SURVEYED = 200_000
 class LargeTable:
     """A Parquet table that is read in parts of `PART` rows, each in SI with contract names.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    signs : str
-        The convention of the table.
-
-    Attributes
-    ----------
-    rows : int
-    columns : tuple of str
-
-    Raises
-    ------
-    DataError
-        If the file is not a Parquet file, or its columns cannot be used.
-    UnknownName
-        If the signs are not one of the three conventions.
+    `signs`: the convention of the table. Raises `DataError` if the file is not a Parquet file, or its columns cannot be
+    used. Raises `UnknownName` if the signs are not one of the three conventions.
     """
 
     def __init__(self, path: Path, signs: str = "iso") -> None:
@@ -71,11 +56,7 @@ class LargeTable:
     def rows_are_independent(self, tire: Tire, *, steady: bool = False) -> bool:
         """Return whether the result of a tire in a row depends on that row only, so that parts can be evaluated.
 
-        Parameters
-        ----------
-        tire : Tire
-        steady : bool
-            Whether slips and states are those of the steady state.
+        `steady`: whether slips and states are those of the steady state.
         """
         if "t" not in self.columns:
             return True
@@ -85,11 +66,8 @@ class LargeTable:
     def parts(self) -> Iterator[pd.DataFrame]:
         """Yield the rows in their order, `PART` at most at a time.
 
-        Raises
-        ------
-        DataError
-            If a value of a channel is not a finite number, except for an output, which may be NaN; or the file has
-            changed.
+        Raises `DataError` if a value of a channel is not a finite number, except for an output, which may be NaN; or
+        the file has changed.
         """
         count = 0
         for start, table in self._file.tables(PART):
@@ -103,10 +81,7 @@ class LargeTable:
     def survey(self) -> Recording:
         """Some rows of the table after all checks: random ones, and those with the extremes of each channel.
 
-        Raises
-        ------
-        DataError
-            As `recording_from`; a row without an input is refused as well.
+        Raises `DataError`: as `recording_from`; a row without an input is refused as well.
         """
         check_names(self.columns, str(self._path))
         random, share = np.random.default_rng(0), SURVEYED / self.rows

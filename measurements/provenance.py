@@ -19,18 +19,8 @@ PACKAGES = ("tirefmu", "numpy", "scipy", "casadi", "sympy", "fmpy")
 def table_digest(table: pd.DataFrame) -> str:
     """Return the SHA-256 of the names and values of a table.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        With numbers only.
+    `table`: with numbers only. Returns: independent of the order of the columns.
 
-    Returns
-    -------
-    str
-        Independent of the order of the columns.
-
-    Examples
-    --------
     >>> table_digest(pd.DataFrame({"a": [1.0], "b": [2.0]})) == table_digest(pd.DataFrame({"b": [2.0], "a": [1.0]}))
     True
     """
@@ -44,18 +34,8 @@ def table_digest(table: pd.DataFrame) -> str:
 def provenance(recordings: Iterable[Recording], command: str = "") -> list[tuple[str, str]]:
     """Return what a result was computed from, as names and texts.
 
-    Parameters
-    ----------
-    recordings : iterable of Recording
-    command : str
-        The command line; empty if a program computed the result.
+    `command`: the command line; empty if a program computed the result.
 
-    Returns
-    -------
-    list of (str, str)
-
-    Examples
-    --------
     >>> run = Recording(pd.DataFrame({"alpha": [0.1], "Fy": [-800.0]}), "iso", "run.csv")
     >>> [name for name, _ in provenance([run], "tirefmu fit run.csv -o my.tir")]
     ['command', 'run.csv', 'versions']

@@ -27,15 +27,8 @@ P = ParamSpec("P")
 def once(compute: Callable[Concatenate[Recording, P], T]) -> Callable[Concatenate[Recording, P], T]:
     """Let a function of a recording compute each result once: a recording does not change.
 
-    Parameters
-    ----------
-    compute : callable
-        Takes a recording, and further arguments that can be hashed.
-
-    Returns
-    -------
-    callable
-        Its results are stored in the recording.
+    `compute`: takes a recording, and further arguments that can be hashed. Returns: its results are stored in the
+    recording.
     """
 
     @wraps(compute)
@@ -198,16 +191,6 @@ class Recording:
 def distinct(names: Sequence[str]) -> list[str]:
     """Return the names with repeated ones numbered: two folders may contain files of the same name.
 
-    Parameters
-    ----------
-    names : sequence of str
-
-    Returns
-    -------
-    list of str
-
-    Examples
-    --------
     >>> distinct(["run.mat", "other.mat", "run.mat"])
     ['run.mat', 'other.mat', 'run.mat (2)']
     """

@@ -16,8 +16,6 @@ LONGEST_SOURCE = 80
 def recording_text(source: str, signs: str, table: pd.DataFrame) -> str:
     """Return source, rows, signs and the range of each channel, in a few lines.
 
-    Examples
-    --------
     >>> print(recording_text("run.csv", "iso", pd.DataFrame({"alpha": [-0.1, 0.1], "Fz": 900.0})))
     Recording 'run.csv': 2 rows, iso signs
       alpha -0.1 to 0.1 rad, Fz 900 to 900 N

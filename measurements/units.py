@@ -18,12 +18,8 @@ FOOT = 0.3048  # m, exact
 class Unit:
     """A unit: its physical quantity and its conversion to SI units.
 
-    Parameters
-    ----------
-    quantity : str
-        "angle", "force", "pressure", ...
-    factor, offset : float
-        value_SI = factor * value + offset. Temperatures are converted to deg C.
+    `quantity`: "angle", "force", "pressure", ... `factor`, `offset`: value_SI = factor * value + offset. Temperatures
+    are converted to deg C.
     """
 
     quantity: str
@@ -74,22 +70,9 @@ _IGNORED = str.maketrans("", "", " -.*_\u00b0\u00b7")
 def unit_named(spelling: str) -> Unit:
     """Return the unit for a spelling in a file.
 
-    Parameters
-    ----------
-    spelling : str
-        "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes are ignored.
+    `spelling`: "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes are ignored. Raises `UnknownName` if
+    no unit has this spelling.
 
-    Returns
-    -------
-    Unit
-
-    Raises
-    ------
-    UnknownName
-        If no unit has this spelling.
-
-    Examples
-    --------
     >>> unit_named("deg C")
     Unit(quantity='temperature', factor=1.0, offset=0.0)
     """

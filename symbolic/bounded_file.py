@@ -35,23 +35,9 @@ _LEVEL = {"[": 1, "{": 1, "]": -1, "}": -1}
 def read_bounded(path: Path, most: int) -> bytes:
     """Return the content of a file that is not larger than a limit.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    most : int
-        Bytes; also of what has no size to ask for, such as a device.
+    `most`: bytes; also of what has no size to ask for, such as a device. Raises `OSError` if it cannot be read; with
+    EFBIG and the limit in words if it is larger.
 
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    OSError
-        If it cannot be read; with EFBIG and the limit in words if it is larger.
-
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "file"
@@ -75,25 +61,9 @@ def read_bounded(path: Path, most: int) -> bytes:
 def toml_content(text: str, source: str, error: type[TirefmuError]) -> dict[str, Any]:
     r"""Return the content of a TOML text.
 
-    Parameters
-    ----------
-    text : str
-    source : str
-        Its origin, for messages.
-    error : type of TirefmuError
-        Raised if the text is invalid.
+    `source`: its origin, for messages. `error`: raised if the text is invalid. Raises `TirefmuError` if the text is not
+    TOML, or a key, or arrays and tables in each other, have more than `DEEPEST` levels.
 
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    TirefmuError
-        If the text is not TOML, or a key, or arrays and tables in each other, have more than `DEEPEST` levels.
-
-    Examples
-    --------
     >>> toml_content('a.b = "dots ...... and [[[[["', "a.toml", TirefmuError)
     {'a': {'b': 'dots ...... and [[[[['}}
     >>> toml_content("a." * 20 + "b = 1", "a.toml", TirefmuError)
@@ -114,20 +84,8 @@ def toml_content(text: str, source: str, error: type[TirefmuError]) -> dict[str,
 def toml_file(path: Path, error: type[TirefmuError]) -> dict[str, Any]:
     """Return the content of a TOML file.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    error : type of TirefmuError
-        Raised if the file is invalid.
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    TirefmuError
-        As `toml_content`; also if the file cannot be read, is no text, or has more than `MOST_BYTES`.
+    `error`: raised if the file is invalid. Raises `TirefmuError`: as `toml_content`; also if the file cannot be read,
+    is no text, or has more than `MOST_BYTES`.
     """
     return toml_content(text_file(path, error), str(path), error)
 
@@ -135,19 +93,7 @@ def toml_file(path: Path, error: type[TirefmuError]) -> dict[str, Any]:
 def text_file(path: Path, error: type[TirefmuError]) -> str:
     """Return the text of a file of `MOST_BYTES` at most.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    error : type of TirefmuError
-        Raised if the file cannot be read, is larger, or is no text.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    TirefmuError
+    `error`: raised if the file cannot be read, is larger, or is no text.
     """
     try:
         return read_bounded(path, MOST_BYTES).decode("utf-8")

@@ -120,25 +120,15 @@ class PropertyFile:
 class PhysicalConstraint:
     """A named quantity, or how it changes with load, that stays within bounds.
 
-    Attributes
-    ----------
-    quantity : str
-        Named quantity of the model, such as "E_x".
-    lower, upper : float
-        In the quantity's unit, in adapted SAE signs.
-    over : tuple of str
-        The inputs on which the quantity depends.
-    size : float
-        A typical value, for the solver.
-    kind : str
-        "signs", "curvature", "friction_falling", "stiffness_saturating" or "extrapolation".
-    measure : str
-        What is bounded: the "value" q, its "growth" Fz dq/dFz, or its "excess" Fz dq/dFz - q, by which it grows
-        faster than load.
-    effect : str
-        Without this effect the quantity has no meaning; empty where it always has.
-    on_request : bool
-        Whether a fit enforces it only on request.
+    - `quantity`: named quantity of the model, such as "E_x".
+    - `lower`, `upper`: in the quantity's unit, in adapted SAE signs.
+    - `over`: the inputs on which the quantity depends.
+    - `size`: a typical value, for the solver.
+    - `kind`: "signs", "curvature", "friction_falling", "stiffness_saturating" or "extrapolation".
+    - `measure`: what is bounded: the "value" q, its "growth" Fz dq/dFz, or its "excess" Fz dq/dFz - q, by which it
+      grows faster than load.
+    - `effect`: without this effect the quantity has no meaning; empty where it always has.
+    - `on_request`: whether a fit enforces it only on request.
     """
 
     quantity: str

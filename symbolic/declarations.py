@@ -19,28 +19,17 @@ if TYPE_CHECKING:
 class Coefficient:
     """A coefficient, declared once: every package reads this declaration.
 
-    Attributes
-    ----------
-    description : str
-        What it is.
-    unit : str
-        SI unit; "1" where it has none.
-    lower, upper : float
-        Bounds of plausible tires, in adapted SAE signs.
-    neutral : float or None
-        The value at which the coefficient does nothing; None for one that the model cannot do without.
-    start : float or None
-        A generic value to start a fit from, in adapted SAE signs; the neutral value where None.
-    flips : bool
-        True if its sign changes between adapted SAE and ISO (the same tire, written in the other axes).
-    assumed : float or None
-        What the field's readers take, in ISO-W, where a .tir file lacks the key; the default where None.
-    channels : tuple of str
-        The outputs from which it can be identified, the most informative first; those of its section if empty.
-    fitted : bool or None
-        Whether a fit may free it without naming it; as its section where None.
-    name, section : str
-        The .tir name and the .tir section, filled in by the class that declares it.
+    - `description`: what it is.
+    - `unit`: SI unit; "1" where it has none.
+    - `lower`, `upper`: bounds of plausible tires, in adapted SAE signs.
+    - `neutral`: the value at which the coefficient does nothing; None for one that the model cannot do without.
+    - `start`: a generic value to start a fit from, in adapted SAE signs; the neutral value where None.
+    - `flips`: true if its sign changes between adapted SAE and ISO (the same tire, written in the other axes).
+    - `assumed`: what the field's readers take, in ISO-W, where a .tir file lacks the key; the default where None.
+    - `channels`: the outputs from which it can be identified, the most informative first; those of its section if
+      empty.
+    - `fitted`: whether a fit may free it without naming it; as its section where None.
+    - `name`, `section`: the .tir name and the .tir section, filled in by the class that declares it.
     """
 
     description: str
@@ -86,8 +75,6 @@ class Section:
     The class takes the section's title and, for the coefficients that do not declare them, the `channels` from which
     they can be identified (default: Fx, Fy and Mz) and whether a fit may free them (`fitted`).
 
-    Examples
-    --------
     >>> class Shape(Section, title="SHAPE"):
     ...     CX = Coefficient("shape factor", start=1.5)
     >>> Shape.CX, Shape.coefficients["CX"].description
@@ -112,19 +99,11 @@ class Section:
 class Quantity:
     """An input or an output of a model, with its unit.
 
-    Attributes
-    ----------
-    name : str
-        The table's column.
-    unit : str
-        SI unit; "1" where it has none.
-    description : str
-    nominal : str or float
-        The value of an absent input: a number, or the coefficient that holds it.
-    typical : float
-        A typical value, for scaling.
-    lower : float
-        Limit of the physical range: at and below it a tire is lifted, flat or at rest, or rolls in reverse.
+    - `name`: the table's column.
+    - `unit`: SI unit; "1" where it has none.
+    - `nominal`: the value of an absent input: a number, or the coefficient that holds it.
+    - `typical`: a typical value, for scaling.
+    - `lower`: limit of the physical range: at and below it a tire is lifted, flat or at rest, or rolls in reverse.
     """
 
     name: str
@@ -149,15 +128,8 @@ class Option:
     It is no property of the tire. In generated code it is an entry of the parameter vector behind the
     coefficients, in upper case: 0 for the first value, 1 for the second.
 
-    Attributes
-    ----------
-    name : str
-    values : (str, str)
-        The default first.
-    description : str
+    - `values`: the default first.
 
-    Examples
-    --------
     >>> import sympy as sp
     >>> slip_angle = Option("slip_angle", ("tan", "angle"), "what alpha* is")
     >>> slip_angle.either(sp.tan(sp.Symbol("alpha")), sp.Symbol("alpha"))

@@ -19,26 +19,17 @@ Probe = Mapping[str, float]
 class Form:
     """One functional form of an effect.
 
-    Attributes
-    ----------
-    free : tuple of str
-        Coefficients that are fitted.
-    probes : tuple of mapping of str to float
-        Typical sizes, as differences from the coefficients' neutral values; each probe is a regression column. For a
-        coefficient whose neutral value is outside its bounds, the size is the value itself.
-    scalable : bool
-        Whether the effect is proportional to its coefficients; otherwise each probe is an initial value of a fit.
-    given : str
-        If the tire has this effect, the form replaces the other forms; '' for none.
-    holds : str
-        The role of a quantity (`tirefmu.symbolic.contract.ROLES`) that a probe does not change at nominal inputs,
-        because its leading coefficient is rescaled; '' for none.
-    grid : mapping of str to tuple of float
-        Further coefficients, to which the effect is not proportional, such as time constants. They are fitted as well.
-        The probes are applied at each combination of their values (`points`).
+    - `free`: coefficients that are fitted.
+    - `probes`: typical sizes, as differences from the coefficients' neutral values; each probe is a regression column.
+      For a coefficient whose neutral value is outside its bounds, the size is the value itself.
+    - `scalable`: whether the effect is proportional to its coefficients; otherwise each probe is an initial value of a
+      fit.
+    - `given`: if the tire has this effect, the form replaces the other forms; '' for none.
+    - `holds`: the role of a quantity (`tirefmu.symbolic.contract.ROLES`) that a probe does not change at nominal
+      inputs, because its leading coefficient is rescaled; '' for none.
+    - `grid`: further coefficients, to which the effect is not proportional, such as time constants. They are fitted as
+      well. The probes are applied at each combination of their values (`points`).
 
-    Examples
-    --------
     >>> Form.each({"PDY2": -0.15, "PDX2": -0.15}).probes
     ({'PDY2': -0.15}, {'PDX2': -0.15})
     """
@@ -62,8 +53,6 @@ class Form:
     def points(self) -> tuple[Form, ...]:
         """Return the form at each point of its grid.
 
-        Examples
-        --------
         >>> [form.grid for form in Form.each({"HMU": 0.1}, grid={"HTAU": (2.0, 8.0)}).points()]
         [{'HTAU': (2.0,)}, {'HTAU': (8.0,)}]
         """
@@ -83,29 +72,19 @@ class Confounded:
 class Detection:
     """How a diagnosis detects an effect.
 
-    Attributes
-    ----------
-    requires : tuple of str
-        Inputs that must all vary, and outputs that must be measured: the cross-talk of an output can be removed only if
-        it is measured.
-    rate : float
-        Rows per second that a recording must have, 0 if any rate is sufficient.
-    channels : tuple of str
-        Outputs that the effect changes, one of which must be measured; all if empty.
-    forms : tuple of Form
-        From the simplest to the most general, with the coefficients that a model has. If it has none of them, or no
-        form is declared, the coefficients of the effect are probed by an eighth of their range.
-    refinements : tuple of Form
-        Tested if the tire has the effect, so that an error of its form is not identified as a missing effect.
-    contains : str
-        An effect that is a special case of this one, or ''.
-    spread : mapping of str to float
-        Prior standard deviation of coefficients, from the scatter among tires. Default for scalable forms:
-        `LARGEST_IN_SIZES` times the size.
-    separate_by : str
-        The measurement that separates the effect from explanations that are not in `confounded`.
-    confounded : tuple of Confounded
-        Known pairs; each is declared in one of the two files.
+    - `requires`: inputs that must all vary, and outputs that must be measured: the cross-talk of an output can be
+      removed only if it is measured.
+    - `rate`: rows per second that a recording must have, 0 if any rate is sufficient.
+    - `channels`: outputs that the effect changes, one of which must be measured; all if empty.
+    - `forms`: from the simplest to the most general, with the coefficients that a model has. If it has none of them, or
+      no form is declared, the coefficients of the effect are probed by an eighth of their range.
+    - `refinements`: tested if the tire has the effect, so that an error of its form is not identified as a missing
+      effect.
+    - `contains`: an effect that is a special case of this one, or ''.
+    - `spread`: prior standard deviation of coefficients, from the scatter among tires. Default for scalable forms:
+      `LARGEST_IN_SIZES` times the size.
+    - `separate_by`: the measurement that separates the effect from explanations that are not in `confounded`.
+    - `confounded`: known pairs; each is declared in one of the two files.
     """
 
     requires: tuple[str, ...] = ()

@@ -61,17 +61,9 @@ class UnknownName(TirefmuError):
 class WrongType(TirefmuError, TypeError):
     """A value of a type that a parameter does not accept.
 
-    Parameters
-    ----------
-    parameter : str
-        Name of the parameter.
-    value : object
-        The value as it was given.
-    accepted : str
-        What the parameter accepts, as the end of a sentence.
+    `parameter`: name of the parameter. `value`: the value as it was given. `accepted`: what the parameter accepts, as
+    the end of a sentence.
 
-    Examples
-    --------
     >>> print(WrongType("table", None, "a path, a DataFrame or a Recording"))
     table is None: it has to be a path, a DataFrame or a Recording
     >>> print(WrongType("tire", [1, 2], "a Tire or a path"))
@@ -87,8 +79,6 @@ class WrongType(TirefmuError, TypeError):
 def no_single_text(parameter: str, names: object) -> None:
     """Raise `WrongType` if a text is given where a collection of names is expected: its letters would be the names.
 
-    Examples
-    --------
     >>> no_single_text("effects", ["plysteer"])
     >>> no_single_text("effects", "plysteer")
     Traceback (most recent call last):
@@ -141,20 +131,9 @@ LISTED_BY = {
 def nearest(name: str, known: Iterable[str], listed_by: str = "") -> str:
     """Return the end of a message on an unknown name: the nearest known one, and all of a few or how many there are.
 
-    Parameters
-    ----------
-    name : str
-    known : iterable of str
-    listed_by : str
-        Command that lists all known names; a message needs it if there are many.
+    `listed_by`: command that lists all known names; a message needs it if there are many. Returns: the end of a
+    sentence, beginning with a colon; empty when nothing is known.
 
-    Returns
-    -------
-    str
-        The end of a sentence, beginning with a colon; empty when nothing is known.
-
-    Examples
-    --------
     >>> nearest("gama", ["gamma", "alpha"])
     ': did you mean gamma? Known are gamma, alpha'
     >>> nearest("gama", ["gamma"]), nearest("X", ["gamma", "alpha"])
@@ -181,23 +160,8 @@ def nearest(name: str, known: Iterable[str], listed_by: str = "") -> str:
 def path_from(value: Any, parameter: str = "path") -> Path:
     """Return a path given as str or path-like.
 
-    Parameters
-    ----------
-    value : str or path-like
-    parameter : str
-        Name of the parameter, for the message.
+    `parameter`: name of the parameter, for the message. Raises `WrongType` if it is neither.
 
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    WrongType
-        If it is neither.
-
-    Examples
-    --------
     >>> path_from("tires/front.tir").name
     'front.tir'
     >>> path_from(3)

@@ -33,16 +33,6 @@ def visible(text: str) -> str:
     Control characters, terminal escape sequences, line and paragraph separators (U+2028, U+2029), marks that reverse
     the direction of writing and lone surrogates become ``\x1b``, ``\u2028``, ...
 
-    Parameters
-    ----------
-    text : str
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> print(visible("a\x1b[2Jb\u2028c °C"))
     a\x1b[2Jb\u2028c °C
     """
@@ -54,18 +44,8 @@ def visible(text: str) -> str:
 def shortened(text: str, most: int) -> str:
     """Return a text limited to a number of characters; both ends of a longer one, as either may be informative.
 
-    Parameters
-    ----------
-    text : str
-    most : int
-        At least 6.
+    `most`: at least 6.
 
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> shortened("run 3.mat", 20), shortened("9" * 1000, 11)
     ('run 3.mat', '9999...9999')
     """
@@ -78,8 +58,6 @@ def shortened(text: str, most: int) -> str:
 def figure_text(text: str) -> str:
     r"""Return a text for a figure: one bounded line.
 
-    Examples
-    --------
     >>> print(figure_text("run\n3"), len(figure_text("9" * 1000)))
     run\x0a3 60
     """
@@ -89,8 +67,6 @@ def figure_text(text: str) -> str:
 def excerpt(text: object, most: int = LONGEST_EXCERPT) -> str:
     r"""Return a text as a message shows it without quotes: on one line, shortened where it is long.
 
-    Examples
-    --------
     >>> print(excerpt("1\n2"), len(excerpt("9" * 1_000_000)))
     1\x0a2 300
     """
@@ -100,8 +76,6 @@ def excerpt(text: object, most: int = LONGEST_EXCERPT) -> str:
 def quoted(text: object) -> str:
     r"""Return a text in quotes as a message shows it: on one line, shortened where it is long.
 
-    Examples
-    --------
     >>> print(quoted("4 kN"), quoted("'4' kN"), quoted("a\nb"))
     '4 kN' "'4' kN" 'a\x0ab'
     """
@@ -113,8 +87,6 @@ def quoted(text: object) -> str:
 def ascii_text(text: str) -> str:
     r"""Return a text on one line in printable ASCII; other characters as escape sequences.
 
-    Examples
-    --------
     >>> print(ascii_text("30 °C\n"))
     30 \xb0C\x0a
     """
@@ -127,21 +99,10 @@ def c_comment(text: str) -> str:
     Trigraphs (``??/`` is a backslash) are broken up as well, and a backslash becomes a slash, so that neither splices
     lines in a ``//`` comment.
 
-    Parameters
-    ----------
-    text : str
+    Returns: printable ASCII on one line, to be put between ``/* `` and `` */`` with those blanks.
 
-    Returns
-    -------
-    str
-        Printable ASCII on one line, to be put between ``/* `` and `` */`` with those blanks.
+    Source: ISO/IEC 9899:1999, sections 5.1.1.2, 5.2.1.1 and 6.4.9.
 
-    References
-    ----------
-    ISO/IEC 9899:1999, sections 5.1.1.2, 5.2.1.1 and 6.4.9.
-
-    Examples
-    --------
     >>> c_comment("friction */ system(); /* per K")
     'friction * / system(); / * per K'
     >>> c_comment("*/*/ ??/ \\")
@@ -154,8 +115,6 @@ def c_comment(text: str) -> str:
 def line_comment(text: str) -> str:
     r"""Return a text for a comment up to the end of the line, after a sign and a blank: MATLAB, Julia, LaTeX.
 
-    Examples
-    --------
     >>> line_comment("friction\nsystem('x') \\ %{")
     "friction/x0asystem('x') / %{"
     """
@@ -165,8 +124,6 @@ def line_comment(text: str) -> str:
 def latex_text(text: str) -> str:
     r"""Return a text for the body of a LaTeX document: no commands, no mathematics, printable ASCII.
 
-    Examples
-    --------
     >>> print(latex_text("50% of $x_1$ \\input{f}"))
     50\% of \$x\_1\$ /input\{f\}
     """
@@ -181,19 +138,9 @@ def latex_text(text: str) -> str:
 def c_string(text: str) -> str:
     r"""Return a C string literal with its quotes.
 
-    Parameters
-    ----------
-    text : str
-        Written in UTF-8, as FMI has its strings.
+    `text`: written in UTF-8, as FMI has its strings. Returns: bytes that are not printable ASCII, quotes, backslashes,
+    question marks (trigraphs) and percent signs (the text may become a format) as three octal digits.
 
-    Returns
-    -------
-    str
-        Bytes that are not printable ASCII, quotes, backslashes, question marks (trigraphs) and percent signs (the
-        text may become a format) as three octal digits.
-
-    Examples
-    --------
     >>> print(c_string('say "é" 5%'))
     "say \042\303\251\042 5\045"
     """
@@ -204,8 +151,6 @@ def c_string(text: str) -> str:
 def python_comment(text: str) -> str:
     r"""Return a text for the inside of a Python comment or docstring: it cannot end either.
 
-    Examples
-    --------
     >>> python_comment('friction\"\"\"\nimport os')
     "friction'''/x0aimport os"
     """
@@ -215,8 +160,6 @@ def python_comment(text: str) -> str:
 def xml_text(text: str) -> str:
     r"""Return a text without what XML 1.0 cannot contain; the writer of the XML escapes markup and quotes.
 
-    Examples
-    --------
     >>> xml_text("a\x00b")
     'a\ufffdb'
     """
@@ -226,8 +169,6 @@ def xml_text(text: str) -> str:
 def html_text(text: str) -> str:
     r"""Return a text for the inside of an HTML element or attribute: no markup, every character visible.
 
-    Examples
-    --------
     >>> html_text("<b>&\x00")
     '&lt;b&gt;&amp;\\x00'
     """
@@ -237,18 +178,8 @@ def html_text(text: str) -> str:
 def command_text(command: str, *arguments: object) -> str:
     """Return a command line of tirefmu as a shell takes it.
 
-    Parameters
-    ----------
-    command : str
-    *arguments : object
-        Operands, options and their values. None is omitted.
+    `*arguments`: operands, options and their values. None is omitted.
 
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> command_text("run", "my tires/tirefmu.toml")
     "tirefmu run 'my tires/tirefmu.toml'"
     """
@@ -258,21 +189,10 @@ def command_text(command: str, *arguments: object) -> str:
 def script_text(code: str) -> str:
     r"""Return JavaScript for the inside of an HTML script element: it cannot end the element or start a comment.
 
-    Parameters
-    ----------
-    code : str
-        Without comments and texts: there, every sign < is a comparison or a shift.
+    `code`: without comments and texts: there, every sign < is a comparison or a shift.
 
-    Returns
-    -------
-    str
+    Source: HTML Living Standard, section "Restrictions for contents of script elements".
 
-    References
-    ----------
-    HTML Living Standard, section "Restrictions for contents of script elements".
-
-    Examples
-    --------
     >>> script_text("a<b && c</d/.x")
     'a< b && c< /d/.x'
     """
@@ -282,8 +202,6 @@ def script_text(code: str) -> str:
 def script_json(text: str) -> str:
     r"""Return JSON for the inside of an HTML script element: it cannot end the element or start a comment.
 
-    Examples
-    --------
     >>> print(script_json('["</script>"]'))
     ["\u003c/script>"]
     """
@@ -293,12 +211,8 @@ def script_json(text: str) -> str:
 def toml_string(text: str) -> str:
     r"""Return a basic string of TOML with its quotes.
 
-    References
-    ----------
-    TOML 1.0.0, section "String".
+    Source: TOML 1.0.0, section "String".
 
-    Examples
-    --------
     >>> print(toml_string('a "b"\n\x7f'))
     "a \"b\"\n\u007f"
     """
@@ -310,19 +224,9 @@ def toml_string(text: str) -> str:
 def file_name(text: str, otherwise: str = "unnamed") -> str:
     """Return a file name made of a text: one part of a path, on Linux, macOS and Windows.
 
-    Parameters
-    ----------
-    text : str
-    otherwise : str
-        The name of a text of which nothing remains.
+    `otherwise`: the name of a text of which nothing remains. Returns: letters, digits and ``_ . + = @ , -``; never
+    hidden, never a device, at most `LONGEST_FILE_NAME` bytes.
 
-    Returns
-    -------
-    str
-        Letters, digits and ``_ . + = @ , -``; never hidden, never a device, at most `LONGEST_FILE_NAME` bytes.
-
-    Examples
-    --------
     >>> file_name("../../etc/passwd"), file_name("run 3: 40 °C.mat"), file_name("con.txt"), file_name("..")
     ('etc_passwd', 'run_3_40_C.mat', '_con.txt', 'unnamed')
     """

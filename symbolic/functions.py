@@ -10,8 +10,6 @@ import sympy as sp
 class sgn(sp.Function):
     """The sign of x, 0 at 0; its derivative is 0 everywhere.
 
-    Examples
-    --------
     >>> sgn(sp.Integer(0)), sgn(sp.Symbol("V")).diff(sp.Symbol("V"))
     (0, 0)
     """
@@ -32,8 +30,6 @@ class sgn(sp.Function):
 class sgn1(sgn):
     """The sign of x, +1 at 0; its derivative is 0 everywhere.
 
-    Examples
-    --------
     >>> sgn1(sp.Integer(0)), sgn1(sp.Integer(-2))
     (1, -1)
     """
@@ -47,8 +43,6 @@ class sgn1(sgn):
 class absolute(sp.Function):
     """The size of x; its derivative is `sgn`, 0 at 0.
 
-    Examples
-    --------
     >>> absolute(sp.Symbol("gamma")).diff(sp.Symbol("gamma"))
     sgn(gamma)
     """
@@ -69,8 +63,6 @@ class absolute(sp.Function):
 class expm1(sp.Function):
     """e^x - 1, exact for small x.
 
-    Examples
-    --------
     >>> expm1(sp.Integer(0)), expm1(sp.Symbol("x")).diff(sp.Symbol("x"))
     (0, exp(x))
     """
@@ -91,8 +83,6 @@ class expm1(sp.Function):
 def where(condition: Any, then: Any, otherwise: Any) -> sp.Expr:
     """Return `then` where the condition holds, `otherwise` elsewhere (also where something is NaN).
 
-    Examples
-    --------
     >>> where(sp.Symbol("Fz") < 0, 0, sp.Symbol("Fz"))
     Piecewise((0, Fz < 0), (Fz, True))
     """

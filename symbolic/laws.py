@@ -24,16 +24,8 @@ NO_PATH = sp.Float("1e-300")
 class Law:
     """A function of real numbers: lines, and the symbol of its result.
 
-    Attributes
-    ----------
-    name, summary : str
-    arguments : tuple of str
-    lines : Chapter
-        Each line uses arguments and earlier lines.
-    result : sympy.Expr
+    - `lines`: each line uses arguments and earlier lines.
 
-    Examples
-    --------
     >>> law = LAWS["lag"]
     >>> law.arguments
     ('x', 'u', 'u_end', 'way')

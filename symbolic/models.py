@@ -34,28 +34,11 @@ _EXTENDED: dict[tuple[Model, tuple[str, ...]], Model] = {}
 def model(name: str, added: Sequence[AddedEffect] = (), find: FindStructure = lambda name, added: None) -> Model:
     """Return a model of the book by its name on the command line.
 
-    Parameters
-    ----------
-    name : str
-    added : sequence of AddedEffect
-        Effects beyond the book to be put into its lines.
-    find : callable, optional
-        Of name and effects: the file with the structure of a model that has been printed before, or None.
+    `added`: effects beyond the book to be put into its lines. `find`: of name and effects: the file with the structure
+    of a model that has been printed before, or None. Returns: one object for one model and the same effects. Raises
+    `UnknownName` if there is none; the message offers the nearest. Raises `EffectError` if an added effect does not fit
+    the model.
 
-    Returns
-    -------
-    Model
-        One object for one model and the same effects.
-
-    Raises
-    ------
-    UnknownName
-        If there is none; the message offers the nearest.
-    EffectError
-        If an added effect does not fit the model.
-
-    Examples
-    --------
     >>> model("mf96").title
     'Magic Formula 1996, Trento form'
     """
@@ -74,12 +57,6 @@ def whole_library(book: Model) -> tuple[AddedEffect, ...]:
 
     An installed wheel has the model with them (`generated/with_effects`).
 
-    Parameters
-    ----------
-    book : Model
-
-    Examples
-    --------
     >>> [effect.name for effect in whole_library(model("mf96")) if not effect.states]
     ['temp_friction', 'temp_stiffness', 'wear_drift']
     """
@@ -106,20 +83,8 @@ def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffec
     Effects of the library without states come together, so that few models have to be printed; a model that lacks what
     some of them act on or read gets what is named. An effect with states comes if it is named: a state costs time.
 
-    Parameters
-    ----------
-    name : str
-        The model.
-    effects : collection of str
-        Names of effects, those of the book among them.
-    added : sequence of AddedEffect
+    `name`: the model. `effects`: names of effects, those of the book among them.
 
-    Returns
-    -------
-    tuple of AddedEffect
-
-    Examples
-    --------
     >>> [effect.name for effect in with_library("mf96", ["camber_thrust", "temp_friction"])]
     ['temp_friction']
     """

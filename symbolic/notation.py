@@ -34,8 +34,6 @@ class Variant(sp.Function):
 def only(model: str, own: Any, others: Any) -> sp.Expr:
     """Return a term that is `own` in one model and `others` in the others that share the line.
 
-    Examples
-    --------
     >>> only("mf52", sp.Symbol("PHY3"), 0)
     Variant(mf52, PHY3, 0)
     """
@@ -46,21 +44,13 @@ def only(model: str, own: Any, others: Any) -> sp.Expr:
 class Equation:
     """One line of the book.
 
-    Attributes
-    ----------
-    number : str
-        Number in the book, or the name of the source that has the line.
-    symbol : sympy.Symbol
-        What the line defines.
-    expression : sympy.Expr
-        Its right-hand side in coefficients, inputs and earlier symbols.
-    unit, description, chapter : str
-    named : bool
-        False for a step inside another line that users need not see.
-    acts_for : str
-        The named quantity whose added effects change this line too; see `tirefmu.symbolic.model.Model.extended`.
-    variant : bool
-        True for a repetition of the line at other operating conditions, such as without inclination.
+    - `number`: number in the book, or the name of the source that has the line.
+    - `symbol`: what the line defines.
+    - `expression`: its right-hand side in coefficients, inputs and earlier symbols.
+    - `named`: false for a step inside another line that users need not see.
+    - `acts_for`: the named quantity whose added effects change this line too; see
+      `tirefmu.symbolic.model.Model.extended`.
+    - `variant`: true for a repetition of the line at other operating conditions, such as without inclination.
     """
 
     number: str
@@ -78,8 +68,6 @@ class Equation:
 class Chapter:
     """A chapter of the book: calling it files a line and returns the line's symbol.
 
-    Examples
-    --------
     >>> eq = Chapter("Side force")
     >>> eq("4.E20", "alpha_y", sp.Symbol("alpha") + sp.Symbol("S_Hy"), "rad", "shifted slip angle")
     alpha_y
@@ -113,14 +101,9 @@ class Chapter:
 class MagicFormula:
     """The Magic Formula over one slip, its cosine form and its slope, sharing the inner steps.
 
-    Attributes
-    ----------
-    sine : sympy.Expr
-        D sin(C atan(Bx - E (Bx - atan Bx))), Pacejka (2012), eq. (4.1).
-    cosine : sympy.Expr
-        The same with the cosine, for the pneumatic trail and the weighting functions, eq. (4.59).
-    slope : sympy.Expr
-        d(sine)/dx with B, C, D and E held constant.
+    - `sine`: D sin(C atan(Bx - E (Bx - atan Bx))), Pacejka (2012), eq. (4.1).
+    - `cosine`: the same with the cosine, for the pneumatic trail and the weighting functions, eq. (4.59).
+    - `slope`: d(sine)/dx with B, C, D and E held constant.
     """
 
     sine: sp.Expr
@@ -131,23 +114,10 @@ class MagicFormula:
 def magic(eq: Chapter, name: str, B: sp.Expr, C: sp.Expr, D: sp.Expr, E: sp.Expr, x: sp.Expr) -> MagicFormula:
     """File the inner steps of the Magic Formula as lines and return its three forms.
 
-    Parameters
-    ----------
-    eq : Chapter
-    name : str
-        Symbol of the quantity that it makes; the steps are called ``<name>_u``, ``_v`` and ``_w``.
-    B, C, D, E : sympy.Expr
-        Stiffness, shape, peak and curvature factor.
-    x : sympy.Expr
-        Slip, shifted.
+    `name`: symbol of the quantity that it makes; the steps are called ``<name>_u``, ``_v`` and ``_w``. `B`, `C`, `D`,
+    `E`: stiffness, shape, peak and curvature factor. `x`: slip, shifted.
 
-    Returns
-    -------
-    MagicFormula
-
-    References
-    ----------
-    Pacejka, Tire and Vehicle Dynamics (2012), eq. (4.1); the slope with constant E is the Trento worksheet's
+    Source: Pacejka, Tire and Vehicle Dynamics (2012), eq. (4.1); the slope with constant E is the Trento worksheet's
     magic_formula_stiffness.
     """
     u = eq("4.1", f"{name}_u", B * x, description="B x", named=False)
@@ -166,8 +136,6 @@ def smooth_sign(eq: Chapter, name: str, x: sp.Expr) -> sp.Symbol:
 
     It is the Trento worksheet's Sign; 0 at 0.
 
-    Examples
-    --------
     >>> eq = Chapter("Side force")
     >>> smooth_sign(eq, "sign_alpha_y", sp.Symbol("alpha_y"))
     sign_alpha_y

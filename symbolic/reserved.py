@@ -70,17 +70,8 @@ _PROGRAM = re.compile("t|(kappa|alpha|tan_alpha)_lagged|twist|friction_use|slidi
 def no_coefficient(name: str) -> str:
     """Return why a coefficient cannot have a name, or an empty text where it can.
 
-    Parameters
-    ----------
-    name : str
+    Returns: the end of a sentence that begins with the name.
 
-    Returns
-    -------
-    str
-        The end of a sentence that begins with the name.
-
-    Examples
-    --------
     >>> no_coefficient("TMU1"), no_coefficient("NAN"), no_coefficient("WHILE")
     ('', 'is a macro of C', 'is a word of C')
     >>> no_coefficient("tmu")
@@ -98,8 +89,6 @@ def no_coefficient(name: str) -> str:
 def no_effect(name: str) -> str:
     """Return why an effect cannot have a name, or an empty text where it can.
 
-    Examples
-    --------
     >>> no_effect("wet_grip"), no_effect("nul"), no_effect("about"), no_effect("größe")
     ('', 'is a device of Windows', 'is a section of .tir files', 'is not a word of letters A-Z, digits and single _')
     """
@@ -111,8 +100,6 @@ def no_effect(name: str) -> str:
 def no_state(name: str) -> str:
     """Return why a state cannot have a name, or an empty text where it can.
 
-    Examples
-    --------
     >>> no_state("tread_heat"), no_state("exp"), no_state("Heat")
     ('', 'is a name of the generated code', 'is not a word of small letters a-z, digits and single _')
     """

@@ -323,18 +323,9 @@ add_examples(cli)
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit code.
 
-    Parameters
-    ----------
-    arguments : list of str, optional
-        None for the arguments of the process.
+    `arguments`: none for the arguments of the process. Returns: 0: success; 1: completed, but a check failed; 2:
+    invalid input.
 
-    Returns
-    -------
-    int
-        0: success; 1: completed, but a check failed; 2: invalid input.
-
-    Examples
-    --------
     >>> main(["info", "missing.tir", "--quiet"])
     2
     """

@@ -58,13 +58,8 @@ BENCH_TIRE = {
 def bench_tire() -> Tire:
     """Return the tire of the virtual bench: the Trento Hoosier with the measured cornering stiffness.
 
-    Returns
-    -------
-    Tire
-        In adapted SAE. It has camber thrust.
+    Returns: in adapted SAE. It has camber thrust.
 
-    Examples
-    --------
     >>> bench_tire().values["PKY2"]
     3.9
     """
@@ -77,21 +72,8 @@ def bench_tire() -> Tire:
 def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     """Run the demo and return its results.
 
-    Parameters
-    ----------
-    folder : Path
-        Created if it does not exist; files of an earlier run are overwritten.
-    terminal : Terminal
-
-    Returns
-    -------
-    dict of str to Any
-        Plain JSON values; ``ok`` is true if every check passed.
-
-    Raises
-    ------
-    TirefmuError
-        If the folder cannot be created.
+    `folder`: created if it does not exist; files of an earlier run are overwritten. Returns: plain JSON values; ``ok``
+    is true if every check passed. Raises `TirefmuError` if the folder cannot be created.
     """
     began = time.perf_counter()
     try:

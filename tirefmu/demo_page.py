@@ -16,13 +16,7 @@ from tirefmu.tires.drawing.page import page_text, write_page
 class Chapter:
     """A step of the demo.
 
-    Attributes
-    ----------
-    title : str
-    texts : tuple of str
-    figures : tuple of Figure
-    files : tuple of Path
-        In or below the folder of the page, which links to them.
+    - `files`: in or below the folder of the page, which links to them.
     """
 
     title: str
@@ -34,23 +28,7 @@ class Chapter:
 def write_demo_page(chapters: Sequence[Chapter], folder: Path, ok: bool, seconds: float) -> Path:
     """Write the page ``index.html``.
 
-    Parameters
-    ----------
-    chapters : sequence of Chapter
-    folder : Path
-    ok : bool
-        Whether every check passed.
-    seconds : float
-        Time of the steps.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    TirefmuError
-        If the file cannot be written.
+    `ok`: whether every check passed. `seconds`: time of the steps. Raises `TirefmuError` if the file cannot be written.
     """
     path = folder / "index.html"
     filters = {"address": lambda file: "./" + quote(file.relative_to(folder).as_posix())}

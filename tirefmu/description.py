@@ -21,22 +21,12 @@ _OURS = ("MDI_HEADER", *OWN_SECTIONS)
 def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
     """Return a summary of a tire: model, effects, ranges, sources of its values, warnings.
 
-    Parameters
-    ----------
-    tire : Tire
-    notes : iterable of str
-        Notes from reading its file.
+    `notes`: notes from reading its file. Returns: plain JSON values. ``missing`` has the assumed values of coefficients
+    that the file lacks, ``assumed`` those of them that are properties without a neutral value, such as a radius;
+    ``unknown`` the unknown keys of the file, with the nearest coefficient; ``unused`` known keys that this model does
+    not read; ``ignored`` those of them that are coefficients of other models and not zero; ``tables`` the sections with
+    lines that are not keys.
 
-    Returns
-    -------
-    dict of str to Any
-        Plain JSON values. ``missing`` has the assumed values of coefficients that the file lacks, ``assumed`` those of
-        them that are properties without a neutral value, such as a radius; ``unknown`` the unknown keys of the file,
-        with the nearest coefficient; ``unused`` known keys that this model does not read; ``ignored`` those of them
-        that are coefficients of other models and not zero; ``tables`` the sections with lines that are not keys.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> summary = describe(published("trento_hoosier"))
     >>> summary["model"], summary["nominal"]["Fz"], [doubt["name"] for doubt in summary["implausible"]]

@@ -54,16 +54,8 @@ def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
 def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:
     """Return the outputs of a tire for each row of a recording.
 
-    Parameters
-    ----------
-    tire : Tire
-    recording : Recording
-
-    Returns
-    -------
-    pandas.DataFrame
-        The outputs that the tire has, in the signs of the recording. Transient slips start anew every `ROWS_AT_A_TIME`
-        rows.
+    Returns: the outputs that the tire has, in the signs of the recording. Transient slips start anew every
+    `ROWS_AT_A_TIME` rows.
     """
     pieces = []
     most = ROWS_AT_A_TIME if tire.lags or tire.states or "distance" in tire.inputs else PART
@@ -77,27 +69,10 @@ def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:
 def evaluate_to_file(tire: Tire, table: LargeTable, output: Path, code: str = "auto", **options: Any) -> list[str]:
     """Evaluate a tire over a large table part by part, and write the result.
 
-    Parameters
-    ----------
-    tire : Tire
-    table : LargeTable
-        Whose rows are independent (`LargeTable.rows_are_independent`).
-    output : pathlib.Path
-        CSV or Parquet file to write.
-    code : str
-        As for `Tire.evaluate`; "auto" is the fastest for all rows, for each part.
-    **options
-        Those of `Tire.evaluate`.
-
-    Returns
-    -------
-    list of str
-        The columns of the result.
-
-    Raises
-    ------
-    DataError
-        If the table cannot be used or the file cannot be written.
+    `table`: whose rows are independent (`LargeTable.rows_are_independent`). `output`: CSV or Parquet file to write.
+    `code`: as for `Tire.evaluate`; "auto" is the fastest for all rows, for each part. `**options`: those of
+    `Tire.evaluate`. Returns: the columns of the result. Raises `DataError` if the table cannot be used or the file
+    cannot be written.
     """
     columns: list[str] = []
 

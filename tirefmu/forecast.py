@@ -8,13 +8,8 @@ from collections.abc import Sequence
 class Forecast:
     """The time left of stages whose work is known in advance, in any unit.
 
-    Parameters
-    ----------
-    stages : sequence of (str, float)
-        Name and work of each stage, in their order. A stage may be skipped.
+    `stages`: name and work of each stage, in their order. A stage may be skipped.
 
-    Examples
-    --------
     >>> forecast = Forecast([("Fx", 10.0), ("Fy", 20.0), ("all", 60.0)])
     >>> forecast.begin("Fx")
     >>> forecast.left(1.0) is None  # no stage has ended: the pace is unknown
@@ -67,8 +62,6 @@ class Forecast:
 def seconds_left(finished: int, parts: int, seconds: float) -> float:
     """Return the seconds that the other ones of equal parts will take.
 
-    Examples
-    --------
     >>> seconds_left(50, 200, 20.0), seconds_left(200, 200, 80.0)
     (60.0, 0.0)
     """
@@ -78,8 +71,6 @@ def seconds_left(finished: int, parts: int, seconds: float) -> float:
 def left_text(seconds: float | None) -> str:
     """Return the time left as a text; empty if it is unknown or nothing is left.
 
-    Examples
-    --------
     >>> left_text(0.4), left_text(59.6), left_text(600.0), left_text(None), left_text(0.0)
     ('less than 1 s left', 'about 60 s left', 'about 10 min left', '', '')
     """

@@ -40,16 +40,9 @@ CURVATURES = ("curvature_x", "curvature_y", "curvature_trail", "curvature_combin
 class Doubt:
     """An implausible value.
 
-    Attributes
-    ----------
-    name : str
-        The coefficient, input or quantity.
-    value : float
-    reason : str
-        The problem, and the probable mistake.
+    - `name`: the coefficient, input or quantity.
+    - `reason`: the problem, and the probable mistake.
 
-    Examples
-    --------
     >>> print(Doubt("INFLPRES", 2.2, "outside 10000 .. 2e+06: in bar?"))
     INFLPRES = 2.2: outside 10000 .. 2e+06: in bar?
     """
@@ -65,19 +58,10 @@ class Doubt:
 def implausible(tire: Tire) -> list[Doubt]:
     """Return the implausible values of a tire.
 
-    Parameters
-    ----------
-    tire : Tire
+    Returns: coefficients outside their declared bounds (in adapted SAE, unless neutral), implausible ranges, and over
+    the range of loads: friction that is not positive or increases with load, slip stiffness of wrong or changing sign,
+    curvature above 1.
 
-    Returns
-    -------
-    list of Doubt
-        Coefficients outside their declared bounds (in adapted SAE, unless neutral), implausible ranges, and over the
-        range of loads: friction that is not positive or increases with load, slip stiffness of wrong or changing
-        sign, curvature above 1.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> [doubt.name for doubt in implausible(published("trento_hoosier"))]
     ['E_t']

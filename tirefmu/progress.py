@@ -21,19 +21,9 @@ PREPARING, EVIDENCE = "preparing the fit", "evidence and intervals"
 class Stages:
     """Shows stages of a computation, their number and the time left, if their work is known.
 
-    Parameters
-    ----------
-    ended : callable
-        Takes a line for a stage that has ended; nothing of a stage that raises.
-    update : callable
-        Takes the text of the present activity.
-    found : callable
-        Takes a line about something that was found within a stage.
-    clock : callable
-        Returns seconds.
+    `ended`: takes a line for a stage that has ended; nothing of a stage that raises. `update`: takes the text of the
+    present activity. `found`: takes a line about something that was found within a stage. `clock`: returns seconds.
 
-    Examples
-    --------
     >>> seconds = iter([0.0, 1.5, 4.0])
     >>> stages = Stages(print, lambda text: None, print, lambda: next(seconds))
     >>> stages.plan([("Fx", 1.0), ("Fy", 2.0)])
@@ -123,12 +113,7 @@ def showing(console: Console, what: str) -> Iterator[None]:
 
 
 class FitProgress:
-    """What a fit reports its stages to: `fit` calls it, and first `planned`.
-
-    Parameters
-    ----------
-    stages : Stages
-    """
+    """What a fit reports its stages to: `fit` calls it, and first `planned`."""
 
     def __init__(self, stages: Stages) -> None:
         self._stages, self._stage = stages, ""
@@ -165,14 +150,8 @@ def counting(
 ) -> Iterator[Callable[[int, int], None]]:
     """Show how many parts of a computation are finished, and the time left; yield what reports them.
 
-    Parameters
-    ----------
-    console : Console
-    what : str
-    singly : bool
-        Each part is reported: parts that are finished before the first report belong to an earlier run.
-    expected : (int, float), optional
-        Number of parts and seconds of all of them, if they are known in advance.
+    `singly`: each part is reported: parts that are finished before the first report belong to an earlier run.
+    `expected`: number of parts and seconds of all of them, if they are known in advance.
     """
     began, passed, kept = monotonic(), 0.0, -1
     with console.status(visible(what)) as status:

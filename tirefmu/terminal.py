@@ -29,12 +29,6 @@ class Terminal:
     Text may come from a file: markup and emoji codes are printed literally, and characters that are not printable as
     escape sequences, so that a line remains one line.
 
-    Parameters
-    ----------
-    quiet : bool
-
-    Examples
-    --------
     >>> Terminal().print("[bold]\x1b[2J run :bomb:.csv")
     [bold]\x1b[2J run :bomb:.csv
     >>> Terminal(quiet=True).print("no output")

@@ -121,8 +121,6 @@ class TireDefinition:
     def rescaled(self) -> dict[str, float]:
         """Coefficients whose meaning an absent effect changes, and their factor in `parameters`.
 
-        Examples
-        --------
         >>> core = TireDefinition("mf96", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3}, effects=())
         >>> core.rescaled
         {'PKY1': 500000.0}
@@ -133,21 +131,9 @@ class TireDefinition:
     def parameters(self, **options: str) -> FloatArray:
         """Return the parameter vector of the generated code, absent effects at neutral.
 
-        Parameters
-        ----------
-        **options : str
-            Conventions by name (`tirefmu.symbolic.options`), the default where absent; those that the model
-            does not have are ignored.
-
-        Returns
-        -------
-        ndarray, shape (n_parameters,)
-            In the order of ``PARAMETERS`` of the generated modules.
-
-        Raises
-        ------
-        UnknownName
-            If an option or its value does not exist.
+        `**options`: conventions by name (`tirefmu.symbolic.options`), the default where absent; those that the model
+        does not have are ignored. Returns shape (n_parameters,): in the order of ``PARAMETERS`` of the generated
+        modules. Raises `UnknownName` if an option or its value does not exist.
         """
         factors = self.rescaled
         values = [self.values[name] * factors.get(name, 1.0) for name in self.book.coefficients]
@@ -163,15 +149,8 @@ class TireDefinition:
     def in_signs(self, signs: str) -> Self:
         """Return the same tire written in another convention.
 
-        Parameters
-        ----------
-        signs : str
-            "iso" or "adapted-sae".
-
-        Returns
-        -------
-        Tire
-            Its forces at an input are those of this tire with Fy, Mz and My reversed.
+        `signs`: "iso" or "adapted-sae". Returns: its forces at an input are those of this tire with Fy, Mz and My
+        reversed.
         """
         if signs == self.signs:
             return self
@@ -181,24 +160,10 @@ class TireDefinition:
     def with_values(self, **coefficients: float) -> Self:
         """Return the same tire with other values of some coefficients.
 
-        Parameters
-        ----------
-        **coefficients : float
-            By .tir name, SI, in the signs of the tire. Bounds of a fit are not enforced.
+        `**coefficients`: by .tir name, SI, in the signs of the tire. Bounds of a fit are not enforced. Raises
+        `UnknownName` if the model has no such coefficient. Raises `TireError` if a value is not a finite number, or
+        only an effect that the tire does not have reads it.
 
-        Returns
-        -------
-        Tire
-
-        Raises
-        ------
-        UnknownName
-            If the model has no such coefficient.
-        TireError
-            If a value is not a finite number, or only an effect that the tire does not have reads it.
-
-        Examples
-        --------
         >>> from tirefmu.tires import published
         >>> softer = published("trento_hoosier").with_values(PDY1=2.5)
         >>> softer.values["PDY1"]

@@ -70,8 +70,6 @@ def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str 
 def quantities(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> dict[str, FloatArray]:
     """Return the named quantities in the tire's own signs, in steady state, by name; `inputs` as for `forces`.
 
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> quantities(published("trento_hoosier"), {"Fz": [500.0, 1000.0]})["mu_y"].round(2)
     array([2.61, 2.42])

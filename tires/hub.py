@@ -34,32 +34,18 @@ NEUTRAL = {"R_11": 1.0, "R_22": 1.0, "R_33": 1.0, "road_nz": 1.0}
 def wheel_motion(**given: ArrayLike) -> dict[str, NDArray[Any]]:
     """Return the motion of a wheel at its contact point.
 
-    Parameters
-    ----------
-    **given : array-like
-        Position ``r_x`` to ``r_z`` of the wheel centre, m; orientation ``R_11`` to ``R_33`` of the carrier (columns are
-        its axes in global axes); velocity ``v_x`` to ``v_z``, m/s, and angular velocity ``w_x`` to ``w_z``, rad/s, in
-        global axes; spin ``omega`` of the wheel relative to the carrier, rad/s; height ``road_z`` of the road plane at
-        r_x, r_y, its normal ``road_nx`` to ``road_nz``, and its velocity ``road_vx`` to ``road_vz``. What is absent is
-        0, without rotation, on a level road.
+    - `**given`: position ``r_x`` to ``r_z`` of the wheel centre, m; orientation ``R_11`` to ``R_33`` of the carrier
+      (columns are its axes in global axes); velocity ``v_x`` to ``v_z``, m/s, and angular velocity ``w_x`` to ``w_z``,
+      rad/s, in global axes; spin ``omega`` of the wheel relative to the carrier, rad/s; height ``road_z`` of the road
+      plane at r_x, r_y, its normal ``road_nx`` to ``road_nz``, and its velocity ``road_vx`` to ``road_vz``. What is
+      absent is 0, without rotation, on a level road.
 
-    Returns
-    -------
-    dict of str to ndarray
-        ``V_x``, ``V_y`` (contact point relative to the road, W axes), ``wheel_speed``, ``psi_dot``, ``gamma``, ``R_l``
-        (loaded radius), ``R_l_rate``, ``c_x``, ``c_y``, ``c_z`` (contact point, global).
+    Returns: ``V_x``, ``V_y`` (contact point relative to the road, W axes), ``wheel_speed``, ``psi_dot``, ``gamma``,
+    ``R_l`` (loaded radius), ``R_l_rate``, ``c_x``, ``c_y``, ``c_z`` (contact point, global). Raises `UnknownName` if a
+    name is none of these.
 
-    Raises
-    ------
-    UnknownName
-        If a name is none of these.
+    Source: ISO 8855:2011; Pacejka, Tire and Vehicle Dynamics (2012), section 2.2.
 
-    References
-    ----------
-    ISO 8855:2011; Pacejka, Tire and Vehicle Dynamics (2012), section 2.2.
-
-    Examples
-    --------
     >>> motion = wheel_motion(r_z=0.3, v_x=10.0, omega=33.0)
     >>> float(motion["V_x"]), float(motion["R_l"]), float(motion["wheel_speed"])
     (10.0, 0.3, 33.0)
@@ -71,25 +57,11 @@ def wheel_motion(**given: ArrayLike) -> dict[str, NDArray[Any]]:
 def hub_wrench(**given: ArrayLike) -> dict[str, NDArray[Any]]:
     """Return forces and moments on a wheel at its centre from those at its contact point.
 
-    Parameters
-    ----------
-    **given : array-like
-        ``Fx``, ``Fy``, ``Fz``, N, ``Mx``, ``My``, ``Mz``, N m, in W axes; loaded radius ``R_l``, m; orientation
-        ``R_11`` to ``R_33`` and normal ``road_nx`` to ``road_nz`` as in `wheel_motion`. What is absent is 0, without
-        rotation, on a level road.
+    `**given`: ``Fx``, ``Fy``, ``Fz``, N, ``Mx``, ``My``, ``Mz``, N m, in W axes; loaded radius ``R_l``, m; orientation
+    ``R_11`` to ``R_33`` and normal ``road_nx`` to ``road_nz`` as in `wheel_motion`. What is absent is 0, without
+    rotation, on a level road. Returns: ``F_x`` to ``M_z`` in carrier axes, and the same in global axes, such as
+    ``F_x_global``. Raises `UnknownName` if a name is none of these.
 
-    Returns
-    -------
-    dict of str to ndarray
-        ``F_x`` to ``M_z`` in carrier axes, and the same in global axes, such as ``F_x_global``.
-
-    Raises
-    ------
-    UnknownName
-        If a name is none of these.
-
-    Examples
-    --------
     >>> float(hub_wrench(Fx=1000.0, R_l=0.3)["M_y"])
     -300.0
     """

@@ -14,8 +14,6 @@ LONGEST = 200
 def html_text(text: object) -> str:
     r"""Return a text as HTML: on one line, escaped, characters that are not printable made visible.
 
-    Examples
-    --------
     >>> html_text("<b>\x1b[2J & co")
     '&lt;b&gt;\\x1b[2J &amp; co'
     """
@@ -25,18 +23,8 @@ def html_text(text: object) -> str:
 def html_table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
     """Return a table; numbers are written with five digits, texts are escaped.
 
-    Parameters
-    ----------
-    header : sequence of object
-        Empty for a table without one.
-    rows : iterable of sequence of object
+    `header`: empty for a table without one.
 
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> html_table(["name", "value"], [("PDY1", 1.30000001)])
     '<table><tr><th>name</th><th>value</th></tr><tr><td>PDY1</td><td style="text-align:right">1.3</td></tr></table>'
     """
@@ -48,8 +36,6 @@ def html_table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> st
 def html_summary(text: str, *parts: str) -> str:
     r"""Return the lines of a plain summary as HTML, the first one bold, and further parts that are HTML already.
 
-    Examples
-    --------
     >>> html_summary("Tire <x>\nmf61", "<table></table>")
     '<p><b>Tire &lt;x&gt;</b><br>mf61</p><table></table>'
     """
@@ -60,8 +46,6 @@ def html_summary(text: str, *parts: str) -> str:
 def html_details(title: str, part: str) -> str:
     """Return a part that opens on a click; the part is HTML already.
 
-    Examples
-    --------
     >>> html_details("Coefficients", "<table></table>")
     '<details><summary>Coefficients</summary><table></table></details>'
     """

@@ -19,14 +19,10 @@ Values = float | FloatArray
 class Oscillation:
     """The course of an oscillator over a recording, whose target and rates follow the inputs.
 
-    Attributes
-    ----------
-    target, frequency, damping : ndarray, shape (n,)
-    h : ndarray, shape (n - 1,)
-        Steps, s; where one is negative, a new recording begins at the start value of its end.
-    start : ndarray, shape (n,)
-    hold : bool
-        Inputs are held from each row to the next; otherwise they are linear.
+    - `target`, `frequency`, `damping`, shape (n,).
+    - `h`, shape (n - 1,): steps, s; where one is negative, a new recording begins at the start value of its end.
+    - `start`, shape (n,).
+    - `hold`: inputs are held from each row to the next; otherwise they are linear.
     """
 
     target: FloatArray
@@ -41,14 +37,8 @@ class Oscillation:
     ) -> FloatArray:
         """Return position and speed, shape (2, m), at shares of the intervals that begin at rows.
 
-        Parameters
-        ----------
-        interval : ndarray of int, shape (m,)
-        share : ndarray, shape (m,)
-        position, speed : float or ndarray, shape (m,)
-            At the rows.
-        free : bool
-            Without a target.
+        `interval`, shape (m,). `share`, shape (m,). `position`, `speed`, shape (m,): at the rows. `free`: without a
+        target.
         """
         h = np.maximum(self.h[interval], 0.0) * share
         first = np.stack([self.target, self.frequency, self.damping])[:, interval]

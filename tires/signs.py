@@ -36,22 +36,9 @@ SIGNS = tuple(REVERSED)
 def reversed_columns(source: str, target: str) -> frozenset[str]:
     """Return the columns that change sign between two conventions.
 
-    Parameters
-    ----------
-    source, target : str
-        One of ``iso``, ``adapted-sae``, ``sae``.
+    `source`, `target`: one of ``iso``, ``adapted-sae``, ``sae``. Raises `UnknownName` if a convention is not one of the
+    three.
 
-    Returns
-    -------
-    frozenset of str
-
-    Raises
-    ------
-    UnknownName
-        If a convention is not one of the three.
-
-    Examples
-    --------
     >>> sorted(reversed_columns("sae", "adapted-sae"))
     ['Fz', 'alpha']
     """

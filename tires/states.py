@@ -48,24 +48,15 @@ WINDOW = 4096
 class Simulation:
     """A recording over which states are simulated.
 
-    Parameters
-    ----------
-    book : Model
-    code : Code
-        Of the same model.
-    t : ndarray, shape (n,)
-        Time, s. Where it goes backward, a new recording begins.
-    rows : ndarray, shape (n_inputs, n)
-        Given inputs.
-    parameters : ndarray, shape (n_parameters,)
-    hold : bool
-        Inputs are held from each row to the next; otherwise they are linear.
-    slips : mapping of str to Course
-        The courses of kappa and tan(alpha), by input, if they lag.
-    names : collection of str
-        The states that are simulated; the others are 0.
-    starts : mapping of str to ndarray, shape (n,)
-        The values with which states begin at the rows where a segment begins (`transient.segment_starts`), by name.
+    - `code`: of the same model.
+    - `t`, shape (n,): time, s. Where it goes backward, a new recording begins.
+    - `rows`, shape (n_inputs, n): given inputs.
+    - `parameters`, shape (n_parameters,).
+    - `hold`: inputs are held from each row to the next; otherwise they are linear.
+    - `slips`: the courses of kappa and tan(alpha), by input, if they lag.
+    - `names`: the states that are simulated; the others are 0.
+    - `starts`, shape (n,): the values with which states begin at the rows where a segment begins
+      (`transient.segment_starts`), by name.
     """
 
     book: Model
@@ -110,16 +101,8 @@ class Simulation:
     def acting_with_linear_drives(self, guess: Mapping[str, FloatArray], tolerance: float) -> FloatArray:
         """Return the same with drives by forces that are linear between rows, which is faster and less exact.
 
-        Parameters
-        ----------
-        guess : mapping of str to ndarray, shape (n,)
-            Courses of states from which the iteration starts; default: 0.
-        tolerance : float
-            The iteration ends when no value changes by more than this share of the largest one.
-
-        Returns
-        -------
-        ndarray, shape (n_inputs, n)
+        `guess`, shape (n,): courses of states from which the iteration starts; default: 0. `tolerance`: the iteration
+        ends when no value changes by more than this share of the largest one. Returns shape (n_inputs, n).
         """
         rows = self._with_slips(self.rows, {name: course.value for name, course in self.slips.items()})
         for name, course in self._courses.items():
@@ -359,22 +342,9 @@ def equilibrium(
 ) -> FloatArray:
     """Return inputs with every state in equilibrium at constant inputs; a state that has none is at its start value.
 
-    Parameters
-    ----------
-    book : Model
-    code : Code
-    rows : ndarray, shape (n_inputs, n)
-    parameters : ndarray, shape (n_parameters,)
-    names : collection of str
-        The states of the tire; the others are 0.
-    given : mapping of str to ndarray, shape (n,), optional
-        Values of states that are not computed.
-    start : bool
-        Whether a state that declares a start value has that value, as at the begin of a recording.
-
-    Returns
-    -------
-    ndarray, shape (n_inputs, n)
+    `rows`, shape (n_inputs, n). `parameters`, shape (n_parameters,). `names`: the states of the tire; the others are 0.
+    `given`, shape (n,): values of states that are not computed. `start`: whether a state that declares a start value
+    has that value, as at the begin of a recording. Returns shape (n_inputs, n).
     """
     rows = rows.copy()
     inputs = [quantity.name for quantity in book.inputs]

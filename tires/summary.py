@@ -14,8 +14,6 @@ LONGEST_NAME = 80
 def tire_text(tire: TireDefinition) -> str:
     """Return what a tire is, in a few lines.
 
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> print(tire_text(published("trento_hoosier")))
     Tire 'Hoosier 6.0/18.0-10 LCO (Trento team 6)': mf96 (Magic Formula 1996, Trento form), adapted-sae signs, left side
@@ -43,8 +41,6 @@ def tire_text(tire: TireDefinition) -> str:
 def tire_html(tire: TireDefinition) -> str:
     """Return the same as HTML, with the coefficients that were given.
 
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
     True

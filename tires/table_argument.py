@@ -52,25 +52,9 @@ def read_tables_with(reader: Reader) -> None:
 def table_from(table: Any, signs: str | None = None) -> tuple[pd.DataFrame, str]:
     """Return a table and its sign convention.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame, path or Recording
-    signs : str, optional
-        The convention; for a DataFrame "iso" where None.
+    `signs`: the convention; for a DataFrame "iso" where None. Raises `DataError` if a file cannot be read, or the signs
+    contradict those of a recording. Raises `WrongType` if it is not a table.
 
-    Returns
-    -------
-    tuple of (pandas.DataFrame, str)
-
-    Raises
-    ------
-    DataError
-        If a file cannot be read, or the signs contradict those of a recording.
-    WrongType
-        If it is not a table.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> table_from(pd.DataFrame({"alpha": [0.1]}))[1]
     'iso'

@@ -23,15 +23,10 @@ FloatArray = npt.NDArray[np.float64]
 class Course:
     """The course of a lag over a recording.
 
-    Attributes
-    ----------
-    target, rate : ndarray, shape (n,)
-        What it follows, and how fast, 1/s; infinite where it follows at once.
-    way : ndarray, shape (n - 1,)
-        Integral of the rate from row to row.
-    value : ndarray, shape (n,)
-    hold : bool
-        Targets are held from each row to the next; otherwise they are linear.
+    - `target`, `rate`, shape (n,): what it follows, and how fast, 1/s; infinite where it follows at once.
+    - `way`, shape (n - 1,): integral of the rate from row to row.
+    - `value`, shape (n,).
+    - `hold`: targets are held from each row to the next; otherwise they are linear.
     """
 
     target: FloatArray
@@ -56,8 +51,6 @@ GAP = 5.0
 def segment_starts(t: FloatArray) -> npt.NDArray[np.bool_]:
     """Return whether a segment of a recording begins at a row: the first one, where time goes back, after a gap.
 
-    Examples
-    --------
     >>> segment_starts(np.array([0.0, 0.1, 0.2, 20.0, 20.1, 0.0])).tolist()
     [True, False, False, True, False, True]
     """
@@ -78,21 +71,10 @@ def followed(
 ) -> Course:
     """Return the course of a lag.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Time, s. Where it goes backward, a new recording begins at the start value of that row.
-    target, rate : ndarray, shape (n,)
-        As in `Course`.
-    start : ndarray, shape (n,)
-        The value with which a recording that begins at a row starts.
-    hold : bool
-    begins : ndarray of bool, shape (n,), optional
-        The rows at which a recording begins. Default: the first one, and where time goes backward.
-
-    Returns
-    -------
-    Course
+    `t`, shape (n,): time, s. Where it goes backward, a new recording begins at the start value of that row. `target`,
+    `rate`, shape (n,): as in `Course`. `start`, shape (n,): the value with which a recording that begins at a row
+    starts. `begins`, shape (n,): the rows at which a recording begins. Default: the first one, and where time goes
+    backward.
     """
     if not len(t):
         return Course(target, rate, t, target, hold)
@@ -119,26 +101,11 @@ def recursion(start: float, decay: FloatArray, gained: FloatArray) -> FloatArray
 def lagged_course(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> Course:
     """Return the course of the slip that acts in each row of a recording.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Time, s. Where it goes backward, a new recording begins in steady state, as at the first row.
-    slip : ndarray, shape (n,)
-        tan(alpha) or kappa as an input.
-    speed : ndarray, shape (n,)
-        V, m/s; its sign does not matter.
-    sigma : ndarray, shape (n,)
-        Relaxation length, m; where it is 0 the slip acts at once.
-    hold : bool
-        Inputs are held from each row to the next, as in a co-simulation; otherwise the slip is linear and
-        |V| / sigma the mean between rows.
+    `t`, shape (n,): time, s. Where it goes backward, a new recording begins in steady state, as at the first row.
+    `slip`, shape (n,): tan(alpha) or kappa as an input. `speed`, shape (n,): V, m/s; its sign does not matter. `sigma`,
+    shape (n,): relaxation length, m; where it is 0 the slip acts at once. `hold`: inputs are held from each row to the
+    next, as in a co-simulation; otherwise the slip is linear and |V| / sigma the mean between rows.
 
-    Returns
-    -------
-    Course
-
-    Examples
-    --------
     >>> t = np.array([0.0, 0.1, 0.2])
     >>> step, ones = np.array([0.0, 1.0, 1.0]), np.ones(3)
     >>> lagged_course(t, step, 10 * ones, ones, hold=True).value.round(4).tolist()
@@ -152,21 +119,9 @@ def lagged_course(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: Flo
 def rolled_distance(t: FloatArray, speed: FloatArray, *, hold: bool = False) -> FloatArray:
     """Return the distance rolled since the recording began, m; a step back in time counts nothing.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Time, s.
-    speed : ndarray, shape (n,)
-        V, m/s; its sign does not matter.
-    hold : bool
-        V is held from each row to the next, as in a co-simulation; otherwise it is linear between rows.
+    `t`, shape (n,): time, s. `speed`, shape (n,): V, m/s; its sign does not matter. `hold`: V is held from each row to
+    the next, as in a co-simulation; otherwise it is linear between rows. Returns shape (n,).
 
-    Returns
-    -------
-    ndarray, shape (n,)
-
-    Examples
-    --------
     >>> rolled_distance(np.array([0.0, 1.0, 3.0]), np.array([10.0, 10.0, 20.0])).tolist()
     [0.0, 10.0, 40.0]
     """

@@ -16,18 +16,9 @@ FloatArray = npt.NDArray[np.float64]
 class BufferedFunction:
     """A CasADi function with dense arguments and results, evaluated into arrays of its own.
 
-    Parameters
-    ----------
-    function : casadi.Function
+    - `arguments`, `results`, shape (size,): their numbers by columns. Whoever calls the object writes the arguments
+      first; the next call writes the results again.
 
-    Attributes
-    ----------
-    arguments, results : tuple of ndarray, shape (size,)
-        Their numbers by columns. Whoever calls the object writes the arguments first; the next call writes the results
-        again.
-
-    Examples
-    --------
     >>> import casadi as ca
     >>> x = ca.SX.sym("x", 2)
     >>> double = BufferedFunction(ca.Function("double", [x], [2.0 * x]))

@@ -32,18 +32,10 @@ class ConstraintFunctions:
 
     A quantity that no free coefficient influences cannot be constrained and is omitted.
 
-    Parameters
-    ----------
-    problem : Problem
-    constraints : sequence of (Constraint, ndarray of shape (n_inputs, n_points))
-        Constraints, each with the points at which it is imposed.
+    - `low`, `high`, shape (n_constraints,): bounds of `values`.
+    - `sparsity`: of `jacobian`, shape (n_constraints, n_free).
 
-    Attributes
-    ----------
-    low, high : ndarray, shape (n_constraints,)
-        Bounds of `values`.
-    sparsity : casadi.Sparsity
-        Of `jacobian`, shape (n_constraints, n_free).
+    `constraints`, shape (n_inputs, n_points)): constraints, each with the points at which it is imposed.
     """
 
     def __init__(self, problem: Problem, constraints: Sequence[tuple[Constraint, FloatArray]]) -> None:
@@ -88,13 +80,7 @@ class ConstraintFunctions:
     def values_of_each(self, population: FloatArray) -> FloatArray:
         """Return the constrained quantities at many points at once.
 
-        Parameters
-        ----------
-        population : ndarray, shape (n, n_free)
-
-        Returns
-        -------
-        ndarray, shape (n, n_constraints)
+        `population`, shape (n, n_free). Returns shape (n, n_constraints).
         """
         if not len(self) or not len(population):
             return np.zeros((len(population), len(self)))
@@ -138,23 +124,15 @@ class ConstraintFunctions:
 class _Block:
     """One constraint at its points.
 
-    Attributes
-    ----------
-    points : ndarray, shape (n_inputs, n_points)
-    size : float
-        Typical size, by which the quantity is divided.
-    bounds : tuple of (float, float)
-        Of the quantity divided by its size.
-    value : casadi.Function
-        The quantity at one point.
-    width : int
-        Number of its nonzero derivatives by parameters.
-    free : ndarray of int, shape (n_reached,)
-        The free coefficients that influence it.
-    reach : ndarray, shape (n_reached,)
-        Scale factors of the derivatives.
-    entries : ndarray of int, shape (n_points * n_reached,)
-        Indices of the derivatives by free coefficients among all derivatives, point by point.
+    - `points`, shape (n_inputs, n_points).
+    - `size`: typical size, by which the quantity is divided.
+    - `bounds`: of the quantity divided by its size.
+    - `value`: the quantity at one point.
+    - `width`: number of its nonzero derivatives by parameters.
+    - `free`, shape (n_reached,): the free coefficients that influence it.
+    - `reach`, shape (n_reached,): scale factors of the derivatives.
+    - `entries`, shape (n_points * n_reached,): indices of the derivatives by free coefficients among all derivatives,
+      point by point.
     """
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
@@ -215,17 +193,7 @@ def _joined(arrays: Iterable[npt.NDArray[Any]], kind: type = float) -> npt.NDArr
 def measured_values(book: Model, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
     """Return the values that a constraint bounds, at points.
 
-    Parameters
-    ----------
-    book : Model
-    constraint : Constraint
-    points : ndarray, shape (n_inputs, n)
-    parameters : ndarray, shape (n_parameters,)
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        In the quantity's unit.
+    `points`, shape (n_inputs, n). `parameters`, shape (n_parameters,). Returns shape (n,): in the quantity's unit.
     """
     value = BufferedFunction(_at_points(book, constraint.quantity, constraint.measure, points.shape[1])[0])
     value.arguments[0][:] = points.ravel(order="F")

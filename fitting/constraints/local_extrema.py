@@ -32,22 +32,9 @@ def local_extrema(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the points at which the margin of a constraint is locally smallest, and the bounded values there.
 
-    Parameters
-    ----------
-    book : Model
-    constraint : Constraint
-    points : ndarray, shape (n_inputs, n)
-        A grid.
-    distance : ndarray, shape (n,)
-        Margin of the constraint at the points.
-    ranges : mapping of str to (float, float)
-        Operating range of every input, in the model's order; `Constraint.within` may widen it.
-    parameters : ndarray, shape (n_parameters,)
-
-    Returns
-    -------
-    tuple of ndarray, shapes (n_inputs, n_extrema) and (n_extrema,)
-        No point has a larger margin than the grid point from which it was found.
+    `points`, shape (n_inputs, n): a grid. `distance`, shape (n,): margin of the constraint at the points. `ranges`:
+    operating range of every input, in the model's order; `Constraint.within` may widen it. `parameters`, shape
+    (n_parameters,). Returns: no point has a larger margin than the grid point from which it was found.
     """
     within = constraint.within(ranges)
     varied = [i for i, name in enumerate(within) if name in constraint.over and within[name][0] < within[name][1]]

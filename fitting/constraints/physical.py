@@ -80,8 +80,6 @@ class Constraint(PhysicalConstraint):
     def within(self, ranges: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
         """Return the ranges in which the constraint is enforced, given those of the data.
 
-        Examples
-        --------
         >>> far = Constraint("mu_x", 0.01, inf, ("Fz",), kind="extrapolation")
         >>> far.within({"kappa": (-0.1, 0.2), "gamma": (0.0, 0.05), "Fz": (300.0, 900.0)})["Fz"]
         (200.0, 1350.0)
@@ -96,8 +94,6 @@ class Constraint(PhysicalConstraint):
 def declared_constraints(model: str) -> dict[str, tuple[Constraint, ...]]:
     """Return all constraints that a model declares, by output.
 
-    Examples
-    --------
     >>> declared_constraints("mf96")["Mz"][0].text
     'C_t > 0'
     """
@@ -110,24 +106,9 @@ def chosen_constraints(
 ) -> dict[str, tuple[Constraint, ...]]:
     """Return the constraints of a model: the default ones and those in `also`, without those in `without`.
 
-    Parameters
-    ----------
-    model : str
-    also, without : collection of str
-        Names of single constraints or of kinds; "all" means all constraints.
+    `also`, `without`: names of single constraints or of kinds; "all" means all constraints. Returns: by output. Raises
+    `UnknownName` if the model has no such constraint.
 
-    Returns
-    -------
-    dict of str to tuple of Constraint
-        By output.
-
-    Raises
-    ------
-    UnknownName
-        If the model has no such constraint.
-
-    Examples
-    --------
     >>> [each.text for each in chosen_constraints("mf61", without=["all"], also=["curvature"])["Fx"]]
     []
     >>> [each.name for each in chosen_constraints("mf96", without=["signs", "extrapolation", "curvature"])["Fy"]]
@@ -150,17 +131,7 @@ def chosen_constraints(
 
 
 def operating_range(table: pd.DataFrame, tire: Tire) -> dict[str, tuple[float, float]]:
-    """Return the range of each input of a tire in a table; of an absent input its nominal value, twice.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-    tire : Tire
-
-    Returns
-    -------
-    dict of str to (float, float)
-    """
+    """Return the range of each input of a tire in a table; of an absent input its nominal value, twice."""
     given = {name: table[name] if name in table else np.array(tire.nominal(name)) for name in tire.inputs}
     return {name: (float(values.min()), float(values.max())) for name, values in given.items()}
 
@@ -174,23 +145,10 @@ def grid(
 ) -> FloatArray:
     """Return the points at which a constraint is imposed, or verified (density above 1).
 
-    Parameters
-    ----------
-    constraint : Constraint
-    ranges : mapping of str to (float, float)
-        Operating range of every input, in the model's order; `Constraint.within` may widen it.
-    nominal : mapping of str to float
-        Values of the inputs on which the quantity does not depend.
-    density : int
-        0: the corners, and zero slip. 1: five loads, three inclinations and pressures, slips at their limits, at zero
-        and near zero.
+    `ranges`: operating range of every input, in the model's order; `Constraint.within` may widen it. `nominal`: values
+    of the inputs on which the quantity does not depend. `density`: 0: the corners, and zero slip. 1: five loads, three
+    inclinations and pressures, slips at their limits, at zero and near zero. Returns shape (n_inputs, n_points).
 
-    Returns
-    -------
-    ndarray, shape (n_inputs, n_points)
-
-    Examples
-    --------
     >>> ranges = {"kappa": (-0.2, 0.2), "alpha": (0.0, 0.0), "gamma": (0.0, 0.05), "Fz": (200.0, 1000.0)}
     >>> grid(Constraint("mu_x", 0.01, 9.0, ("Fz", "gamma")), ranges, {"kappa": 0, "alpha": 0}).shape
     (4, 15)

@@ -33,18 +33,11 @@ ConstraintPoints = tuple[Constraint, FloatArray]
 class Margin:
     """The smallest margin of a constraint, verified on a denser grid than it was imposed on, and between its points.
 
-    Attributes
-    ----------
-    constraint : str
-        As a formula: ``E_x <= 1``.
-    worst : float
-        Value of the quantity, or of its change with load, at the smallest margin.
-    margin : float
-        Distance to the bound; negative if the constraint is violated.
-    at : dict of str to float
-        The inputs at the smallest margin.
-    name : str
-        Name by which it is selected: ``curvature:E_x``.
+    - `constraint`: as a formula: ``E_x <= 1``.
+    - `worst`: value of the quantity, or of its change with load, at the smallest margin.
+    - `margin`: distance to the bound; negative if the constraint is violated.
+    - `at`: the inputs at the smallest margin.
+    - `name`: name by which it is selected: ``curvature:E_x``.
     """
 
     constraint: str
@@ -57,19 +50,10 @@ class Margin:
 class VerifiedConstraints:
     """Constraints of a tire over its operating range.
 
-    Parameters
-    ----------
-    tire : Tire
-        A tire with the model, effects and nominal values of the fit.
-    by_output : mapping of str to sequence of Constraint
-        Constraints of each output; those of effects that the tire does not have are omitted.
-    ranges : mapping of str to (float, float)
-        Smallest and largest value of each input.
+    - `violated`, shape (n_inputs, n_points)): points that verification has added.
 
-    Attributes
-    ----------
-    violated : list of (Constraint, ndarray of shape (n_inputs, n_points))
-        Points that verification has added.
+    `tire`: a tire with the model, effects and nominal values of the fit. `by_output`: constraints of each output; those
+    of effects that the tire does not have are omitted. `ranges`: smallest and largest value of each input.
     """
 
     def __init__(

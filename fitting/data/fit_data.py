@@ -37,14 +37,9 @@ LEAST_LOAD = 0.1
 class ExcludedRows:
     """Rows of a recording that were not fitted; the goodness of fit includes them.
 
-    Attributes
-    ----------
-    recording, reason, meaning : str
-        The reason is a name of `tirefmu.measurements.EXCLUSION_REASONS`.
-    rows, of : int
-        Number of excluded rows, and of all rows.
-    findings : tuple of str
-        Details with row numbers.
+    - `recording`, `reason`, `meaning`: the reason is a name of `tirefmu.measurements.EXCLUSION_REASONS`.
+    - `rows`, `of`: number of excluded rows, and of all rows.
+    - `findings`: details with row numbers.
     """
 
     recording: str
@@ -63,17 +58,11 @@ class ExcludedRows:
 class FitData:
     """The data of a fit.
 
-    Attributes
-    ----------
-    table : pandas.DataFrame
-        All rows, in adapted SAE, with the columns ``recording`` and ``segment`` (numbers), ``included`` (whether the
-        row is fitted) and ``weight`` (mean 1 over the included rows of a recording). Channels that are not fitted are
-        NaN.
-    excluded_rows : tuple of ExcludedRows
-    notes : tuple of str
-        Channels that are not fitted.
-    findings : tuple of Finding
-        What the recordings lack or contradict.
+    - `table`: all rows, in adapted SAE, with the columns ``recording`` and ``segment`` (numbers), ``included`` (whether
+      the row is fitted) and ``weight`` (mean 1 over the included rows of a recording). Channels that are not fitted are
+      NaN.
+    - `notes`: channels that are not fitted.
+    - `findings`: what the recordings lack or contradict.
     """
 
     table: pd.DataFrame
@@ -97,27 +86,9 @@ def prepare(
 ) -> FitData:
     """Combine recordings in one table, mark excluded rows, and set the weights of rows.
 
-    Parameters
-    ----------
-    recordings : sequence of Recording
-    book : Model
-    screening : bool
-        Whether to exclude rows (`tirefmu.measurements.exclude_rows`).
-    rows : str
-        Weights of rows: a name of `ROWS`.
-
-    Returns
-    -------
-    FitData
-
-    Raises
-    ------
-    UnknownName
-        If `rows` is not a name of `ROWS`.
-    DataError
-        If a recording has no measured output, or every row is excluded.
-    FitError
-        If no output varies over a varying slip.
+    `screening`: whether to exclude rows (`tirefmu.measurements.exclude_rows`). `rows`: weights of rows: a name of
+    `ROWS`. Raises `UnknownName` if `rows` is not a name of `ROWS`. Raises `DataError` if a recording has no measured
+    output, or every row is excluded. Raises `FitError` if no output varies over a varying slip.
     """
     if rows not in ROWS:
         raise UnknownName("weighting of rows", rows, ROWS)

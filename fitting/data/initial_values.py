@@ -42,10 +42,7 @@ PARTS = 4
 class Reading:
     """A quantity of the model, read from the data.
 
-    Attributes
-    ----------
-    loads, values : ndarray, shape (n,)
-        Load (N) and value in the quantity's unit, in adapted SAE.
+    - `loads`, `values`, shape (n,): load (N) and value in the quantity's unit, in adapted SAE.
     """
 
     loads: FloatArray
@@ -55,19 +52,9 @@ class Reading:
 def readings(table: pd.DataFrame) -> dict[str, Reading]:
     """Read slip stiffness, shift, friction and trail from slip sweeps.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Measured rows in adapted SAE.
+    `table`: measured rows in adapted SAE. Returns: by the role of the quantity (`tirefmu.symbolic.contract.ROLES`);
+    only quantities that the data show at some load.
 
-    Returns
-    -------
-    dict of str to Reading
-        By the role of the quantity (`tirefmu.symbolic.contract.ROLES`); only quantities that the data show at some
-        load.
-
-    Examples
-    --------
     >>> alpha = np.linspace(-0.2, 0.2, 201)
     >>> table = pd.DataFrame({"alpha": alpha, "Fz": 1000.0, "Fy": 1500.0 * np.tanh(20 * alpha + 0.2)})
     >>> {name: [f"{value:.3g}" for value in reading.values] for name, reading in readings(table).items()}
@@ -95,17 +82,8 @@ def readings(table: pd.DataFrame) -> dict[str, Reading]:
 def starting_values(tire: Tire, table: pd.DataFrame) -> dict[str, float]:
     """Return initial values of the coefficients that can be read from the data.
 
-    Parameters
-    ----------
-    tire : Tire
-        In adapted SAE; its effects determine the coefficients.
-    table : pandas.DataFrame
-        Measured rows in adapted SAE.
-
-    Returns
-    -------
-    dict of str to float
-        Within the bounds of the coefficients' declarations, in adapted SAE.
+    `tire`: in adapted SAE; its effects determine the coefficients. `table`: measured rows in adapted SAE. Returns:
+    within the bounds of the coefficients' declarations, in adapted SAE.
     """
     live = tire.book.live(tire.has)
     values: dict[str, float] = {}

@@ -19,17 +19,8 @@ def with_states(data: FitData, tire: Tire, free: Collection[str] = ()) -> pd.Dat
     Excluded rows are simulated, too: a state remembers them. States with a fitted start begin each segment with the
     value that the measured forces determine (`tirefmu.estimation.state_starts`).
 
-    Parameters
-    ----------
-    data : FitData
-    tire : Tire
-        In adapted SAE, as the data.
-    free : collection of str
-        Coefficients that are estimated together with fitted starts, but not returned.
-
-    Returns
-    -------
-    pandas.DataFrame
+    `tire`: in adapted SAE, as the data. `free`: coefficients that are estimated together with fitted starts, but not
+    returned.
     """
     names = list(tire.states)
     recordings = data.table.groupby("recording", sort=False)

@@ -38,21 +38,13 @@ SMOOTHED = 21
 class Disagreement:
     """Difference between two measurements of the same operating conditions.
 
-    Attributes
-    ----------
-    channel, unit : str
-    first, second : str
-        Names of files, "file, segment k" and "others", or "up" and "down".
-    mean, typical : float
-        Mean difference first minus second, and the root mean square over the cells without the contribution of noise.
-    sigmas : float
-        The mean difference in standard deviations under time-correlated noise.
-    rows : int
-        Of the side with fewer rows.
-    at : dict of str to float
-        The operating condition with the largest difference.
-    most : float
-        The difference in this operating condition, averaged over its slips.
+    - `first`, `second`: names of files, "file, segment k" and "others", or "up" and "down".
+    - `mean`, `typical`: mean difference first minus second, and the root mean square over the cells without the
+      contribution of noise.
+    - `sigmas`: the mean difference in standard deviations under time-correlated noise.
+    - `rows`: of the side with fewer rows.
+    - `at`: the operating condition with the largest difference.
+    - `most`: the difference in this operating condition, averaged over its slips.
     """
 
     channel: str
@@ -68,16 +60,7 @@ class Disagreement:
 
 
 def disagreeing_files(residuals: Residuals) -> tuple[Disagreement, ...]:
-    """Compare all pairs of recordings by channel, at common operating conditions and slips.
-
-    Parameters
-    ----------
-    residuals : Residuals
-
-    Returns
-    -------
-    tuple of Disagreement
-    """
+    """Compare all pairs of recordings by channel, at common operating conditions and slips."""
     numbers, differences = residuals.recording, []
     for a, b in combinations(range(len(residuals.sources)), 2):
         for channel in residuals.channels:
@@ -89,14 +72,7 @@ def disagreeing_files(residuals: Residuals) -> tuple[Disagreement, ...]:
 def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
     """Compare each segment with the other segments of its recording in the same operating condition.
 
-    Parameters
-    ----------
-    residuals : Residuals
-
-    Returns
-    -------
-    tuple of Disagreement
-        The most significant one of each recording and channel with repeated operating conditions.
+    Returns: the most significant one of each recording and channel with repeated operating conditions.
     """
     differences = []
     for number, source in enumerate(residuals.sources):
@@ -123,14 +99,8 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
 def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
     """Compare rows with increasing slip and rows with decreasing slip, at equal slip.
 
-    Parameters
-    ----------
-    residuals : Residuals
-
-    Returns
-    -------
-    tuple of Disagreement
-        One for each recording and channel with a slip that is swept in both directions; `first` is "file, slip up".
+    Returns: one for each recording and channel with a slip that is swept in both directions; `first` is "file, slip
+    up".
     """
     differences = []
     for number, source in enumerate(residuals.sources):

@@ -25,10 +25,7 @@ MOST_CORRELATED = 0.998
 class NoiseCorrelation:
     """The correlation ``share * decay**k`` of residuals that are k > 0 rows apart in a segment.
 
-    Attributes
-    ----------
-    share, decay : float
-        Between 0 and 1.
+    - `share`, `decay`: between 0 and 1.
     """
 
     share: float
@@ -38,20 +35,9 @@ class NoiseCorrelation:
     def of(cls, residual: FloatArray, segment: IntArray, length: float) -> NoiseCorrelation:
         """Return the correlation of residuals with a known correlation length.
 
-        Parameters
-        ----------
-        residual : ndarray, shape (n,)
-            In the order of time.
-        segment : ndarray of int, shape (n,)
-        length : float
-            Their correlation length in rows, 1 at least (`tirefmu.estimation.correlation`).
+        `residual`, shape (n,): in the order of time. `segment`, shape (n,). `length`: their correlation length in rows,
+        1 at least (`tirefmu.estimation.correlation`).
 
-        Returns
-        -------
-        NoiseCorrelation
-
-        Examples
-        --------
         >>> NoiseCorrelation.of(np.ones(5), np.zeros(5, dtype=int), 3.0)
         NoiseCorrelation(share=1.0, decay=0.5)
         """
@@ -68,17 +54,8 @@ class NoiseCorrelation:
     def covariance(self, weights: FloatArray, segment: IntArray) -> FloatArray:
         """Return the covariance of weighted sums of noise of variance 1.
 
-        Parameters
-        ----------
-        weights : ndarray, shape (n_sums, n)
-        segment : ndarray of int, shape (n,)
+        `weights`, shape (n_sums, n). `segment`, shape (n,). Returns shape (n_sums, n_sums).
 
-        Returns
-        -------
-        ndarray, shape (n_sums, n_sums)
-
-        Examples
-        --------
         >>> NoiseCorrelation(1.0, 0.5).covariance(np.ones((1, 3)), np.array([0, 0, 1]))
         array([[4.]])
         """
@@ -94,11 +71,7 @@ class CorrelatedSums:
     weight is added to the next one, reduced by the decay, and what has been added up is squared. The share of the last
     row in the covariance depends on the next one: whether both are in one segment.
 
-    Parameters
-    ----------
-    noise : NoiseCorrelation
-    n : int
-        Number of sums.
+    `n`: number of sums.
     """
 
     def __init__(self, noise: NoiseCorrelation, n: int) -> None:
@@ -114,11 +87,7 @@ class CorrelatedSums:
     def add(self, weights: FloatArray, segment: IntArray) -> None:
         """Add the next rows.
 
-        Parameters
-        ----------
-        weights : ndarray, shape (n_sums, n)
-            By rows; it is overwritten.
-        segment : ndarray of int, shape (n,)
+        `weights`, shape (n_sums, n): by rows; it is overwritten. `segment`, shape (n,).
         """
         share, n = self._noise.share, weights.shape[1]
         if not n:

@@ -38,14 +38,10 @@ class Group:
 class Family:
     """Groups whose curves are drawn in one panel.
 
-    Attributes
-    ----------
-    channel, slip, by : str
-        The output, the slip on the horizontal axis, and the channel with one curve for each level.
-    groups : tuple of Group
-        In increasing magnitude of the level.
-    held : dict of str to float
-        Common levels of all groups.
+    - `channel`, `slip`, `by`: the output, the slip on the horizontal axis, and the channel with one curve for each
+      level.
+    - `groups`: in increasing magnitude of the level.
+    - `held`: common levels of all groups.
     """
 
     channel: str
@@ -59,15 +55,9 @@ class Family:
 class Comparison:
     """Measured and computed values by row, in one sign convention.
 
-    Attributes
-    ----------
-    tire : Tire
-    signs : str
-        That of the recordings, or iso if they differ.
-    sources : tuple of str
-    table : pandas.DataFrame
-        Inputs (nominal if not recorded), measured outputs, computed outputs as ``Fx_fit`` etc., ``recording`` (number),
-        ``lateral`` (row of a sweep of alpha at kappa 0) and ``longitudinal`` (row of a sweep of kappa).
+    - `signs`: that of the recordings, or iso if they differ.
+    - `table`: inputs (nominal if not recorded), measured outputs, computed outputs as ``Fx_fit`` etc., ``recording``
+      (number), ``lateral`` (row of a sweep of alpha at kappa 0) and ``longitudinal`` (row of a sweep of kappa).
     """
 
     tire: Tire
@@ -152,18 +142,8 @@ class Comparison:
     def curve(self, group: Group, slip: str, tire: Tire | None = None) -> pd.DataFrame:
         """Return the tire evaluated over a slip, the other inputs at their medians in the group.
 
-        Parameters
-        ----------
-        group : Group
-        slip : {"kappa", "alpha"}
-            Varies over the range of the group; the grid contains zero if the range does.
-        tire : Tire, optional
-            By default the compared tire.
-
-        Returns
-        -------
-        pandas.DataFrame
-            As from `Tire.evaluate`, in the signs of the comparison.
+        `slip`, one of "kappa", "alpha": varies over the range of the group; the grid contains zero if the range does.
+        `tire`: by default the compared tire. Returns: as from `Tire.evaluate`, in the signs of the comparison.
         """
         low, high = float(group.rows[slip].min()), float(group.rows[slip].max())
         grid = np.linspace(low, high, _POINTS)
@@ -240,27 +220,9 @@ class Comparison:
 def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: str | None = None) -> Comparison:
     """Combine recordings in one table with measured outputs and outputs of the tire.
 
-    Parameters
-    ----------
-    tire : Tire, path of a .tir file, or name of a published tire
-    recordings : path, DataFrame or Recording, or a sequence of them
-        Of any signs.
-    signs : str, optional
-        Convention of the comparison; by default that of the recordings, or iso if they differ.
+    `recordings`: of any signs. `signs`: convention of the comparison; by default that of the recordings, or iso if they
+    differ. Raises `FitError` if there is no recording. Raises `DataError` if one has no measured output.
 
-    Returns
-    -------
-    Comparison
-
-    Raises
-    ------
-    FitError
-        If there is no recording.
-    DataError
-        If one has no measured output.
-
-    Examples
-    --------
     >>> from tirefmu.measurements import VirtualBench, alpha_sweeps
     >>> from tirefmu.tires import published
     >>> tire = published("trento_hoosier")

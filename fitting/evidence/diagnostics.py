@@ -24,14 +24,8 @@ FEWEST_ROWS = 20
 class ConditionFit:
     """Goodness of fit of a channel in one operating condition of a recording.
 
-    Attributes
-    ----------
-    recording, channel, unit : str
-    at : dict of str to float
-        The levels of inputs with several levels: load, inclination, pressure.
-    rows : int
-    rmse, mean : float
-        Root mean square and mean of measured minus computed.
+    - `at`: the levels of inputs with several levels: load, inclination, pressure.
+    - `rmse`, `mean`: root mean square and mean of measured minus computed.
     """
 
     recording: str
@@ -80,21 +74,8 @@ def find(
 ) -> Findings:
     """Compute the diagnostics of a fit.
 
-    Parameters
-    ----------
-    residuals : Residuals
-    free : sequence of str
-        The free coefficients.
-    sets : sequence of tuple of str
-        Sets of them that are not identifiable.
-    bounded : sequence of str
-        Coefficients at a bound; not among `free`.
-    effective : mapping of str to float
-        Effective sample size of each channel.
-
-    Returns
-    -------
-    Findings
+    `free`: the free coefficients. `sets`: sets of them that are not identifiable. `bounded`: coefficients at a bound;
+    not among `free`. `effective`: effective sample size of each channel.
     """
     reasons = undetermined(residuals, free, sets, effective)
     reasons += at_bounds(residuals, [*free, *bounded], bounded, effective)
@@ -107,14 +88,7 @@ def find(
 def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
     """Return the goodness of fit of each channel and recording by operating condition.
 
-    Parameters
-    ----------
-    residuals : Residuals
-
-    Returns
-    -------
-    tuple of ConditionFit
-        Empty if no input has several levels.
+    Returns: empty if no input has several levels.
     """
     if not residuals.levels:
         return ()

@@ -24,25 +24,9 @@ def standard_errors(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the values of a force or named quantity at rows, and their standard errors.
 
-    Parameters
-    ----------
-    tire : Tire
-    name : str
-        "Fy", "K_yalpha", ...
-    inputs : ndarray, shape (n_inputs, n)
-        In the model's order, SI, in the signs of the tire.
-    covariance : pandas.DataFrame
-        Of coefficients by name, in their units and the signs of the tire. All others are known.
-
-    Returns
-    -------
-    tuple of (ndarray, ndarray), each of shape (n,)
-        In the unit of the quantity.
-
-    Raises
-    ------
-    UnknownName
-        If the model has no such output or quantity.
+    `name`: "Fy", "K_yalpha", ... `inputs`, shape (n_inputs, n): in the model's order, SI, in the signs of the tire.
+    `covariance`: of coefficients by name, in their units and the signs of the tire. All others are known. Returns shape
+    (n,): in the unit of the quantity. Raises `UnknownName` if the model has no such output or quantity.
     """
     function, reached = _with_derivatives(tire.book, name)
     n = inputs.shape[1]

@@ -32,16 +32,10 @@ SLIP_PARTS = 40
 class Residuals:
     """Measured rows and a tire.
 
-    Attributes
-    ----------
-    table : pandas.DataFrame
-        In adapted SAE, with the columns ``recording`` and ``segment``; NaN if a channel is not fitted.
-    sources : tuple of str
-        Name of each recording.
-    tire : Tire
-        In adapted SAE.
-    signs : str
-        The sign convention of reported differences.
+    - `table`: in adapted SAE, with the columns ``recording`` and ``segment``; NaN if a channel is not fitted.
+    - `sources`: name of each recording.
+    - `tire`: in adapted SAE.
+    - `signs`: the sign convention of reported differences.
     """
 
     table: pd.DataFrame
@@ -131,8 +125,6 @@ class Residuals:
 def condition_text(at: Mapping[str, float]) -> str:
     """Return an operating condition as a text, in the units of a test bench.
 
-    Examples
-    --------
     >>> condition_text({"Fz": 1100.0, "gamma": 0.0349, "p": 83e3})
     'Fz 1100 N, gamma 2 deg, p 83 kPa'
     """

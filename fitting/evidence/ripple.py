@@ -17,19 +17,11 @@ from .residuals import Residuals
 class Ripple:
     """Ripple of a channel of a recording once per wheel revolution.
 
-    Attributes
-    ----------
-    recording, channel, unit : str
-    amplitude : float
-        Of the first harmonic, in the channel's unit, without the contribution of noise.
-    share : float
-        Share of the mean squared residual.
-    frequency : float
-        Mean frequency of the wheel, 1/s.
-    radius : float
-        Rolling radius at which the residuals repeat, m.
-    stands_out : bool
-        Whether it is significant in comparison with other periods.
+    - `amplitude`: of the first harmonic, in the channel's unit, without the contribution of noise.
+    - `share`: share of the mean squared residual.
+    - `frequency`: mean frequency of the wheel, 1/s.
+    - `radius`: rolling radius at which the residuals repeat, m.
+    - `stands_out`: whether it is significant in comparison with other periods.
     """
 
     recording: str
@@ -45,14 +37,7 @@ class Ripple:
 def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
     """Return the ripple of each recording and channel.
 
-    Parameters
-    ----------
-    residuals : Residuals
-
-    Returns
-    -------
-    tuple of Ripple
-        One for each recording and channel; empty if the data have no time or no speed.
+    Returns: one for each recording and channel; empty if the data have no time or no speed.
     """
     own = residuals.tire.values.get("UNLOADED_RADIUS", nan)
     if not {"t", "V"} <= set(residuals.table.columns) or not own > 0:

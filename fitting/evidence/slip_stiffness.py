@@ -31,18 +31,11 @@ MODEL_ERROR = 0.05
 class SlipStiffness:
     """The slope of a force at zero slip, at one load.
 
-    Attributes
-    ----------
-    recording, channel, slip, unit : str
-    load : float
-        N.
-    read, fitted : float
-        Magnitude of the slope of the measured rows, and of the tire at the same rows, read in the same way and averaged
-        over the operating conditions at that load.
-    conditions : int
-        Number of these operating conditions.
-    error : float
-        Standard error of the slope of the measured rows.
+    - `load`: N.
+    - `read`, `fitted`: magnitude of the slope of the measured rows, and of the tire at the same rows, read in the same
+      way and averaged over the operating conditions at that load.
+    - `conditions`: number of these operating conditions.
+    - `error`: standard error of the slope of the measured rows.
     """
 
     recording: str
@@ -71,20 +64,11 @@ class SlipStiffness:
 class ReadStiffness:
     """The slope of a force at zero slip, read from measured rows and averaged over operating conditions at one load.
 
-    Attributes
-    ----------
-    recording : int
-        Number of the recording.
-    channel, slip : str
-    load : float
-        N.
-    value, error : float
-        Of the slope, signed, and its standard error.
-    rows : ndarray of int, shape (m,)
-        The rows of the table from which it was read.
-    influence : ndarray, shape (m,)
-        Derivative of the slope by the force of these rows.
-    conditions : int
+    - `recording`: number of the recording.
+    - `load`: N.
+    - `value`, `error`: of the slope, signed, and its standard error.
+    - `rows`, shape (m,): the rows of the table from which it was read.
+    - `influence`, shape (m,): derivative of the slope by the force of these rows.
     """
 
     recording: int
@@ -101,14 +85,7 @@ class ReadStiffness:
 def read_stiffnesses(residuals: Residuals) -> tuple[ReadStiffness, ...]:
     """Read slip stiffnesses from the measured rows in each operating condition, and average them by load.
 
-    Parameters
-    ----------
-    residuals : Residuals
-
-    Returns
-    -------
-    tuple of ReadStiffness
-        By recording, channel and load; empty without a sweep through zero slip at zero other slip.
+    Returns: by recording, channel and load; empty without a sweep through zero slip at zero other slip.
     """
     loads = np.array(residuals.levels.get("Fz", ()))
     found = []
@@ -140,14 +117,7 @@ def read_stiffnesses(residuals: Residuals) -> tuple[ReadStiffness, ...]:
 def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
     """Return slip stiffnesses read from the data, and the same combination of the tire's forces at the same rows.
 
-    Parameters
-    ----------
-    residuals : Residuals
-
-    Returns
-    -------
-    tuple of SlipStiffness
-        By recording, channel and load; empty without a sweep through zero slip at zero other slip.
+    Returns: by recording, channel and load; empty without a sweep through zero slip at zero other slip.
     """
     return tuple(
         SlipStiffness(
@@ -160,16 +130,7 @@ def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
 
 
 def slope_targets(residuals: Residuals) -> tuple[SlopeTarget, ...]:
-    """Return the slip stiffnesses that are read from the data as residuals of a fit.
-
-    Parameters
-    ----------
-    residuals : Residuals
-
-    Returns
-    -------
-    tuple of SlopeTarget
-    """
+    """Return the slip stiffnesses that are read from the data as residuals of a fit."""
     tire, table = residuals.tire, residuals.table
     return tuple(
         SlopeTarget(

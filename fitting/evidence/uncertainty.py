@@ -46,12 +46,8 @@ CHUNK = 2040
 class Direction:
     """A combination of coefficients that is not identifiable.
 
-    Attributes
-    ----------
-    coefficients : tuple of str
-        The coefficients of the direction, the largest component first.
-    sd : float
-        Standard deviation along it, in the sizes of the coefficients; infinite without any information.
+    - `coefficients`: the coefficients of the direction, the largest component first.
+    - `sd`: standard deviation along it, in the sizes of the coefficients; infinite without any information.
     """
 
     coefficients: tuple[str, ...]
@@ -62,20 +58,14 @@ class Direction:
 class Uncertainty:
     """Uncertainty of the values of a fit.
 
-    Attributes
-    ----------
-    intervals : dict of str to float
-        Half the width of the 95 % interval of each free coefficient; infinite if it is not identifiable.
-    directions : tuple of Direction
-        Directions that are not identifiable.
-    effective_rows : ndarray, shape (n_groups, n_forces)
-        Effective sample size of each channel of a recording; 0 without rows.
-    covariance : pandas.DataFrame
-        Of the free coefficients by name, in their units; NaN in the rows and columns of those without a finite
-        interval. Half an interval is `QUANTILE` times the root of the diagonal.
-    complete : pandas.DataFrame
-        The same for predictions, without NaN: a direction that is not identifiable has the plausible deviation of one
-        size.
+    - `intervals`: half the width of the 95 % interval of each free coefficient; infinite if it is not identifiable.
+    - `directions`: directions that are not identifiable.
+    - `effective_rows`, shape (n_groups, n_forces): effective sample size of each channel of a recording; 0 without
+      rows.
+    - `covariance`: of the free coefficients by name, in their units; NaN in the rows and columns of those without a
+      finite interval. Half an interval is `QUANTILE` times the root of the diagonal.
+    - `complete`: the same for predictions, without NaN: a direction that is not identifiable has the plausible
+      deviation of one size.
     """
 
     intervals: dict[str, float]
@@ -90,18 +80,8 @@ def across_stages(covariance: pd.DataFrame) -> pd.DataFrame:
 
     A stage assumes that the coefficients of earlier stages are known.
 
-    Parameters
-    ----------
-    covariance : pandas.DataFrame
-        Diagonal blocks, NaN elsewhere.
+    `covariance`: diagonal blocks, NaN elsewhere. Returns: 0 between coefficients that have a variance.
 
-    Returns
-    -------
-    pandas.DataFrame
-        0 between coefficients that have a variance.
-
-    Examples
-    --------
     >>> blocks = pd.DataFrame([[4.0, np.nan, np.nan], [np.nan, 1.0, np.nan], [np.nan] * 3])
     >>> across_stages(blocks).to_numpy().tolist()
     [[4.0, 0.0, nan], [0.0, 1.0, nan], [nan, nan, nan]]
@@ -118,28 +98,11 @@ def uncertainty_of_stages(
 ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame]:
     """Return the uncertainty of a fit in stages: each value is that of the last stage that freed the coefficient.
 
-    Parameters
-    ----------
-    ends : sequence of (str, Problem, ndarray)
-        Name, problem and solution of each stage, in order.
-    last_stage : mapping of str to str
-        The last stage that freed each fitted coefficient.
-    at_bound : collection of str
-    shape : tuple of int
-        Number of recordings and of outputs.
-
-    Returns
-    -------
-    intervals : dict of str to float
-        Half widths of 95 % intervals.
-    directions : tuple of Direction
-        Directions that are not identifiable.
-    effective : ndarray, shape (n_recordings, n_outputs)
-        Effective sample sizes; NaN if not fitted.
-    covariance : pandas.DataFrame
-        Of the fitted coefficients; see `across_stages`.
-    complete : pandas.DataFrame
-        As `covariance`, 0 where it is not known; see `Uncertainty.complete`.
+    `ends`: name, problem and solution of each stage, in order. `last_stage`: the last stage that freed each fitted
+    coefficient. `shape`: number of recordings and of outputs. Returns `intervals`: half widths of 95 % intervals.
+    Returns `directions`: directions that are not identifiable. Returns `effective`, shape (n_recordings, n_outputs):
+    effective sample sizes; NaN if not fitted. Returns `covariance`: of the fitted coefficients; see `across_stages`.
+    Returns `complete`: as `covariance`, 0 where it is not known; see `Uncertainty.complete`.
     """
     names = list(last_stage)
     intervals: dict[str, float] = {}
@@ -165,18 +128,8 @@ def uncertainty_of_stages(
 def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> Uncertainty:
     """Return intervals, and directions that are not identifiable, at the solution of a fit.
 
-    Parameters
-    ----------
-    problem : Problem
-        With the weights of the fit.
-    x : ndarray, shape (n_free,)
-        Scaled free values of the solution.
-    fixed : sequence of str
-        Coefficients at a bound. They are treated as known and have no interval.
-
-    Returns
-    -------
-    Uncertainty
+    `problem`: with the weights of the fit. `x`, shape (n_free,): scaled free values of the solution. `fixed`:
+    coefficients at a bound. They are treated as known and have no interval.
     """
     with one_blas_thread():
         return _uncertainty(problem, x, fixed)

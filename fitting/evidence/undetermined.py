@@ -42,13 +42,9 @@ PROGRAMS = ("Fz", "gamma", "p", "kappa", "alpha", "both", "phit")
 class Undetermined:
     """Coefficients that are not identifiable, and the reason.
 
-    Attributes
-    ----------
-    coefficients : tuple of str
-        One without influence at the measured rows, several of which only a combination is determined, or those at a
-        bound.
-    reason : str
-        What the data lack; for a coefficient at a bound also that the optimum is beyond it.
+    - `coefficients`: one without influence at the measured rows, several of which only a combination is determined, or
+      those at a bound.
+    - `reason`: what the data lack; for a coefficient at a bound also that the optimum is beyond it.
     """
 
     coefficients: tuple[str, ...]
@@ -60,20 +56,8 @@ def undetermined(
 ) -> tuple[Undetermined, ...]:
     """Return what the data lack for each set of coefficients that is not identifiable.
 
-    Parameters
-    ----------
-    residuals : Residuals
-    free : sequence of str
-        The free coefficients.
-    sets : sequence of tuple of str
-        The sets, their names among `free`.
-    effective : mapping of str to float
-        Effective sample size of each channel.
-
-    Returns
-    -------
-    tuple of Undetermined
-        Sets with the same reason are combined.
+    `free`: the free coefficients. `sets`: the sets, their names among `free`. `effective`: effective sample size of
+    each channel. Returns: sets with the same reason are combined.
     """
     if not sets:
         return ()
@@ -89,20 +73,8 @@ def at_bounds(
 ) -> tuple[Undetermined, ...]:
     """Return for coefficients at a bound whether the optimum is beyond it, or whether they are not identifiable.
 
-    Parameters
-    ----------
-    residuals : Residuals
-    free : sequence of str
-        The free coefficients, with those at a bound.
-    bounded : sequence of str
-        Those at a bound.
-    effective : mapping of str to float
-        Effective sample size of each channel.
-
-    Returns
-    -------
-    tuple of Undetermined
-        Those with the same reason are combined.
+    `free`: the free coefficients, with those at a bound. `bounded`: those at a bound. `effective`: effective sample
+    size of each channel. Returns: those with the same reason are combined.
     """
     if not bounded:
         return ()

@@ -18,16 +18,7 @@ def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
     Residuals of neighboring rows are correlated. Therefore a channel of a recording is weighted by its effective sample
     size instead of its number of rows. The cost at x does not change.
 
-    Parameters
-    ----------
-    problem : Problem
-        With weights by noise.
-    x : ndarray, shape (n_free,)
-        Scaled free values.
-
-    Returns
-    -------
-    ndarray, shape (n_groups, n_forces)
+    `problem`: with weights by noise. `x`, shape (n_free,): scaled free values. Returns shape (n_groups, n_forces).
     """
     residual, present = problem.residual(x), np.isfinite(problem.rows.measured.T)
     squares, lengths = np.zeros_like(problem.weights), np.ones_like(problem.weights)

@@ -24,17 +24,10 @@ PER_MEDIAN = 1.482602
 class Loss:
     """A loss as functions of v = |residual| / (constant scale).
 
-    Attributes
-    ----------
-    name : str
-    constant : float
-        Number of standard deviations above which the loss is less than the square; infinite for squares.
-    value : callable
-        2 rho / (constant scale)^2, v^2 for small v.
-    weight : callable
-        Robust weight, between 0 and 1.
-    slope : callable
-        Second derivative of the loss, 1 for small v: the information of a row relative to least squares.
+    - `constant`: number of standard deviations above which the loss is less than the square; infinite for squares.
+    - `value`: 2 rho / (constant scale)^2, v^2 for small v.
+    - `weight`: robust weight, between 0 and 1.
+    - `slope`: second derivative of the loss, 1 for small v: the information of a row relative to least squares.
     """
 
     name: str
@@ -72,21 +65,8 @@ LOSSES = {
 def loss_named(name: str) -> Loss:
     """Return a loss by name.
 
-    Parameters
-    ----------
-    name : {"squares", "huber", "cauchy"}
+    `name`, one of "squares", "huber", "cauchy". Raises `UnknownName` if there is no such loss.
 
-    Returns
-    -------
-    Loss
-
-    Raises
-    ------
-    UnknownName
-        If there is no such loss.
-
-    Examples
-    --------
     >>> loss_named("huber").weight(np.array([0.5, 1.0, 4.0])).tolist()
     [1.0, 1.0, 0.25]
     """
@@ -98,16 +78,8 @@ def loss_named(name: str) -> Loss:
 def robust_scale(residual: FloatArray) -> float:
     """Return the standard deviation of the noise in residuals with outliers.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
+    `residual`, shape (n,).
 
-    Returns
-    -------
-    float
-
-    Examples
-    --------
     >>> noise = np.random.default_rng(0).normal(size=10_000)
     >>> noise[:500] = 1e6
     >>> bool(abs(robust_scale(noise) - 1.0) < 0.1)

@@ -53,32 +53,19 @@ class Freed:
 class Stage:
     """One stage of a recipe.
 
-    Attributes
-    ----------
-    name : str
-    channels : tuple of str
-        The fitted channels; all measured channels if empty.
-    where : dict of str to list of (float, float)
-        Operating conditions: values and tolerances of inputs, SI units, adapted SAE.
-    selection : Selection or None
-        Condition of the key ``select``, an expression of channels as in ``--where``, in adapted SAE.
-    hold : tuple of str
-        Inputs whose measured values are replaced by the nearest value in `where`.
-    free : dict of str to Freed
-        The free coefficients; all coefficients of the core and of the effects if empty.
-    sections : tuple of str
-        Only coefficients of these sections of the .tir file; of all sections if empty.
-    effects : tuple of str or None
-        Only coefficients of the core and of these effects of the tire; of all effects if None. A recipe may apply to
-        several models: channels, sections and effects that a model does not have are ignored.
-    rows : int or None
-        Number of random rows; all rows if None.
-    weights : str
-        "equal": weight of a channel by its mean square; "noise": weight of a channel of a recording by its residual
-        variance at the initial values, times `SWEPT` if the slip of the channel is swept.
-    again : tuple of mapping of str to float
-        Other initial values of a few coefficients. The stage is repeated from them if a start tire was given or one of
-        these coefficients is at a bound; the best solution is used. Adapted SAE.
+    - `channels`: the fitted channels; all measured channels if empty.
+    - `where`: operating conditions: values and tolerances of inputs, SI units, adapted SAE.
+    - `selection`: condition of the key ``select``, an expression of channels as in ``--where``, in adapted SAE.
+    - `hold`: inputs whose measured values are replaced by the nearest value in `where`.
+    - `free`: the free coefficients; all coefficients of the core and of the effects if empty.
+    - `sections`: only coefficients of these sections of the .tir file; of all sections if empty.
+    - `effects`: only coefficients of the core and of these effects of the tire; of all effects if None. A recipe may
+      apply to several models: channels, sections and effects that a model does not have are ignored.
+    - `rows`: number of random rows; all rows if None.
+    - `weights`: "equal": weight of a channel by its mean square; "noise": weight of a channel of a recording by its
+      residual variance at the initial values, times `SWEPT` if the slip of the channel is swept.
+    - `again`: other initial values of a few coefficients. The stage is repeated from them if a start tire was given or
+      one of these coefficients is at a bound; the best solution is used. Adapted SAE.
     """
 
     name: str
@@ -114,12 +101,7 @@ class Stage:
 class Recipe:
     """The stages of a fit.
 
-    Attributes
-    ----------
-    name, description : str
-    stages : tuple of Stage
-    scales : bool
-        Whether it scales a given tire and requires a start tire.
+    - `scales`: whether it scales a given tire and requires a start tire.
     """
 
     name: str

@@ -13,12 +13,7 @@ FloatArray = npt.NDArray[np.float64]
 class Ridge:
     """A problem with ridge regularization towards the initial values, for directions that are not identifiable.
 
-    Parameters
-    ----------
-    problem : Problem
-    start : ndarray, shape (n_free,)
-    strength : float
-        Twice the cost of one unit of distance from the start.
+    `start`, shape (n_free,). `strength`: twice the cost of one unit of distance from the start.
     """
 
     def __init__(self, problem: Problem, start: FloatArray, strength: float) -> None:

@@ -21,18 +21,11 @@ BLOCK = 65_280
 class Rows:
     """Measured rows.
 
-    Attributes
-    ----------
-    inputs : ndarray, shape (n_inputs, n)
-        In the model's order, SI units.
-    measured : ndarray, shape (n, n_forces)
-        NaN if a channel was not measured or is not fitted.
-    group : ndarray of int, shape (n,)
-        Number of the recording of each row.
-    segment : ndarray of int, shape (n,)
-        Number of the segment without gaps of each row; by default each recording is one segment.
-    weight : ndarray, shape (n,)
-        Weight of each row within its recording; by default 1.
+    - `inputs`, shape (n_inputs, n): in the model's order, SI units.
+    - `measured`, shape (n, n_forces): NaN if a channel was not measured or is not fitted.
+    - `group`, shape (n,): number of the recording of each row.
+    - `segment`, shape (n,): number of the segment without gaps of each row; by default each recording is one segment.
+    - `weight`, shape (n,): weight of each row within its recording; by default 1.
     """
 
     inputs: FloatArray

@@ -20,26 +20,15 @@ class SlopeTarget:
     The slope is linear in the forces: ``influence @ force``. The same combination of the computed forces is compared
     with it, so that a curve which the reading method does not follow exactly gives no error.
 
-    Attributes
-    ----------
-    group : int
-        Number of the recording.
-    output : int
-        Index of the force.
-    inputs : ndarray, shape (n_inputs, n)
-        Of the rows near zero slip, as the generated code takes them.
-    influence : ndarray, shape (n,)
-        Derivative of the slope by the force of each row.
-    force : ndarray, shape (n,)
-        The measured force of each row.
-    rows : ndarray of int, shape (n,)
-        Number of each row, counted over all rows of all recordings.
-    slope : float
-        Of the measured rows.
-    error : float
-        Its standard error.
-    deviation : float
-        Standard deviation that the fit assumes: the standard error, and the model-form error.
+    - `group`: number of the recording.
+    - `output`: index of the force.
+    - `inputs`, shape (n_inputs, n): of the rows near zero slip, as the generated code takes them.
+    - `influence`, shape (n,): derivative of the slope by the force of each row.
+    - `force`, shape (n,): the measured force of each row.
+    - `rows`, shape (n,): number of each row, counted over all rows of all recordings.
+    - `slope`: of the measured rows.
+    - `error`: its standard error.
+    - `deviation`: standard deviation that the fit assumes: the standard error, and the model-form error.
     """
 
     group: int

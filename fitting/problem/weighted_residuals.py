@@ -47,29 +47,17 @@ class _Block:
 class Problem:
     """Weighted least squares over rows in some coefficients of a tire.
 
-    Attributes
-    ----------
-    tire : Tire
-        Contains the value of each coefficient that is not free, in adapted SAE.
-    rows : Rows
-    free : tuple of str
-        Free coefficients.
-    weights : ndarray, shape (n_groups, n_forces)
-        Weight of a squared residual by recording and channel.
-    scale : ndarray, shape (n_free,)
-        Size of each free coefficient: the variables of the solver are ``value / scale``.
-    loss : Loss
-        Loss function of the residuals.
-    limits : ndarray, shape (n_groups, n_forces), optional
-        Residual of each channel of a recording above which the loss is less than the square.
-    targets : tuple of SlopeTarget
-        Slopes at zero slip that are residuals, too.
-    target_weight : float
-        Weight of a squared residual of a target, in its deviations.
-    columns : ndarray of int, shape (n_free,)
-        Index of each free coefficient in the parameter vector of the generated code.
-    reach : ndarray, shape (n_free,)
-        Derivative of that parameter by the scaled value.
+    - `tire`: contains the value of each coefficient that is not free, in adapted SAE.
+    - `free`: free coefficients.
+    - `weights`, shape (n_groups, n_forces): weight of a squared residual by recording and channel.
+    - `scale`, shape (n_free,): size of each free coefficient: the variables of the solver are ``value / scale``.
+    - `loss`: loss function of the residuals.
+    - `limits`, shape (n_groups, n_forces): residual of each channel of a recording above which the loss is less than
+      the square.
+    - `targets`: slopes at zero slip that are residuals, too.
+    - `target_weight`: weight of a squared residual of a target, in its deviations.
+    - `columns`, shape (n_free,): index of each free coefficient in the parameter vector of the generated code.
+    - `reach`, shape (n_free,): derivative of that parameter by the scaled value.
     """
 
     tire: Tire
@@ -122,15 +110,8 @@ class Problem:
     def costs(self, population: FloatArray, limits: FloatArray) -> FloatArray:
         """Return the costs of many points; the computation of a point stops when it exceeds its limit.
 
-        Parameters
-        ----------
-        population : ndarray, shape (n_points, n_free)
-        limits : ndarray, shape (n_points,)
-
-        Returns
-        -------
-        ndarray, shape (n_points,)
-            The cost, or a part of it above the limit; infinite if it is not finite.
+        `population`, shape (n_points, n_free). `limits`, shape (n_points,). Returns shape (n_points,): the cost, or a
+        part of it above the limit; infinite if it is not finite.
         """
         parameters = np.repeat(self._parameters[None, :], len(population), axis=0)
         parameters[:, self.columns] = population * self.reach

@@ -36,15 +36,7 @@ def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
     If recordings are inconsistent, a sweep contains more information on a force than rows at a few held slips. So the
     cornering test determines the pure side force, and the drive and brake test its reduction by longitudinal slip.
 
-    Parameters
-    ----------
-    data : pandas.DataFrame
-        With the column ``recording``.
-    outputs : sequence of str
-
-    Returns
-    -------
-    ndarray, shape (n_recordings, n_outputs)
+    `data`: with the column ``recording``. Returns shape (n_recordings, n_outputs).
     """
     factors = np.ones((int(data["recording"].max()) + 1, len(outputs)))
     for number in range(len(factors)):

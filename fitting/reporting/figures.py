@@ -99,21 +99,8 @@ def figures_of(
 ) -> list[Figure]:
     """Return the figures of `draw_figures`.
 
-    Parameters
-    ----------
-    tire, recordings, truth, signs
-        As for `draw_figures`.
-
-    Returns
-    -------
-    list of Figure
-
-    Raises
-    ------
-    FitError
-        If there is no recording.
-    DataError
-        If a recording has no measured output.
+    `tire`, `recordings`, `truth`, `signs`: as for `draw_figures`. Raises `FitError` if there is no recording. Raises
+    `DataError` if a recording has no measured output.
     """
     fitted = tire if isinstance(tire, FitResult) and len(tire.prediction_covariance) else None
     comparison = compare(tire.tire if isinstance(tire, FitResult) else tire, recordings, signs)

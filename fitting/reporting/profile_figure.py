@@ -16,14 +16,7 @@ from ..results.resampled import Profile
 def profile_curves(result: FitResult) -> Figure:
     """Return a figure with a panel for each profile of a fit.
 
-    Parameters
-    ----------
-    result : FitResult
-        With profiles.
-
-    Returns
-    -------
-    Figure
+    `result`: with profiles.
     """
     half = {one.name: one.interval for one in result.coefficients}
     panels = [_panel(profile, half[profile.name]) for profile in result.profiles]

@@ -79,17 +79,7 @@ def report_page(
 ) -> str:  # fmt: skip
     """Return the page's text.
 
-    Parameters
-    ----------
-    result : FitResult
-    figures : sequence of Figure
-    origin : sequence of (str, str)
-        The provenance.
-    findings : sequence of Finding
-
-    Returns
-    -------
-    str
+    `origin`: the provenance.
     """
     filters: dict[str, Callable[..., object]] = {
         "number": lambda value: f"{value:.5g}",
@@ -113,18 +103,8 @@ def report_page(
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:
     """Return the pairs of coefficients with the largest correlations, from `CORRELATED` in magnitude.
 
-    Parameters
-    ----------
-    correlation : pandas.DataFrame
-        As in `FitResult.correlation`; NaN for unknown ones.
+    `correlation`: as in `FitResult.correlation`; NaN for unknown ones. Returns: in decreasing magnitude.
 
-    Returns
-    -------
-    list of (str, str, float)
-        In decreasing magnitude.
-
-    Examples
-    --------
     >>> names = ["PKY1", "PKY2", "PDY1"]
     >>> correlated_pairs(pd.DataFrame([[1, 0.95, 0.2], [0.95, 1, -0.3], [0.2, -0.3, 1]], names, names))
     [('PKY1', 'PKY2', 0.95)]

@@ -30,8 +30,6 @@ class ConstraintRow:
 def interval_text(half: float) -> str:
     """Return half an interval: "not identifiable" if it is infinite, empty if there is none.
 
-    Examples
-    --------
     >>> interval_text(0.01234), interval_text(float("inf")), interval_text(float("nan"))
     ('0.0123', 'not identifiable', '')
     """

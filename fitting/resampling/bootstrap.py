@@ -45,14 +45,8 @@ REPLICATES_OF_TASK = 10
 class ReplicateTask:
     """Some replicates: what a worker needs.
 
-    Attributes
-    ----------
-    stages : tuple of SolvedStage
-    sweeps : ndarray of int, shape (n,)
-        Number of the sweep of each row of all recordings.
-    seed : int
-    numbers : range
-        Numbers of the replicates. A replicate depends on the seed and its own number only.
+    - `sweeps`, shape (n,): number of the sweep of each row of all recordings.
+    - `numbers`: numbers of the replicates. A replicate depends on the seed and its own number only.
     """
 
     stages: tuple[SolvedStage, ...]
@@ -67,13 +61,7 @@ def sweeps_of(recordings: Sequence[Recording]) -> IntArray:
     A held condition and the change to the next level count as sweeps. In rows that are no time series, a sweep is a
     stretch of rows in one operating condition.
 
-    Parameters
-    ----------
-    recordings : sequence of Recording
-
-    Returns
-    -------
-    ndarray of int, shape (n,)
+    Returns shape (n,).
     """
     numbers, first = [], 0
     for recording in recordings:
@@ -96,21 +84,8 @@ def replicate_tasks(
 ) -> list[ReplicateTask]:
     """Return the tasks of a bootstrap.
 
-    Parameters
-    ----------
-    result : FitResult
-    recordings : sequence of Recording
-        The data of the fit.
-    replicates, seed : int
-
-    Returns
-    -------
-    list of ReplicateTask
-
-    Raises
-    ------
-    FitError
-        If there are too few replicates or sweeps, the fit has no solution, or it is of other data.
+    `recordings`: the data of the fit. Raises `FitError` if there are too few replicates or sweeps, the fit has no
+    solution, or it is of other data.
     """
     check_replicates(replicates)
     stages = tuple(stage for stage in result.solved if stage.determined)
@@ -138,10 +113,8 @@ def check_replicates(replicates: int, recordings: Sequence[Recording] = ()) -> N
 def replicates_of(task: ReplicateTask) -> FloatArray:
     """Compute the replicates of a task, in any process.
 
-    Returns
-    -------
-    ndarray, shape (n_replicates, n_coefficients)
-        In the order of `coefficient_names`; a row of NaN for a replicate that did not converge.
+    Returns shape (n_replicates, n_coefficients): in the order of `coefficient_names`; a row of NaN for a replicate that
+    did not converge.
     """
     imposed = [ConstraintFunctions(stage.problem, stage.constraints) for stage in task.stages]
     tolerances = [STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage) for stage in task.stages]
@@ -169,21 +142,8 @@ def coefficient_names(stages: Sequence[SolvedStage]) -> list[str]:
 def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: FloatArray) -> FitResult:
     """Return a fit with the intervals of its bootstrap.
 
-    Parameters
-    ----------
-    result : FitResult
-    tasks : sequence of ReplicateTask
-    replicates : ndarray, shape (n_replicates, n_coefficients)
-        Of `replicates_of`, in adapted SAE.
-
-    Returns
-    -------
-    FitResult
-
-    Raises
-    ------
-    FitError
-        If too few replicates converged.
+    `replicates`, shape (n_replicates, n_coefficients): of `replicates_of`, in adapted SAE. Raises `FitError` if too few
+    replicates converged.
     """
     converged = replicates[np.isfinite(replicates).all(axis=1)]
     if len(converged) < FEWEST_REPLICATES:

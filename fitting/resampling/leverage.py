@@ -36,12 +36,8 @@ IntArray = npt.NDArray[np.int64]
 class Correction:
     """What multiplies the deviations of the replicates of a coefficient.
 
-    Attributes
-    ----------
-    leverage : float
-        For sweeps that the fit follows; 1 without.
-    sweeps : float
-        Degrees of freedom: the effective number of sweeps.
+    - `leverage`: for sweeps that the fit follows; 1 without.
+    - `sweeps`: degrees of freedom: the effective number of sweeps.
     """
 
     leverage: float
@@ -56,16 +52,8 @@ class Correction:
 def corrections(stage: SolvedStage, sweeps: IntArray) -> dict[str, Correction]:
     """Return the correction of each coefficient that a stage determines.
 
-    Parameters
-    ----------
-    stage : SolvedStage
-    sweeps : ndarray of int
-        Number of the sweep of each row of all recordings (`tirefmu.fitting.resampling.bootstrap.sweeps_of`).
-
-    Returns
-    -------
-    dict of str to Correction
-        Coefficients at a bound have none.
+    `sweeps`: number of the sweep of each row of all recordings (`tirefmu.fitting.resampling.bootstrap.sweeps_of`).
+    Returns: coefficients at a bound have none.
     """
     problem = stage.problem
     free = np.flatnonzero((stage.x > stage.lower) & (stage.x < stage.upper))
@@ -86,19 +74,9 @@ def corrections(stage: SolvedStage, sweeps: IntArray) -> dict[str, Correction]:
 def corrections_of(whole: FloatArray, sweeps: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Return factor and degrees of freedom of each coefficient of a linear problem.
 
-    Parameters
-    ----------
-    whole : ndarray, shape (n, n)
-        Matrix of the problem.
-    sweeps : sequence of ndarray, shape (n, n)
-        Contribution of each sweep.
+    `whole`, shape (n, n): matrix of the problem. `sweeps`, shape (n, n): contribution of each sweep. Returns `leverage,
+    degrees_of_freedom`, shape (n,).
 
-    Returns
-    -------
-    leverage, degrees_of_freedom : ndarray, shape (n,)
-
-    Examples
-    --------
     A mean of two values: the fit follows each of them by half.
 
     >>> leverage, freedom = corrections_of(np.array([[2.0]]), [np.array([[1.0]])] * 2)

@@ -32,22 +32,9 @@ def solve_near(
 ) -> FloatArray | None:  # fmt: skip
     """Solve a problem that differs little from that of a stage.
 
-    Parameters
-    ----------
-    stage : SolvedStage
-    problem : Problem
-    imposed : ConstraintFunctions
-    start : ndarray, shape (n_free,)
-        Scaled free values, within the bounds.
-    tolerance : float
-        Predicted reduction of the cost at which a point is the optimum.
-    lower, upper : ndarray, shape (n_free,), optional
-        Other bounds than those of the stage.
-
-    Returns
-    -------
-    ndarray, shape (n_free,), or None
-        None if no optimum is found, in particular if the constraints cannot be satisfied.
+    `start`, shape (n_free,): scaled free values, within the bounds. `tolerance`: predicted reduction of the cost at
+    which a point is the optimum. `lower`, `upper`, shape (n_free,): other bounds than those of the stage. Returns shape
+    (n_free,): none if no optimum is found, in particular if the constraints cannot be satisfied.
     """
     least, most = stage.lower if lower is None else lower, stage.upper if upper is None else upper
     cost = Ridge(problem, stage.x, stage.ridge)

@@ -57,12 +57,7 @@ class Side:
 def side_tasks(result: FitResult, names: Sequence[str]) -> list[SideTask]:
     """Return the tasks of profiles, two for each coefficient.
 
-    Raises
-    ------
-    UnknownName
-        If a coefficient was not fitted.
-    FitError
-        If no stage with all its rows determined it.
+    Raises `UnknownName` if a coefficient was not fitted. Raises `FitError` if no stage with all its rows determined it.
     """
     stages = {name: stage for stage in result.solved for name in stage.determined & set(stage.problem.free)}
     for name in names:
@@ -114,16 +109,7 @@ def side_of(task: SideTask) -> Side:
 def profiles_of(result: FitResult, tasks: Sequence[SideTask], sides: Sequence[Side]) -> FitResult:
     """Return a fit with profiles.
 
-    Parameters
-    ----------
-    result : FitResult
-    tasks : sequence of SideTask
-    sides : sequence of Side
-        Of `side_of`, in the order of the tasks.
-
-    Returns
-    -------
-    FitResult
+    `sides`: of `side_of`, in the order of the tasks.
     """
     units = {one.name: one.unit for one in result.coefficients}
     pairs = zip(tasks[::2], sides[::2], sides[1::2], strict=True)

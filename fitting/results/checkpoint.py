@@ -43,15 +43,9 @@ class Release:
 class Ended:
     """The end of a stage that used all of its rows: the information required to set up its problem again.
 
-    Attributes
-    ----------
-    stage : int
-        Its index in the recipe.
-    values : dict of str to float
-        Coefficients of the tire before the stage.
-    free : dict of str to Freed
-    x : ndarray, shape (n_free,)
-        Scaled free values of the solution.
+    - `stage`: its index in the recipe.
+    - `values`: coefficients of the tire before the stage.
+    - `x`, shape (n_free,): scaled free values of the solution.
     """
 
     stage: int
@@ -64,18 +58,9 @@ class Ended:
 class State:
     """A fit between two stages.
 
-    Attributes
-    ----------
-    done : int
-        Number of completed stages.
-    values : dict of str to float
-        Coefficients of the tire so far, in adapted SAE.
-    freed : dict of str to Release
-    violated : list of (str, ndarray of shape (n_inputs, n_points))
-        Constraints by name, with the points that verification added.
-    stages : list of StageFit
-    ended : list of Ended
-    notes : list of str
+    - `done`: number of completed stages.
+    - `values`: coefficients of the tire so far, in adapted SAE.
+    - `violated`, shape (n_inputs, n_points)): constraints by name, with the points that verification added.
     """
 
     done: int = 0
@@ -91,14 +76,9 @@ class State:
 class Checkpoint:
     """The file of the completed stages of a fit.
 
-    Parameters
-    ----------
-    path : Path
-    identity : mapping of str to str
-        Inputs of the fit by the names that a user knows (data, model, recipe, ...); see `measurements.provenance`.
+    `identity`: inputs of the fit by the names that a user knows (data, model, recipe, ...); see
+    `measurements.provenance`.
 
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     checkpoint = Checkpoint(Path(folder) / "tire.progress.json", {"model": "mf96"})
@@ -113,14 +93,7 @@ class Checkpoint:
     def save(self, state: State) -> None:
         """Write the state; the file is complete or not written.
 
-        Parameters
-        ----------
-        state : State
-
-        Raises
-        ------
-        FitError
-            If the file cannot be written.
+        Raises `FitError` if the file cannot be written.
         """
         content = {"version": VERSION, "identity": dict(self.identity), **_plain(asdict(state))}
         part = self.path.with_name(f".{self.path.name}.part")
@@ -141,15 +114,8 @@ class Checkpoint:
     def load(self) -> State:
         """Return the saved state.
 
-        Returns
-        -------
-        State
-
-        Raises
-        ------
-        FitError
-            If the file does not exist, is invalid, or belongs to a fit of other data or options. The message states
-            which.
+        Raises `FitError` if the file does not exist, is invalid, or belongs to a fit of other data or options. The
+        message states which.
         """
         try:
             content = json.loads(read_bounded(self.path, LARGEST))

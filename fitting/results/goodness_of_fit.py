@@ -24,17 +24,8 @@ def channel_fits(
 ) -> tuple[ChannelFit, ...]:
     """Return the goodness of fit of each measured channel of each recording.
 
-    Parameters
-    ----------
-    data : FitData
-    tire : Tire
-        In the signs of the data.
-    sources : sequence of str
-        Name of each recording.
-    fitted : sequence of str
-        The channels that were fitted.
-    effective : ndarray, shape (n_recordings, n_outputs)
-        Effective sample size.
+    `tire`: in the signs of the data. `sources`: name of each recording. `fitted`: the channels that were fitted.
+    `effective`, shape (n_recordings, n_outputs): effective sample size.
     """
     units = {quantity.name: quantity.unit for quantity in tire.book.outputs}
     found = []

@@ -49,31 +49,11 @@ def interval(
 ) -> pd.DataFrame:
     """Return a force or a named quantity at the rows of a table with its confidence interval.
 
-    Parameters
-    ----------
-    result : FitResult
-    quantity : str
-        "Fy", "K_yalpha", "mu_x", ...
-    table : path, DataFrame or Recording
-        Inputs; an absent input has its nominal value.
-    signs : str, optional
-        Convention of the table and of the result; by default that of the format, and "iso" for a DataFrame.
-    level : float
-        Confidence level, between 0 and 1.
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``value``, ``error`` (standard error), ``lower`` and ``upper`` by row.
-
-    Raises
-    ------
-    FitError
-        If the level is not between 0 and 1, or the result has no covariance.
-    UnknownName
-        If the model has no such output or quantity.
-    DataError, WrongType
-        See `tirefmu.measurements.recording_from`.
+    `quantity`: "Fy", "K_yalpha", "mu_x", ... `table`: inputs; an absent input has its nominal value. `signs`:
+    convention of the table and of the result; by default that of the format, and "iso" for a DataFrame. `level`:
+    confidence level, between 0 and 1. Returns: ``value``, ``error`` (standard error), ``lower`` and ``upper`` by row.
+    Raises `FitError` if the level is not between 0 and 1, or the result has no covariance. Raises `UnknownName` if the
+    model has no such output or quantity. Raises `DataError, WrongType`: see `tirefmu.measurements.recording_from`.
     """
     if not 0.0 < level < 1.0:
         raise FitError(f"confidence level {level:g} is not between 0 and 1")
@@ -86,18 +66,7 @@ def interval(
 def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, level: float = 0.95) -> pd.DataFrame:
     """Return the same as `interval` for a table of the program itself, without checks.
 
-    Parameters
-    ----------
-    result : FitResult
-    quantity : str
-    table : pandas.DataFrame
-    signs : str
-        Convention of the table.
-    level : float
-
-    Returns
-    -------
-    pandas.DataFrame
+    `signs`: convention of the table.
     """
     formula = "iso" if signs == "iso" else "adapted-sae"
     tire = result.tire.in_signs(formula)
@@ -118,15 +87,8 @@ def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, lev
 def listed_intervals(result: Predicting) -> Iterator[dict[str, Any]]:
     """Yield the 95 % intervals over the measured range: by load, and of the forces by load and slip, in ISO.
 
-    Parameters
-    ----------
-    result : FitResult
-
-    Yields
-    ------
-    dict
-        ``quantity``, ``at`` (the inputs that differ from the medians of the data), ``value``, ``lower``, ``upper``.
-        None without fitted rows or covariance.
+    Yields: ``quantity``, ``at`` (the inputs that differ from the medians of the data), ``value``, ``lower``, ``upper``.
+    None without fitted rows or covariance.
     """
     if result.evidence is None or not len(result.prediction_covariance):
         return

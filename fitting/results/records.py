@@ -15,21 +15,13 @@ FloatArray = npt.NDArray[np.float64]
 class FittedCoefficient:
     """A coefficient after a fit, in the signs of `FitResult.signs`.
 
-    Attributes
-    ----------
-    name, unit : str
-    guess, lower, upper, value : float
-        The guess is the initial value of the fit.
-    at_bound : bool
-        The value is at one of its bounds.
-    determined : bool
-        False if the coefficient has no influence at the measured rows; it then has its default, or the value of the
-        start tire or the recipe.
-    stage : str
-        The last stage that freed and determined it.
-    interval : float
-        Half the width of its 95 % interval under time-correlated noise; infinite if the data determine it only
-        together with others, NaN at a bound, or if no stage with all its rows freed it.
+    - `guess`, `lower`, `upper`, `value`: the guess is the initial value of the fit.
+    - `at_bound`: the value is at one of its bounds.
+    - `determined`: false if the coefficient has no influence at the measured rows; it then has its default, or the
+      value of the start tire or the recipe.
+    - `stage`: the last stage that freed and determined it.
+    - `interval`: half the width of its 95 % interval under time-correlated noise; infinite if the data determine it
+      only together with others, NaN at a bound, or if no stage with all its rows freed it.
     """
 
     name: str
@@ -53,25 +45,14 @@ class FittedCoefficient:
 class ChannelFit:
     """Goodness of fit of a channel of a recording.
 
-    Attributes
-    ----------
-    recording, channel, unit : str
-    rows : int
-        All measured rows, also those that were excluded from the fit.
-    rmse : float
-        Over all rows, in the channel's unit.
-    r2 : float
-        Coefficient of determination over all rows: 1 - residual variance over variance about the mean.
-    r2_uncentred : float
-        1 - sum of squared residuals over sum of squares, as in the Trento report.
-    noise_floor : float
-        Error that a smooth function of the inputs, added to the model, would leave
-        (`tirefmu.estimation.noise_floor`); NaN with few rows.
-    effective_rows : float
-        Effective sample size: the residuals of the last stage are correlated in time.
-    fitted_rows : int
-    fitted_rmse, fitted_r2 : float
-        The same over the fitted rows, without excluded ones.
+    - `rows`: all measured rows, also those that were excluded from the fit.
+    - `rmse`: over all rows, in the channel's unit.
+    - `r2`: coefficient of determination over all rows: 1 - residual variance over variance about the mean.
+    - `r2_uncentred`: 1 - sum of squared residuals over sum of squares, as in the Trento report.
+    - `noise_floor`: error that a smooth function of the inputs, added to the model, would leave
+      (`tirefmu.estimation.noise_floor`); NaN with few rows.
+    - `effective_rows`: effective sample size: the residuals of the last stage are correlated in time.
+    - `fitted_rmse`, `fitted_r2`: the same over the fitted rows, without excluded ones.
     """
 
     recording: str
@@ -92,20 +73,11 @@ class ChannelFit:
 class StageFit:
     """The result of a stage.
 
-    Attributes
-    ----------
-    name : str
-    rows, free, iterations : int
-    converged : bool
-        By the criterion of `tirefmu.fitting.solvers.convergence`.
-    reason : str
-        Why it is an optimum or not, as a text for the user.
-    cost : float
-        Half the weighted sum of squares.
-    r2_uncentred : float
-        Of its rows and channels.
-    detail : str
-        Return status of the solver.
+    - `converged`: by the criterion of `tirefmu.fitting.solvers.convergence`.
+    - `reason`: why it is an optimum or not, as a text for the user.
+    - `cost`: half the weighted sum of squares.
+    - `r2_uncentred`: of its rows and channels.
+    - `detail`: return status of the solver.
     """
 
     name: str
@@ -143,17 +115,9 @@ class HeldOut:
 def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, float, float]:
     """Return measured rows, RMSE, centred and uncentred R2.
 
-    Parameters
-    ----------
-    measured, computed : ndarray, shape (n,)
+    `measured`, `computed`, shape (n,). Returns: NaN if a channel has no variation or a measured row has no computed
+    value.
 
-    Returns
-    -------
-    tuple of (int, float, float, float)
-        NaN if a channel has no variation or a measured row has no computed value.
-
-    Examples
-    --------
     >>> quality(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0]))[2]
     0.5
     """
@@ -164,17 +128,11 @@ def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, flo
 class Moments:
     """Sums over measured and computed values, from which the goodness of fit of parts of the rows together follows.
 
-    Attributes
-    ----------
-    n : int
-        Number of measured rows.
-    mean : float
-        Of the measured values.
-    squares, about, total : float
-        Sums of squares: of the residuals, of the measured values about their mean, and of the measured values.
+    - `n`: number of measured rows.
+    - `mean`: of the measured values.
+    - `squares`, `about`, `total`: sums of squares: of the residuals, of the measured values about their mean, and of
+      the measured values.
 
-    Examples
-    --------
     >>> measured, computed = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0])
     >>> (Moments.of(measured[:1], computed[:1]) + Moments.of(measured[1:], computed[1:])).quality[2]
     0.5

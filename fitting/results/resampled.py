@@ -11,15 +11,10 @@ from typing import Any
 class BootstrapInterval:
     """The 95 % percentile interval of a coefficient, in the signs of `FitResult.signs`.
 
-    Attributes
-    ----------
-    name : str
-    lower, upper : float
-        Percentiles 2.5 and 97.5 of the replicates, expanded around the value for sweeps that the fit follows and for
-        few sweeps (`tirefmu.fitting.resampling.leverage`), within the bounds; NaN if the coefficient is not
-        identifiable, because the regularization then determines its replicates.
-    deviation : float
-        Standard deviation of the replicates, times the factor for sweeps that the fit follows.
+    - `lower`, `upper`: percentiles 2.5 and 97.5 of the replicates, expanded around the value for sweeps that the fit
+      follows and for few sweeps (`tirefmu.fitting.resampling.leverage`), within the bounds; NaN if the coefficient is
+      not identifiable, because the regularization then determines its replicates.
+    - `deviation`: standard deviation of the replicates, times the factor for sweeps that the fit follows.
     """
 
     name: str
@@ -36,16 +31,9 @@ class BootstrapInterval:
 class Bootstrap:
     """The result of a block bootstrap by sweeps.
 
-    Attributes
-    ----------
-    replicates : int
-        Number of replicates in the intervals.
-    failed : int
-        Number of further replicates that did not converge.
-    sweeps : int
-        Number of sweeps that were weighted at random.
-    seed : int
-    intervals : tuple of BootstrapInterval
+    - `replicates`: number of replicates in the intervals.
+    - `failed`: number of further replicates that did not converge.
+    - `sweeps`: number of sweeps that were weighted at random.
     """
 
     replicates: int
@@ -71,19 +59,12 @@ class Bootstrap:
 class Profile:
     """The profile likelihood of a coefficient, in the signs of `FitResult.signs`.
 
-    Attributes
-    ----------
-    name, unit : str
-    value : float
-        At the largest likelihood.
-    lower, upper : float
-        The 95 % interval. If it ends at a bound of the coefficient, that bound; NaN if it does not end.
-    lower_end, upper_end : str
-        Why it ends: "likelihood", "bound", "no solution" (no other coefficients satisfy the physical constraints
-        beyond, or the solver fails), or "flat" (the likelihood does not decrease enough).
-    values, deviances : tuple of float
-        The curve in increasing order of values: twice the decrease of the log-likelihood, for noise that is correlated
-        in time. The interval ends at 3.84.
+    - `value`: at the largest likelihood.
+    - `lower`, `upper`: the 95 % interval. If it ends at a bound of the coefficient, that bound; NaN if it does not end.
+    - `lower_end`, `upper_end`: why it ends: "likelihood", "bound", "no solution" (no other coefficients satisfy the
+      physical constraints beyond, or the solver fails), or "flat" (the likelihood does not decrease enough).
+    - `values`, `deviances`: the curve in increasing order of values: twice the decrease of the log-likelihood, for
+      noise that is correlated in time. The interval ends at 3.84.
     """
 
     name: str

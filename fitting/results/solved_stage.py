@@ -19,20 +19,12 @@ FloatArray = npt.NDArray[np.float64]
 class SolvedStage:
     """A stage with all of its rows, and its solution, in adapted SAE.
 
-    Attributes
-    ----------
-    name : str
-    problem : Problem
-    x, lower, upper : ndarray, shape (n_free,)
-        Scaled free values of the solution, and their bounds.
-    constraints : tuple of (Constraint, ndarray of shape (n_inputs, n_points))
-        The physical constraints, each with the points at which it was imposed.
-    ridge : float
-        Strength of the regularization.
-    rows : ndarray of int, shape (n,)
-        Number of each row of the problem, counted over all rows of all recordings.
-    determined : frozenset of str
-        The coefficients that no later stage frees.
+    - `x`, `lower`, `upper`, shape (n_free,): scaled free values of the solution, and their bounds.
+    - `constraints`, shape (n_inputs, n_points)): the physical constraints, each with the points at which it was
+      imposed.
+    - `ridge`: strength of the regularization.
+    - `rows`, shape (n,): number of each row of the problem, counted over all rows of all recordings.
+    - `determined`: the coefficients that no later stage frees.
     """
 
     name: str

@@ -40,12 +40,8 @@ MOST_NAMES = 8
 class Verdict:
     """Whether a fitted tire can be used, and why not or with which limits.
 
-    Attributes
-    ----------
-    word : str
-        "usable", "usable with limits" or "not usable".
-    reasons : tuple of str
-        In order of weight; empty if the tire is usable without limits.
+    - `word`: "usable", "usable with limits" or "not usable".
+    - `reasons`: in order of weight; empty if the tire is usable without limits.
     """
 
     word: str
@@ -98,16 +94,7 @@ class Judged(Protocol):
 
 
 def verdict_of(result: Judged) -> Verdict:
-    """Return the verdict on a fit.
-
-    Parameters
-    ----------
-    result : FitResult
-
-    Returns
-    -------
-    Verdict
-    """
+    """Return the verdict on a fit."""
     wrong = [] if result.ok else [result.status]
     wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
     wrong += _wrong_stiffness(result.findings)

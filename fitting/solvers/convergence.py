@@ -43,14 +43,9 @@ RESTORING_DAMPING = 1e-2
 class LastSteps:
     """The result of the last steps.
 
-    Attributes
-    ----------
-    x : ndarray, shape (n_free,)
-    steps : int
-        Number of steps, without the last one.
-    converged : bool
-    reason : str
-        A text for the user.
+    - `x`, shape (n_free,).
+    - `steps`: number of steps, without the last one.
+    - `reason`: a text for the user.
     """
 
     x: FloatArray
@@ -62,16 +57,7 @@ class LastSteps:
 def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
     """Return the cost of the least noise that is assumed, and the effective sample size of the residuals.
 
-    Parameters
-    ----------
-    problem : Problem
-    x : ndarray, shape (n_free,)
-        Scaled free values.
-
-    Returns
-    -------
-    least : float
-    effective_rows : float
+    `x`, shape (n_free,): scaled free values.
     """
     residual, signal, effective = problem.residual(x), 0.0, 0.0
     for group, channel in np.argwhere(problem.weights > 0):
@@ -115,21 +101,9 @@ def last_steps(
 ) -> LastSteps:
     """Take Gauss-Newton steps until the criterion of this module is met or no step is possible.
 
-    Parameters
-    ----------
-    cost : Ridge
-    x, lower, upper : ndarray, shape (n_free,)
-        Scaled free values and their bounds.
-    imposed : ConstraintFunctions
-        The physical constraints.
-    steps : int
-        Upper limit; with 0 the criterion is only evaluated at x.
-    stop : callable
-        Called after every step; True ends the loop.
-
-    Returns
-    -------
-    LastSteps
+    `x`, `lower`, `upper`, shape (n_free,): scaled free values and their bounds. `imposed`: the physical constraints.
+    `steps`: upper limit; with 0 the criterion is only evaluated at x. `stop`: called after every step; True ends the
+    loop.
     """
     return _steps_until(_Criterion(cost.problem), DAMPING, cost, x, lower, upper, imposed, steps, stop)
 

@@ -58,20 +58,10 @@ class Evolution:
     stopping window, a tenth of the iteration limit and at least 250 generations. This counts as converged, although
     without derivatives an optimum cannot be proved.
 
-    Parameters
-    ----------
-    max_iterations : int
-        Upper limit of generations. An intermediate stage has a tenth of it, and so has a fit that is continued with the
-        constraints that its solution violates.
-    seed : int
-        Equal seeds give equal fits.
-    goal : float
-        The algorithm stops at this cost.
-    run_to_limit : bool
-        Continue to the limit without a stopping window, as in the paper.
+    `max_iterations`: upper limit of generations. An intermediate stage has a tenth of it, and so has a fit that is
+    continued with the constraints that its solution violates. `seed`: equal seeds give equal fits. `goal`: the
+    algorithm stops at this cost. `run_to_limit`: continue to the limit without a stopping window, as in the paper.
 
-    Examples
-    --------
     >>> Evolution(max_iterations=500, seed=3).max_iterations
     500
     """
@@ -99,36 +89,20 @@ class Evolution:
     ) -> Solution:
         """Minimize the cost within bounds and constraints.
 
-        Parameters
-        ----------
-        problem : Problem
-            If it is that of the previous call, the search continues with its last population.
-        start, lower, upper : ndarray, shape (n_free,)
-            Scaled free values.
-        constraints : sequence of (Constraint, ndarray of shape (n_inputs, n_points))
-            Constraints, each with the points at which it is imposed.
-        ridge : float
-            Strength of the regularization towards the initial values, as in IPOPT's cost.
-        stage_type : {"intermediate", "penultimate", "final"}
-            An intermediate stage stops earlier, because a later stage continues.
-        refine : bool
-            Without effect: the search continues with its last population for every further call with one problem.
-        local : bool
-            Whether only steps without a search are wanted: there are none, and the start is returned.
-        progress : callable, optional
-            Called with generation and best cost.
-        stop : callable
-            Called after every generation; True ends the search.
+        - `problem`: if it is that of the previous call, the search continues with its last population.
+        - `start`, `lower`, `upper`, shape (n_free,): scaled free values.
+        - `constraints`, shape (n_inputs, n_points)): constraints, each with the points at which it is imposed.
+        - `ridge`: strength of the regularization towards the initial values, as in IPOPT's cost.
+        - `stage_type`, one of "intermediate", "penultimate", "final": an intermediate stage stops earlier, because a
+          later stage continues.
+        - `refine`: without effect: the search continues with its last population for every further call with one
+          problem.
+        - `local`: whether only steps without a search are wanted: there are none, and the start is returned.
+        - `progress`: called with generation and best cost.
+        - `stop`: called after every generation; True ends the search.
 
-        Returns
-        -------
-        Solution
-            The best individual; `converged` if a feasible solution has no further gain or the goal is reached.
-
-        Raises
-        ------
-        FitError
-            If a coefficient has no finite bounds, neither here nor in its declaration.
+        Returns: the best individual; `converged` if a feasible solution has no further gain or the goal is reached.
+        Raises `FitError` if a coefficient has no finite bounds, neither here nor in its declaration.
         """
         if local:
             return Solution(start, problem.cost(start), 0, converged=False, reason=NO_STEPS)

@@ -20,14 +20,9 @@ class Interruption:
     `raise_failure` raises any other exception of the callback after the solver has returned. Outside the main thread,
     and in programs with their own signal handler, only the callback can request a stop.
 
-    Parameters
-    ----------
-    progress : callable, optional
-        Called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first stage
-        with name and work of each stage.
+    `progress`: called with stage, iteration and cost. Its method ``planned``, if it has one, is called before the first
+    stage with name and work of each stage.
 
-    Examples
-    --------
     >>> def cancel(stage, iteration, cost):
     ...     raise KeyboardInterrupt
     >>> with Interruption(cancel) as interruption:

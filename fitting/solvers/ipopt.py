@@ -52,19 +52,11 @@ Progress = Callable[[int, float], None]
 class Solution:
     """The result of a solver.
 
-    Attributes
-    ----------
-    x : ndarray, shape (n_free,)
-        Scaled free values.
-    cost : float
-    iterations : int
-    converged : bool
-        By the criterion of `tirefmu.fitting.solvers.convergence` at x; in a stage that a later one continues with the
-        same coefficients, also if further gains are small.
-    reason : str
-        Why x is an optimum or not, as a text for the user.
-    detail : str
-        Return status of the solver.
+    - `x`, shape (n_free,): scaled free values.
+    - `converged`: by the criterion of `tirefmu.fitting.solvers.convergence` at x; in a stage that a later one continues
+      with the same coefficients, also if further gains are small.
+    - `reason`: why x is an optimum or not, as a text for the user.
+    - `detail`: return status of the solver.
     """
 
     x: FloatArray
@@ -178,33 +170,19 @@ def solve(
 ) -> Solution:
     """Minimize the cost within bounds and constraints.
 
-    Parameters
-    ----------
-    problem : Problem
-    start, lower, upper : ndarray, shape (n_free,)
-        Scaled free values.
-    constraints : list of (Constraint, ndarray of shape (n_inputs, n_points))
-        Constraints, each with the points at which it is imposed.
-    ridge : float
-        Strength of the regularization towards the initial values, for directions that are not identifiable.
-    stage_type : {"intermediate", "penultimate", "final"}
-        Selects the stopping window and the least gain (`LEAST_GAIN`).
-    refine : bool
-        Whether the start is the solution of the same problem with fewer constraint points. Gauss-Newton steps are then
-        tried first: IPOPT needs many iterations if the constraints at two points are almost equal.
-    local : bool
-        Whether the start is the solution of a problem with other rows or residuals, to which Gauss-Newton steps lead
-        faster: only they are taken, and the result has not converged if they find no optimum.
-    max_iterations : int
-    progress : callable, optional
-    stop : callable
-        Called after every iteration; True ends the solver with the best feasible point, or with the start if there is
-        none.
+    - `start`, `lower`, `upper`, shape (n_free,): scaled free values.
+    - `constraints`, shape (n_inputs, n_points)): constraints, each with the points at which it is imposed.
+    - `ridge`: strength of the regularization towards the initial values, for directions that are not identifiable.
+    - `stage_type`, one of "intermediate", "penultimate", "final": selects the stopping window and the least gain
+      (`LEAST_GAIN`).
+    - `refine`: whether the start is the solution of the same problem with fewer constraint points. Gauss-Newton steps
+      are then tried first: IPOPT needs many iterations if the constraints at two points are almost equal.
+    - `local`: whether the start is the solution of a problem with other rows or residuals, to which Gauss-Newton steps
+      lead faster: only they are taken, and the result has not converged if they find no optimum.
+    - `stop`: called after every iteration; True ends the solver with the best feasible point, or with the start if
+      there is none.
 
-    Returns
-    -------
-    Solution
-        If no optimum is found, `converged` is False and `reason` states why.
+    Returns: if no optimum is found, `converged` is False and `reason` states why.
     """
     imposed = ConstraintFunctions(problem, constraints)
     cached = _CachedCost(problem, start, ridge, progress)

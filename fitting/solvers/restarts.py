@@ -28,24 +28,10 @@ def best_end(
 ) -> Solution:
     """Solve again from other values of a few coefficients, with all others at the best solution; return the best.
 
-    Parameters
-    ----------
-    problem : Problem
-    first : Solution
-        The solution of the stage.
-    settle : callable
-        Solves the stage from scaled values.
-    lower, upper : ndarray, shape (n_free,)
-        Scaled bounds.
-    again : sequence of mapping of str to float
-        The values of each restart.
-    always : bool
-        Run all restarts; otherwise only those of which one coefficient is at a bound, as in most local minima.
-
-    Returns
-    -------
-    Solution
-        Its iterations are those of the first solution and of the accepted restarts.
+    `first`: the solution of the stage. `settle`: solves the stage from scaled values. `lower`, `upper`, shape
+    (n_free,): scaled bounds. `again`: the values of each restart. `always`: run all restarts; otherwise only those of
+    which one coefficient is at a bound, as in most local minima. Returns: its iterations are those of the first
+    solution and of the accepted restarts.
     """
     best = first
     for values in again:

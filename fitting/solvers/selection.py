@@ -45,27 +45,10 @@ class Solver(Protocol):
 def solver_for(method: str, iterations: int | None = None, seed: int = 0) -> Solver:
     """Return the solver of a method.
 
-    Parameters
-    ----------
-    method : {"ipopt", "ioa"}
-    iterations : int, optional
-        Upper limit for each stage; by default the limit of the method.
-    seed : int
-        Seed of a random method.
+    `method`, one of "ipopt", "ioa". `iterations`: upper limit for each stage; by default the limit of the method.
+    `seed`: seed of a random method. Raises `UnknownName` if there is no such method. Raises `FitError` if the limit is
+    less than one, or the seed is negative.
 
-    Returns
-    -------
-    Solver
-
-    Raises
-    ------
-    UnknownName
-        If there is no such method.
-    FitError
-        If the limit is less than one, or the seed is negative.
-
-    Examples
-    --------
     >>> solver_for("ioa", seed=3).seed
     3
     """

@@ -16,18 +16,11 @@ from .result import Channel, WorstPoint
 class ChannelErrors:
     """Sums over the measured rows of a channel.
 
-    Attributes
-    ----------
-    name : str
-    count : int
-    squared : float
-        Sum of squared errors.
-    mean, about_mean, about_zero : float
-        Of the measured values: their mean, and the sums of squares about it and about zero.
-    largest : float
-        Largest measured magnitude.
-    worst : WorstPoint or None
-        None without a measured value.
+    - `squared`: sum of squared errors.
+    - `mean`, `about_mean`, `about_zero`: of the measured values: their mean, and the sums of squares about it and about
+      zero.
+    - `largest`: largest measured magnitude.
+    - `worst`: none without a measured value.
     """
 
     name: str
@@ -64,8 +57,6 @@ class ChannelErrors:
     def merged(self, later: ChannelErrors) -> ChannelErrors:
         """Return the errors of both parts.
 
-        Examples
-        --------
         >>> part = pd.DataFrame({"Fz": 900.0, "Fy": [0.0, 2.0]})
         >>> errors = ChannelErrors.of("Fy", part, part, ["Fz"])
         >>> both = errors.merged(ChannelErrors.of("Fy", part + 4.0, part, ["Fz"], first=2))

@@ -127,10 +127,7 @@ def check(
 def compared_columns(variables: Mapping[str, Any], recording: Recording) -> tuple[list[str], list[str], list[str]]:
     """Return the inputs of an FMU and the measured outputs in a recording, and all outputs of the FMU.
 
-    Raises
-    ------
-    DataError
-        If the recording has none of the inputs or outputs.
+    Raises `DataError` if the recording has none of the inputs or outputs.
     """
     inputs, outputs = (
         columns_of(variables, names, kind) for names, kind in ((TABLE_INPUTS, "input"), (TABLE_OUTPUTS, "output"))

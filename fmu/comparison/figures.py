@@ -31,25 +31,9 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     The upper axes show the data and the FMU by segment, the lower axes the error, with lines at plus and minus the RMSE
     of each segment.
 
-    Parameters
-    ----------
-    result : CheckResult
-    folder : path-like
-        Created if it does not exist.
-    prefix : str
-        Prefix of each file name, which is the name of the channel.
+    `folder`: created if it does not exist. `prefix`: prefix of each file name, which is the name of the channel. Raises
+    `FmuError` if a file cannot be written.
 
-    Returns
-    -------
-    list of Path
-
-    Raises
-    ------
-    FmuError
-        If a file cannot be written.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> from tirefmu.tires import published
     >>> from tirefmu.fmu import export
@@ -68,16 +52,7 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
 
 
 def check_figures(result: CheckResult) -> list[Figure]:
-    """Return the figures of `draw_check`.
-
-    Parameters
-    ----------
-    result : CheckResult
-
-    Returns
-    -------
-    list of Figure
-    """
+    """Return the figures of `draw_check`."""
     return [_figure(result, channel) for channel in result.channels]
 
 

@@ -18,20 +18,8 @@ from .result import EVALUATION_TOLERANCE, CheckResult
 def write_check(result: CheckResult, path: str | Path, *, command: str = "") -> None:
     """Write the page of a check.
 
-    Parameters
-    ----------
-    result : CheckResult
-    path : str or Path
-    command : str
-        The command line, for the provenance.
+    `command`: the command line, for the provenance. Raises `FmuError` if the file cannot be written.
 
-    Raises
-    ------
-    FmuError
-        If the file cannot be written.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> from tirefmu.fmu import check, export
     >>> from tirefmu.tires import published

@@ -19,22 +19,9 @@ LARGEST_INTERFACE = 1_000_000
 def axes_of_inputs(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
     """Return the convention of the FMU's inputs and outputs.
 
-    Parameters
-    ----------
-    folder : Path
-        The unpacked FMU.
-    fmu_path : path-like
-        The FMU, for messages.
-
-    Returns
-    -------
-    {"iso", "sae"}
-        From resources/interface.json; ``iso`` without that file.
-
-    Raises
-    ------
-    FmuError
-        If the file is invalid, or the FMU has no slip inputs.
+    `folder`: the unpacked FMU. `fmu_path`: the FMU, for messages. Returns one of "iso", "sae": from
+    resources/interface.json; ``iso`` without that file. Raises `FmuError` if the file is invalid, or the FMU has no
+    slip inputs.
     """
     path = folder / "resources" / "interface.json"
     source = f"{fmu_path}: resources/interface.json"
@@ -61,23 +48,8 @@ def axes_of_inputs(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
 def embedded_tire(folder: Path, fmu_path: str | os.PathLike[str], outputs: Iterable[str]) -> Tire | None:
     """Return the tire of resources/tire.tir, or None without that file.
 
-    Parameters
-    ----------
-    folder : Path
-        The unpacked FMU.
-    fmu_path : path-like
-        The FMU, for messages.
-    outputs : iterable of str
-        Outputs of the FMU.
-
-    Returns
-    -------
-    Tire or None
-
-    Raises
-    ------
-    FmuError
-        If the file is invalid, or its model lacks one of the outputs.
+    `folder`: the unpacked FMU. `fmu_path`: the FMU, for messages. `outputs`: outputs of the FMU. Raises `FmuError` if
+    the file is invalid, or its model lacks one of the outputs.
     """
     path = folder / "resources" / "tire.tir"
     if not path.is_file():

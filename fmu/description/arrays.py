@@ -32,13 +32,8 @@ ARRAYS = (
 class Array:
     """An array of variables with successive value references.
 
-    Attributes
-    ----------
-    name, description : str
-    shape : tuple of int
-        The scalars are in the order of rows.
-    first, size : int
-        Value reference of its first scalar, and their number.
+    - `shape`: the scalars are in the order of rows.
+    - `first`, `size`: value reference of its first scalar, and their number.
     """
 
     name: str
@@ -51,18 +46,8 @@ class Array:
 def arrays(variables: Sequence[Variable]) -> list[Array]:
     """Return the arrays that variables form; the value reference of each is `FIRST_ARRAY` and its place in this list.
 
-    Parameters
-    ----------
-    variables : sequence of Variable
-        In the order of their value references.
+    `variables`: in the order of their value references. Returns: empty without hub inputs.
 
-    Returns
-    -------
-    list of Array
-        Empty without hub inputs.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> from .interface import interface
     >>> hub = interface(published("trento_hoosier"), inputs="hub").variables
@@ -90,16 +75,10 @@ def with_arrays(variables: Sequence[Variable]) -> list[Variable]:
 def gather(root: ET.Element, variables: Sequence[Variable]) -> None:
     """Replace the scalars of arrays by arrays in a model description of FMI 3.
 
-    Parameters
-    ----------
-    root : Element
-        Of the model description with scalars only; it is changed.
-    variables : sequence of Variable
-        In the order of their value references.
+    `root`: of the model description with scalars only; it is changed. `variables`: in the order of their value
+    references.
 
-    References
-    ----------
-    FMI 3.0.2, section 2.4.7.5 (array variables).
+    Source: FMI 3.0.2, section 2.4.7.5 (array variables).
     """
     listed, structure = root.find("ModelVariables"), root.find("ModelStructure")
     if listed is None or structure is None:

@@ -55,19 +55,8 @@ _STYLE = (
 def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> bytes:
     """Return documentation/index.html.
 
-    Parameters
-    ----------
-    tire : Tire
-    header : Header
-        Of the model description.
-    variables : sequence of Variable
+    `header`: of the model description.
 
-    Returns
-    -------
-    bytes
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> b"<h1>a &lt; b</h1>" in index_html(published("trento_hoosier"), Header("a < b", "a", "", ()), [])
     True
@@ -204,19 +193,7 @@ def _table(variables: Sequence[Variable], value: str) -> Iterable[str]:
 def header_license(header: Path) -> bytes:
     """Return the license notice of the FMI standard's header, which the license requires with binaries.
 
-    Parameters
-    ----------
-    header : Path
-        One of the standard's C headers.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    FmuError
-        If the header cannot be read or contains no notice.
+    `header`: one of the standard's C headers. Raises `FmuError` if the header cannot be read or contains no notice.
     """
     try:
         text = header.read_text(encoding="utf-8")

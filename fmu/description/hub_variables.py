@@ -69,26 +69,11 @@ def hub_inputs(
 ) -> list[Variable]:
     """Return the inputs: a freely rolling wheel with its nominal load at the start.
 
-    Parameters
-    ----------
-    tire : Tire
-    read : set of str
-        The inputs of the model that the tire needs.
-    speed, spin : float
-        At the start, m/s and rad/s.
-    spins : bool
-        Whether the spin of the wheel is a state. It then is an output, whose start value can be set.
-    road : Road, optional
-        A road inside the FMU: its plane at the wheel is an output.
+    `read`: the inputs of the model that the tire needs. `speed`, `spin`: at the start, m/s and rad/s. `spins`: whether
+    the spin of the wheel is a state. It then is an output, whose start value can be set. `road`: a road inside the FMU:
+    its plane at the wheel is an output. Returns: the arguments of the generated function ``wheel_motion``, then the
+    friction of the road, torques, and the inputs of the model that are no motion.
 
-    Returns
-    -------
-    list of Variable
-        The arguments of the generated function ``wheel_motion``, then the friction of the road, torques, and the inputs
-        of the model that are no motion.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in hub_inputs(published("trento_hoosier"), {"Fz"}, 10.0, 40.0, spins=False)][-3:]
     ['road_vz', 'omega', 'road_mu']
@@ -123,19 +108,8 @@ def hub_outputs(spins: bool) -> list[Variable]:
 def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
     """Return the parameters of the vertical force that the tire's model does not have, and of the spin.
 
-    Parameters
-    ----------
-    tire : Tire
-    spins : bool
-        As for `hub_inputs`.
+    `spins`: as for `hub_inputs`. Returns: values come from the entries of the tire's file, if it has them.
 
-    Returns
-    -------
-    list of Variable
-        Values come from the entries of the tire's file, if it has them.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in hub_parameters(published("trento_hoosier"), False)]
     ['VERTICAL_STIFFNESS', 'VERTICAL_DAMPING', 'BOTTOM_STIFF', 'BOTTOM_RADIUS']
@@ -187,20 +161,8 @@ def _nominal_radius(tire: Tire) -> float:
 def known_value(tire: Tire, name: str, default: float) -> float:
     """Return a value of the tire, or of the entries of its file that the model does not use.
 
-    Parameters
-    ----------
-    tire : Tire
-    name : str
-        A key of property files.
-    default : float
-        If there is no number, or a negative one.
+    `name`: a key of property files. `default`: if there is no number, or a negative one.
 
-    Returns
-    -------
-    float
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> known_value(published("trento_hoosier"), "RIM_RADIUS", 0.2)
     0.2

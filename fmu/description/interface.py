@@ -58,21 +58,13 @@ LAGGED_SLIPS = frozenset({KAPPA_LAGGED.name, TAN_ALPHA_LAGGED.name})
 class Interface:
     """The interface of a native FMU of a tire.
 
-    Attributes
-    ----------
-    tire : Tire
-        In the signs in which the FMU evaluates it.
-    inputs : str
-        One of `INPUTS`.
-    axes : str
-        One of `AXES`.
-    variables : tuple of Variable
-        In the order of their value references: ``time``, inputs, the motion of the wheel that hub inputs determine,
-        forces, parameters, states, their derivatives, extra outputs.
-    relaxation_note : str
-        The relaxation lengths assumed for a tire that has none; empty if none are assumed.
-    road : Road or None
-        The road inside the FMU.
+    - `tire`: in the signs in which the FMU evaluates it.
+    - `inputs`: one of `INPUTS`.
+    - `axes`: one of `AXES`.
+    - `variables`: in the order of their value references: ``time``, inputs, the motion of the wheel that hub inputs
+      determine, forces, parameters, states, their derivatives, extra outputs.
+    - `relaxation_note`: the relaxation lengths assumed for a tire that has none; empty if none are assumed.
+    - `road`: the road inside the FMU.
     """
 
     tire: Tire
@@ -137,37 +129,18 @@ def interface(
 ) -> Interface:
     """Return the interface of a native FMU of a tire.
 
-    Parameters
-    ----------
-    tire : Tire
-        In any signs.
-    inputs : {"slip", "wheel", "hub", "hub-torque"}
-        Slips, the velocities from which the FMU computes them, or the motion of the wheel carrier and the road, with
-        the spin of the wheel or with the torques that it follows from.
-    axes : {"iso", "sae"}
-        TYDEX W (z up), or SAE (z down, y to the right).
-    quantities : bool
-        Whether every named quantity of the model is an output.
-    road : Road, optional
-        A road inside the FMU, with hub inputs: its height and normal at the wheel are outputs.
+    - `tire`: in any signs.
+    - `inputs`, one of "slip", "wheel", "hub", "hub-torque": slips, the velocities from which the FMU computes them, or
+      the motion of the wheel carrier and the road, with the spin of the wheel or with the torques that it follows from.
+    - `axes`, one of "iso", "sae": TYDEX W (z up), or SAE (z down, y to the right).
+    - `quantities`: whether every named quantity of the model is an output.
+    - `road`: a road inside the FMU, with hub inputs: its height and normal at the wheel are outputs.
 
-    Returns
-    -------
-    Interface
-        The input of an on-demand or added effect is present if the tire has an effect that reads it. With wheel inputs
-        a tire without relaxation has the lengths of `with_lengths`: at standstill slip is 0/0, and a lagged slip is a
-        deflection.
+    Returns: the input of an on-demand or added effect is present if the tire has an effect that reads it. With wheel
+    inputs a tire without relaxation has the lengths of `with_lengths`: at standstill slip is 0/0, and a lagged slip is
+    a deflection. Raises `UnknownName` if inputs or axes do not exist. Raises `FmuError` if hub inputs have other axes
+    than ISO, a road is given for other inputs, or the radius of a wheel or the nominal load at a hub is not positive.
 
-    Raises
-    ------
-    UnknownName
-        If inputs or axes do not exist.
-    FmuError
-        If hub inputs have other axes than ISO, a road is given for other inputs, or the radius of a wheel or the
-        nominal load at a hub is not positive.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in interface(published("trento_hoosier"), inputs="wheel").group("input")]
     ['V_x', 'V_y', 'omega', 'psi_dot', 'gamma', 'Fz']

@@ -29,24 +29,14 @@ VERSION_ATTRIBUTES = {2: ("2.0", "guid"), 3: ("3.0", "instantiationToken")}
 class Header:
     """The attributes of a model description.
 
-    Attributes
-    ----------
-    name : str
-        The tire's name.
-    identifier : str
-        Name of the binary; a C identifier.
-    description : str
-        One sentence.
-    sources : tuple of str
-        The C files to compile, for hosts that compile them.
-    model_exchange : bool
-        Whether the FMU supports Model Exchange in addition to Co-Simulation.
-    note : str
-        What the FMU assumes; empty if nothing.
-    has_event_mode : bool
-        Whether events within a step of Co-Simulation are reported to the host, in FMI 3.
-    has_arrays : bool
-        Whether vectors are array variables, in FMI 3.
+    - `name`: the tire's name.
+    - `identifier`: name of the binary; a C identifier.
+    - `description`: one sentence.
+    - `sources`: the C files to compile, for hosts that compile them.
+    - `model_exchange`: whether the FMU supports Model Exchange in addition to Co-Simulation.
+    - `note`: what the FMU assumes; empty if nothing.
+    - `has_event_mode`: whether events within a step of Co-Simulation are reported to the host, in FMI 3.
+    - `has_arrays`: whether vectors are array variables, in FMI 3.
     """
 
     name: str
@@ -62,27 +52,11 @@ class Header:
 def model_description(fmi: int, header: Header, variables: Sequence[Variable], token: str) -> bytes:
     """Return modelDescription.xml.
 
-    Parameters
-    ----------
-    fmi : int
-        2 or 3.
-    header : Header
-    variables : sequence of Variable
-        In the order of their value references.
-    token : str
-        Identifies the binary that belongs to the description: FMI 2's guid, FMI 3's instantiation token.
+    `fmi`: 2 or 3. `variables`: in the order of their value references. `token`: identifies the binary that belongs to
+    the description: FMI 2's guid, FMI 3's instantiation token. Returns: UTF-8; equal arguments give equal bytes.
 
-    Returns
-    -------
-    bytes
-        UTF-8; equal arguments give equal bytes.
+    Source: FMI 2.0.5, section 2.2; FMI 3.0.2, section 2.4.
 
-    References
-    ----------
-    FMI 2.0.5, section 2.2; FMI 3.0.2, section 2.4.
-
-    Examples
-    --------
     >>> from .variables import TIME
     >>> text = model_description(3, Header("a < b", "a", "", ()), [TIME], "{1}").decode()
     >>> 'modelName="a &lt; b"' in text
@@ -124,8 +98,6 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
 def with_token(fmi: int, description: bytes, token: str) -> bytes:
     """Return a model description that was written without token with one.
 
-    Examples
-    --------
     >>> with_token(2, b'<a guid=""/>', "{1}")
     b'<a guid="{1}"/>'
     """
@@ -138,8 +110,6 @@ def xml_bytes(root: ET.Element) -> bytes:
 
     U+FFFD replaces characters that XML 1.0 does not allow.
 
-    Examples
-    --------
     >>> print(xml_bytes(ET.Element("a")).decode(), end="")
     <?xml version='1.0' encoding='utf-8'?>
     <a />

@@ -27,20 +27,10 @@ DEFAULT_SIGMA = Variable(
 def with_lengths(tire: Tire) -> tuple[Tire, str]:
     """Return a tire with relaxation lengths for an FMU with wheel inputs, and a note about assumed ones.
 
-    Parameters
-    ----------
-    tire : Tire
+    Returns: the tire itself if it has relaxation. Otherwise it has the lengths of its model, such as sigma = K/c of the
+    Magic Formula, provided that the tire has values of the coefficients they need. Returns: empty if the tire has
+    relaxation.
 
-    Returns
-    -------
-    Tire
-        The tire itself if it has relaxation. Otherwise it has the lengths of its model, such as sigma = K/c of the
-        Magic Formula, provided that the tire has values of the coefficients they need.
-    str
-        Empty if the tire has relaxation.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> tire, note = with_lengths(published("trento_hoosier"))
     >>> tire.lags, note
@@ -64,17 +54,8 @@ def with_lengths(tire: Tire) -> tuple[Tire, str]:
 def standstill_parameters(tire: Tire) -> tuple[Variable, ...]:
     """Return the parameters of standstill.
 
-    Parameters
-    ----------
-    tire : Tire
+    Returns: the start value of LOW_SPEED is the model's own low speed, if any.
 
-    Returns
-    -------
-    tuple of Variable
-        The start value of LOW_SPEED is the model's own low speed, if any.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in standstill_parameters(published("trento_hoosier"))]
     ['LOW_SPEED', 'LOW_SPEED_DAMPING', 'DEFAULT_SIGMA', 'FRICTION_LIMIT']

@@ -33,14 +33,10 @@ MEDIA = {
 class Component:
     """A tire or a vehicle in a system.
 
-    Attributes
-    ----------
-    name : str
-        Unique in the system.
-    fmu, values, mapping : str
-        Paths of the FMU, the parameter set and its mapping inside the archive; the last two are empty for a vehicle.
-    variables : tuple of Variable
-        Of the FMU.
+    - `name`: unique in the system.
+    - `fmu`, `values`, `mapping`: paths of the FMU, the parameter set and its mapping inside the archive; the last two
+      are empty for a vehicle.
+    - `variables`: of the FMU.
     """
 
     name: str
@@ -58,8 +54,6 @@ class Component:
 def parameters(variables: Iterable[Variable]) -> list[Variable]:
     """Return the parameters among variables.
 
-    Examples
-    --------
     >>> parameters([Variable("PDY1", "parameter", "1", "friction"), Variable("Fz", "input", "N", "load")])[0].name
     'PDY1'
     """
@@ -69,23 +63,10 @@ def parameters(variables: Iterable[Variable]) -> list[Variable]:
 def parameter_set(fmi: int, name: str, variables: Iterable[Variable]) -> bytes:
     """Return a parameter set with the start values of the parameters among variables.
 
-    Parameters
-    ----------
-    fmi : int
-        2 for SSP 1.0, 3 for SSP 2.0.
-    name : str
-    variables : iterable of Variable
+    `fmi`: 2 for SSP 1.0, 3 for SSP 2.0.
 
-    Returns
-    -------
-    bytes
+    Source: SSP 1.0, section 6 (ParameterSet).
 
-    References
-    ----------
-    SSP 1.0, section 6 (ParameterSet).
-
-    Examples
-    --------
     >>> print(parameter_set(2, "tire", [Variable("PDY1", "parameter", "1", "friction", 0.9)]).decode())
     ... # doctest: +ELLIPSIS
     <?xml version='1.0' encoding='utf-8'?>
@@ -109,22 +90,10 @@ def parameter_set(fmi: int, name: str, variables: Iterable[Variable]) -> bytes:
 def parameter_mapping(fmi: int, variables: Iterable[Variable]) -> bytes:
     """Return the mapping of a parameter set of a tire to the parameters of its FMU, which have the same names.
 
-    Parameters
-    ----------
-    fmi : int
-        2 for SSP 1.0, 3 for SSP 2.0.
-    variables : iterable of Variable
+    `fmi`: 2 for SSP 1.0, 3 for SSP 2.0.
 
-    Returns
-    -------
-    bytes
+    Source: SSP 1.0, section 7 (ParameterMapping).
 
-    References
-    ----------
-    SSP 1.0, section 7 (ParameterMapping).
-
-    Examples
-    --------
     >>> b'source="PDY1" target="PDY1"' in parameter_mapping(2, [Variable("PDY1", "parameter", "1", "friction")])
     True
     """
@@ -137,28 +106,13 @@ def parameter_mapping(fmi: int, variables: Iterable[Variable]) -> bytes:
 def system_structure(fmi: int, name: str, components: Sequence[Component], vehicle: Component | None = None) -> bytes:
     """Return SystemStructure.ssd of a system of tires, alone or with a vehicle.
 
-    Parameters
-    ----------
-    fmi : int
-        2 for SSP 1.0, 3 for SSP 2.0.
-    name : str
-    components : sequence of Component
-        The tires.
-    vehicle : Component, optional
-        Its variables are those of the tires, with the name of the tire in front, such as FL_Fz.
+    `fmi`: 2 for SSP 1.0, 3 for SSP 2.0. `components`: the tires. `vehicle`: its variables are those of the tires, with
+    the name of the tire in front, such as FL_Fz. Returns: without a vehicle the system has the inputs and outputs of
+    every tire as connectors, such as FL_Fz. With one they are connected to those of the vehicle, and the system has no
+    connectors.
 
-    Returns
-    -------
-    bytes
-        Without a vehicle the system has the inputs and outputs of every tire as connectors, such as FL_Fz. With one
-        they are connected to those of the vehicle, and the system has no connectors.
+    Source: SSP 1.0, section 5 (SystemStructureDescription).
 
-    References
-    ----------
-    SSP 1.0, section 5 (SystemStructureDescription).
-
-    Examples
-    --------
     >>> load = Variable("Fz", "input", "N", "vertical load")
     >>> written = system_structure(2, "car", [Component("FL", "t.fmu", "FL.ssv", "t.ssm", (load,))])
     >>> b'<ssd:Connection startConnector="FL_Fz" endElement="FL" endConnector="Fz" />' in written

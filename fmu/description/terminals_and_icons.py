@@ -32,22 +32,10 @@ HUB_TERMINALS = {
 def pictures(fmi: int, variables: Sequence[Variable]) -> dict[str, bytes]:
     """Return the files by their paths inside the FMU.
 
-    Parameters
-    ----------
-    fmi : int
-        2, which supports an icon only, or 3.
-    variables : sequence of Variable
+    `fmi`: 2, which supports an icon only, or 3.
 
-    Returns
-    -------
-    dict of str to bytes
+    Source: FMI 2.0.5, section 2.3 (model.png); FMI 3.0.2, section 2.4.9 (terminals and icons).
 
-    References
-    ----------
-    FMI 2.0.5, section 2.3 (model.png); FMI 3.0.2, section 2.4.9 (terminals and icons).
-
-    Examples
-    --------
     >>> sorted(pictures(2, ())), sorted(pictures(3, ()))
     (['model.png'], ['terminalsAndIcons/icon.png', 'terminalsAndIcons/terminalsAndIcons.xml'])
     """
@@ -60,16 +48,8 @@ def pictures(fmi: int, variables: Sequence[Variable]) -> dict[str, bytes]:
 def icon() -> bytes:
     r"""Return a wheel as a PNG file, with a transparent background.
 
-    Returns
-    -------
-    bytes
+    Source: W3C, Portable Network Graphics (PNG) Specification, third edition.
 
-    References
-    ----------
-    W3C, Portable Network Graphics (PNG) Specification, third edition.
-
-    Examples
-    --------
     >>> icon()[:8]
     b'\x89PNG\r\n\x1a\n'
     """
@@ -99,14 +79,6 @@ def terminals(variables: Sequence[Variable]) -> bytes:
     """Return terminalsAndIcons.xml: the inputs of the wheel and the outputs of the contact.
 
     With hub inputs there are terminals for the carrier, the road, the hub and the torques, too.
-
-    Parameters
-    ----------
-    variables : sequence of Variable
-
-    Returns
-    -------
-    bytes
     """
     root = ET.Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
     view = ET.SubElement(root, "GraphicalRepresentation")

@@ -31,24 +31,10 @@ _FACTOR = re.compile(r"(1|[A-Za-z]+)(?:\^(-?\d+))?")
 def base_unit(unit: str) -> dict[str, int | float]:
     """Return a unit in base units, as the attributes of FMI's BaseUnit element.
 
-    Parameters
-    ----------
-    unit : str
-        Factors separated by spaces, powers with ``^``; all factors after the one ``/`` divide: "N m", "1/rad^2",
-        "kg/m s".
+    `unit`: factors separated by spaces, powers with ``^``; all factors after the one ``/`` divide: "N m", "1/rad^2",
+    "kg/m s". Returns: exponents of ``kg m s K rad`` that are not 0, and an ``offset`` for a unit with an offset. Raises
+    `FmuError` if a factor is unknown.
 
-    Returns
-    -------
-    dict of str to int or float
-        Exponents of ``kg m s K rad`` that are not 0, and an ``offset`` for a unit with an offset.
-
-    Raises
-    ------
-    FmuError
-        If a factor is unknown.
-
-    Examples
-    --------
     >>> base_unit("N m/rad")
     {'kg': 1, 'm': 2, 's': -2, 'rad': -1}
     >>> base_unit("1")

@@ -19,31 +19,19 @@ from tirefmu.tires import Tire
 class Variable:
     """A variable of the FMU; its value reference is its index in the list.
 
-    Attributes
-    ----------
-    name : str
-        As in the tables and in the .tir file.
-    causality : str
-        ``independent``, ``input``, ``output``, ``parameter`` or ``local``, as in FMI; ``hidden`` for a value that
-        the model reads but that is not visible to the host.
-    unit, description : str
-        SI unit; "1" for a dimensionless variable.
-    start : float or None
-        None for a computed variable.
-    lower, upper : float
-        Limits that the FMU enforces; infinite without limits.
-    nominal : float
-        Typical magnitude; 0 if unknown.
-    depends : tuple of int
-        Of an output or a derivative: the value references of the inputs and states that it depends on directly.
-    group : str
-        Of a native FMU: its group in the C code; see `tirefmu.fmu.description.interface`.
-    reversed : bool
-        Of a native FMU: host and formula use opposite signs.
-    derivative_of : int or None
-        Value reference of the state whose derivative it is.
-    source : str
-        Of an extra output: its source in the C code.
+    - `name`: as in the tables and in the .tir file.
+    - `causality`: ``independent``, ``input``, ``output``, ``parameter`` or ``local``, as in FMI; ``hidden`` for a value
+      that the model reads but that is not visible to the host.
+    - `unit`, `description`: SI unit; "1" for a dimensionless variable.
+    - `start`: none for a computed variable.
+    - `lower`, `upper`: limits that the FMU enforces; infinite without limits.
+    - `nominal`: typical magnitude; 0 if unknown.
+    - `depends`: of an output or a derivative: the value references of the inputs and states that it depends on
+      directly.
+    - `group`: of a native FMU: its group in the C code; see `tirefmu.fmu.description.interface`.
+    - `reversed`: of a native FMU: host and formula use opposite signs.
+    - `derivative_of`: value reference of the state whose derivative it is.
+    - `source`: of an extra output: its source in the C code.
     """
 
     name: str
@@ -74,20 +62,10 @@ LAGGED = (
 def variables(tire: Tire) -> tuple[Variable, ...]:
     """Return the variables of a tire's FMU in the order of their value references.
 
-    Parameters
-    ----------
-    tire : Tire
-        In ISO signs.
+    `tire`: in ISO signs. Returns: ``time``, the inputs, the outputs, every coefficient and option as a parameter, and
+    the lagged slips of a tire with relaxation. Inputs and parameters are in the order of the generated code's arrays.
+    An input that no effect of the tire reads is hidden and 0.
 
-    Returns
-    -------
-    tuple of Variable
-        ``time``, the inputs, the outputs, every coefficient and option as a parameter, and the lagged slips of
-        a tire with relaxation. Inputs and parameters are in the order of the generated code's arrays. An input
-        that no effect of the tire reads is hidden and 0.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> [variable.name for variable in variables(published("trento_hoosier").in_signs("iso"))][:8]
     ['time', 'kappa', 'alpha', 'gamma', 'Fz', 'Fx', 'Fy', 'Mz']
@@ -123,18 +101,8 @@ def with_ranges(listed: Iterable[Variable], tire: Tire) -> tuple[Variable, ...]:
 
     The range is not declared as minimum and maximum: a host could refuse values that the FMU accepts with a warning.
 
-    Parameters
-    ----------
-    listed : iterable of Variable
-    tire : Tire
-        In the signs of the FMU's formula.
+    `tire`: in the signs of the FMU's formula.
 
-    Returns
-    -------
-    tuple of Variable
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> tire = published("trento_hoosier")
     >>> with_ranges([Variable("Fz", "input", "N", "vertical load")], tire)[0].description
@@ -156,18 +124,9 @@ def with_ranges(listed: Iterable[Variable], tire: Tire) -> tuple[Variable, ...]:
 def read_inputs(tire: Tire) -> set[str]:
     """Return the model inputs that the FMU of a tire needs.
 
-    Parameters
-    ----------
-    tire : Tire
+    Returns: inputs of on-demand effects (phit) and added inputs (T, distance) only if the tire has an effect that reads
+    them; all others for every tire of a model, so that FMUs of the same model are interchangeable.
 
-    Returns
-    -------
-    set of str
-        Inputs of on-demand effects (phit) and added inputs (T, distance) only if the tire has an effect that reads
-        them; all others for every tire of a model, so that FMUs of the same model are interchangeable.
-
-    Examples
-    --------
     >>> from tirefmu.tires import Tire
     >>> values = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     >>> sorted(read_inputs(Tire("mf61", values, effects=["turn_slip"])) - read_inputs(Tire("mf61", values, effects=[])))
@@ -181,16 +140,6 @@ def read_inputs(tire: Tire) -> set[str]:
 def direct_feedthrough(book: Model) -> dict[str, set[str]]:
     """Return for every output of a model the inputs that it depends on.
 
-    Parameters
-    ----------
-    book : Model
-
-    Returns
-    -------
-    dict of str to set of str
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> sorted(direct_feedthrough(model("mf96"))["Fx"])
     ['Fz', 'alpha', 'gamma', 'kappa']
@@ -199,17 +148,7 @@ def direct_feedthrough(book: Model) -> dict[str, set[str]]:
 
 
 def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
-    """Return for named quantities and outputs of a model the inputs that they depend on.
-
-    Parameters
-    ----------
-    book : Model
-    names : iterable of str
-
-    Returns
-    -------
-    dict of str to set of str
-    """
+    """Return for named quantities and outputs of a model the inputs that they depend on."""
     inputs = {quantity.name for quantity in book.inputs}
     return {name: inputs & _reached(book, name) for name in names}
 

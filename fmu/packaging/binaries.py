@@ -55,18 +55,8 @@ LINK = {
 def host_platform() -> str:
     """Return FMI 3's name of this machine.
 
-    Returns
-    -------
-    str
-        Such as ``x86_64-linux``.
+    Returns: such as ``x86_64-linux``. Raises `FmuError` if FMI has no name for this system or processor.
 
-    Raises
-    ------
-    FmuError
-        If FMI has no name for this system or processor.
-
-    Examples
-    --------
     >>> host_platform() in PLATFORMS or host_platform() == "aarch64-windows"
     True
     """
@@ -79,24 +69,10 @@ def host_platform() -> str:
 def chosen_platforms(platforms: str | Iterable[str]) -> tuple[str, ...]:
     """Return the requested platforms, without duplicates.
 
-    Parameters
-    ----------
-    platforms : str or iterable of str
-        ``host`` (this machine, with the system's compiler), ``all``, or FMI 3 names: one, several separated by
-        commas, or an iterable.
+    `platforms`: ``host`` (this machine, with the system's compiler), ``all``, or FMI 3 names: one, several separated by
+    commas, or an iterable. Returns: ``host`` and names of `PLATFORMS`. Raises `FmuError` if one is unknown, or none is
+    given.
 
-    Returns
-    -------
-    tuple of str
-        ``host`` and names of `PLATFORMS`.
-
-    Raises
-    ------
-    FmuError
-        If one is unknown, or none is given.
-
-    Examples
-    --------
     >>> chosen_platforms("x86_64-windows, x86_64-linux")
     ('x86_64-windows', 'x86_64-linux')
     >>> chosen_platforms("all") == tuple(PLATFORMS)
@@ -117,31 +93,12 @@ def chosen_platforms(platforms: str | Iterable[str]) -> tuple[str, ...]:
 def binary_path(fmi: int, identifier: str, platform: str | None = None) -> str:
     """Return the path of a platform's binary inside an FMU.
 
-    Parameters
-    ----------
-    fmi : int
-        2 or 3.
-    identifier : str
-        The model identifier.
-    platform : str, optional
-        FMI 3's name; None for this machine.
+    `fmi`: 2 or 3. `identifier`: the model identifier. `platform`: FMI 3's name; None for this machine. Returns: such as
+    ``binaries/x86_64-linux/tire.so`` in FMI 3 and ``binaries/linux64/tire.so`` in FMI 2. Raises `FmuError` if FMI has
+    no name for this system or processor.
 
-    Returns
-    -------
-    str
-        Such as ``binaries/x86_64-linux/tire.so`` in FMI 3 and ``binaries/linux64/tire.so`` in FMI 2.
+    Source: FMI 2.0.5, section 2.3, for x86; FMI 2 defines no names for other processors, which use those of FMI 3.
 
-    Raises
-    ------
-    FmuError
-        If FMI has no name for this system or processor.
-
-    References
-    ----------
-    FMI 2.0.5, section 2.3, for x86; FMI 2 defines no names for other processors, which use those of FMI 3.
-
-    Examples
-    --------
     >>> binary_path(2, "tire", "x86_64-windows"), binary_path(3, "tire", "aarch64-darwin")
     ('binaries/win64/tire.dll', 'binaries/aarch64-darwin/tire.dylib')
     """
@@ -165,32 +122,11 @@ def binaries(
 ) -> dict[str, bytes]:
     """Return the shared libraries of an FMU by their paths inside it.
 
-    Parameters
-    ----------
-    sources : mapping of str to bytes
-        C files and their headers by name.
-    model : str
-        Name of the model. Compiled code of a model is cached, as it takes most of the time.
-    include : Path
-        Folder of the FMI standard's headers.
-    fmi : int
-        2 or 3.
-    identifier : str
-        The model identifier.
-    platforms : iterable of str
-        As from `chosen_platforms`.
-    ready : mapping of str to bytes, optional
-        Binaries that need no compiler, by FMI 3's name of the platform.
-
-    Returns
-    -------
-    dict of str to bytes
-        From the cache if the same sources were compiled before.
-
-    Raises
-    ------
-    FmuError
-        If there is no compiler, or it fails; the message has its errors.
+    `sources`: C files and their headers by name. `model`: name of the model. Compiled code of a model is cached, as it
+    takes most of the time. `include`: folder of the FMI standard's headers. `fmi`: 2 or 3. `identifier`: the model
+    identifier. `platforms`: as from `chosen_platforms`. `ready`: binaries that need no compiler, by FMI 3's name of the
+    platform. Returns: from the cache if the same sources were compiled before. Raises `FmuError` if there is no
+    compiler, or it fails; the message has its errors.
     """
     requested, ready = list(platforms), ready or {}
     if requested == ["host"]:
@@ -218,21 +154,8 @@ def binaries(
 def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: CrossCompiler | None = None) -> bytes:
     """Return the bytes of one shared library.
 
-    Parameters
-    ----------
-    sources, model, include
-        As in `binaries`.
-    cross : CrossCompiler, optional
-        None for this machine.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    FmuError
-        If there is no compiler, or it fails; the message has its errors.
+    `sources`, `model`, `include`: as in `binaries`. `cross`: none for this machine. Raises `FmuError` if there is no
+    compiler, or it fails; the message has its errors.
     """
     generated = [file for file in model_files(model) if file in sources]
     wrapper_files = sorted(file for file in sources if file.endswith(".c") and file not in generated)
@@ -285,19 +208,7 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
 def host_binary(sources: Mapping[str, bytes], model: str, include: Path) -> bytes:
     """Return the bytes of this machine's library, built by ziglang if there is no other compiler.
 
-    Parameters
-    ----------
-    sources, model, include
-        As in `binaries`.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    FmuError
-        As `binary`.
+    `sources`, `model`, `include`: as in `binaries`. Raises `FmuError`: as `binary`.
     """
     try:
         return binary(sources, model, include)

@@ -18,13 +18,9 @@ from tirefmu.tires.code.compiler import CrossCompiler
 class Platform:
     """A platform with an FMI name.
 
-    Attributes
-    ----------
-    target : str
-        Target name of zig. On Linux it has the C library of 2012, so that every later distribution loads
-        the binary.
-    system : str
-        As in sys.platform.
+    - `target`: target name of zig. On Linux it has the C library of 2012, so that every later distribution loads the
+      binary.
+    - `system`: as in sys.platform.
     """
 
     target: str
@@ -46,8 +42,6 @@ FOLDERS_2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwi
 def has_ziglang() -> bool:
     """Return whether the extra is installed.
 
-    Examples
-    --------
     >>> has_ziglang() in (True, False)
     True
     """
@@ -57,19 +51,7 @@ def has_ziglang() -> bool:
 def ziglang(platform: str) -> CrossCompiler:
     """Return the compiler for a platform.
 
-    Parameters
-    ----------
-    platform : str
-        A name of `PLATFORMS`.
-
-    Returns
-    -------
-    CrossCompiler
-
-    Raises
-    ------
-    FmuError
-        If the extra is not installed.
+    `platform`: a name of `PLATFORMS`. Raises `FmuError` if the extra is not installed.
     """
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
@@ -91,27 +73,11 @@ _ALIGNMENT = 14
 def universal(binaries: Sequence[bytes]) -> bytes:
     """Return binaries for several macOS processors as one file.
 
-    Parameters
-    ----------
-    binaries : sequence of bytes
-        64-bit Mach-O files for different processors.
+    `binaries`: 64-bit Mach-O files for different processors. Raises `FmuError` if one is not such a file.
 
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    FmuError
-        If one is not such a file.
-
-    References
-    ----------
-    Apple's header mach-o/fat.h: big-endian, a header of magic and count, then type, subtype, offset, size and
+    Source: Apple's header mach-o/fat.h: big-endian, a header of magic and count, then type, subtype, offset, size and
     alignment of each.
 
-    Examples
-    --------
     >>> universal([bytes.fromhex("cffaedfe 07000001 03000000"), bytes.fromhex("cffaedfe 0c000001 00000000")])[:8].hex()
     'cafebabe00000002'
     """

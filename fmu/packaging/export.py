@@ -161,13 +161,8 @@ def _prebuilt(
 def checked_interface(inputs: str, axes: str) -> None:
     """Check that inputs and axes exist.
 
-    Raises
-    ------
-    FmuError
-        If one does not.
+    Raises `FmuError` if one does not.
 
-    Examples
-    --------
     >>> checked_interface("slip", "iso")
     """
     for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
@@ -178,24 +173,9 @@ def checked_interface(inputs: str, axes: str) -> None:
 def fmi_version(fmi: Any) -> int:
     """Return a version of FMI from a number or a text.
 
-    Parameters
-    ----------
-    fmi : int, float or str
-        2, 3, 2.0, 3.0, "2", "3", "2.0" or "3.0".
+    `fmi`: 2, 3, 2.0, 3.0, "2", "3", "2.0" or "3.0". Raises `FmuError` if tirefmu does not support this version. Raises
+    `WrongType` if it is neither a number nor a text.
 
-    Returns
-    -------
-    int
-
-    Raises
-    ------
-    FmuError
-        If tirefmu does not support this version.
-    WrongType
-        If it is neither a number nor a text.
-
-    Examples
-    --------
     >>> fmi_version("3"), fmi_version(2.0)
     (3, 2)
     >>> fmi_version("1.0")
@@ -223,27 +203,9 @@ def contents(
 ) -> dict[str, bytes]:
     """Return the files of a tire's FMU by their paths inside it, without binaries.
 
-    Parameters
-    ----------
-    tire : Tire
-    fmi : int
-        2 or 3.
-    identifier : str
-        The model identifier, see `c_identifier`.
-    kind, inputs, axes, quantities
-        As in `export`.
+    `fmi`: 2 or 3. `identifier`: the model identifier, see `c_identifier`. `kind`, `inputs`, `axes`, `quantities`: as in
+    `export`. Raises `FmuError` if the headers of the standard are not installed, or a unit is unknown.
 
-    Returns
-    -------
-    dict of str to bytes
-
-    Raises
-    ------
-    FmuError
-        If the headers of the standard are not installed, or a unit is unknown.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> sorted(contents(published("trento_hoosier"), 2, "tire"))[:2]
     ['documentation/index.html', 'documentation/licenses/fmi-headers.txt']
@@ -293,16 +255,6 @@ def _described(
 def c_identifier(name: str) -> str:
     """Return a valid C identifier for a name.
 
-    Parameters
-    ----------
-    name : str
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> c_identifier("Hoosier 18.0x6.0-10"), c_identifier("2nd tire"), c_identifier("double")
     ('Hoosier_18_0x6_0_10', 'tire_2nd_tire', 'tire_double')
     """
@@ -313,17 +265,8 @@ def c_identifier(name: str) -> str:
 def fingerprint(parts: Mapping[str, bytes]) -> str:
     """Return a token for named parts: different parts have different tokens.
 
-    Parameters
-    ----------
-    parts : mapping of str to bytes
+    Returns: with braces and hyphens, the form of FMI 2's guid.
 
-    Returns
-    -------
-    str
-        With braces and hyphens, the form of FMI 2's guid.
-
-    Examples
-    --------
     >>> fingerprint({"a": b"1"}) == fingerprint({"a": b"1"}) != fingerprint({"a": b"2"})
     True
     """
@@ -336,14 +279,7 @@ def fingerprint(parts: Mapping[str, bytes]) -> str:
 def fmi_headers() -> Path:
     """Return the folder of the FMI standard's C headers, which fmpy contains.
 
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    FmuError
-        If fmpy is not installed, or has no headers.
+    Raises `FmuError` if fmpy is not installed, or has no headers.
     """
     found = importlib.util.find_spec("fmpy")  # not imported: the import is slow
     for root in (found.submodule_search_locations or []) if found else []:
@@ -376,10 +312,7 @@ def write_zip(target: Path, files: Mapping[str, bytes]) -> None:
 def write_file(target: Path, content: bytes) -> None:
     """Write a file completely or not at all.
 
-    Raises
-    ------
-    FmuError
-        If it cannot be written.
+    Raises `FmuError` if it cannot be written.
     """
     partial: Path | None = None
     try:

@@ -19,8 +19,6 @@ _ROUTINE = re.compile(r"^(?:static )?(?:inline )?(?:void|int) (\w+)\([^;]*?\)\n\
 def model_files(model: str) -> tuple[str, str]:
     """Return the names of the two files.
 
-    Examples
-    --------
     >>> model_files("mf61")
     ('mf61.c', 'mf61_quantities.c')
     """
@@ -34,23 +32,8 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
     Routines have their original names. The file for size has the general variants, which are valid for every row and
     call the system's elementary functions. Their results differ by rounding from those used for the forces.
 
-    Parameters
-    ----------
-    model : str
-    code : str
-        The generated code.
+    `code`: the generated code. Raises `FmuError` if a routine is missing.
 
-    Returns
-    -------
-    dict of str to bytes
-
-    Raises
-    ------
-    FmuError
-        If a routine is missing.
-
-    Examples
-    --------
     >>> routines = "".join(f"\nvoid m_{name}(int n)\n{{\n}}\n" for name in ("forces", "quantities"))
     >>> sorted(split_code("m", f"{INCLUDES}\n{routines}"))
     ['m.c', 'm_quantities.c']

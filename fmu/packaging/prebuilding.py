@@ -27,16 +27,6 @@ from .prebuilt import MANIFEST, Generic, generic
 def every_generic(models: Iterable[str]) -> Iterator[Generic]:
     """Yield each set of variables that tires without added effects can have.
 
-    Parameters
-    ----------
-    models : iterable of str
-
-    Yields
-    ------
-    Generic
-
-    Examples
-    --------
     >>> [(each.shown.inputs, each.shown.axes) for each in every_generic(["brush"])][:3]
     [('slip', 'iso'), ('slip', 'sae'), ('wheel', 'iso')]
     """
@@ -61,22 +51,8 @@ def build(shapes: Iterable[Generic], platforms: Iterable[str]) -> int:
 
     The binaries of a model for a platform are compressed together, because they differ little.
 
-    Parameters
-    ----------
-    shapes : iterable of Generic
-        As from `every_generic`.
-    platforms : iterable of str
-        As from `chosen_platforms`: ``host`` with the system's compiler, others with ziglang.
-
-    Returns
-    -------
-    int
-        Number of binaries.
-
-    Raises
-    ------
-    FmuError
-        If there is no compiler, or it fails.
+    `shapes`: as from `every_generic`. `platforms`: as from `chosen_platforms`: ``host`` with the system's compiler,
+    others with ziglang. Returns: number of binaries. Raises `FmuError` if there is no compiler, or it fails.
     """
     folder, headers, jobs = prebuilt.FOLDER, fmi_headers(), list(product(shapes, platforms))
 

@@ -37,14 +37,9 @@ _TEXT_SIZES = (48, 256)
 class Generic:
     """What the tires that share a binary have in common.
 
-    Attributes
-    ----------
-    shown : Interface
-        With all named quantities as outputs: an FMU without them has the first variables of this list.
-    sources : dict of str to bytes
-        C files and headers by name.
-    structure : str
-        SHA-256 digest of the sources, by which the binary accepts a file of values.
+    - `shown`: with all named quantities as outputs: an FMU without them has the first variables of this list.
+    - `sources`: C files and headers by name.
+    - `structure`: SHA-256 digest of the sources, by which the binary accepts a file of values.
     """
 
     shown: Interface
@@ -55,18 +50,8 @@ class Generic:
 def generic(tire: Tire, *, inputs: str = "slip", axes: str = "iso") -> Generic:
     """Return what a tire shares with the other tires of its model that have the same variables.
 
-    Parameters
-    ----------
-    tire : Tire
-    inputs, axes
-        As in `export`.
+    `inputs`, `axes`: as in `export`.
 
-    Returns
-    -------
-    Generic
-
-    Examples
-    --------
     >>> from dataclasses import replace
     >>> from tirefmu.tires import published
     >>> tire = published("trento_hoosier")
@@ -87,26 +72,9 @@ def generic(tire: Tire, *, inputs: str = "slip", axes: str = "iso") -> Generic:
 def values_file(found: Generic, token: str, count: int) -> bytes:
     """Return the file with the values of a tire, little-endian.
 
-    Parameters
-    ----------
-    found : Generic
-        Of the tire.
-    token : str
-        As in the model description.
-    count : int
-        Number of variables in the model description.
+    `found`: of the tire. `token`: as in the model description. `count`: number of variables in the model description.
+    Raises `FmuError` if a text is too long for the file.
 
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    FmuError
-        If a text is too long for the file.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> values_file(generic(published("trento_hoosier")), "{1}", 100)[:8]
     b'TIREFMU1'
@@ -130,8 +98,6 @@ def values_file(found: Generic, token: str, count: int) -> bytes:
 def has_prebuilt() -> bool:
     """Return whether the installation contains binaries.
 
-    Examples
-    --------
     >>> has_prebuilt() in (True, False)
     True
     """
@@ -141,25 +107,9 @@ def has_prebuilt() -> bool:
 def prebuilt_binary(structure: str, platform: str) -> bytes | None:
     """Return a binary that was built beforehand.
 
-    Parameters
-    ----------
-    structure : str
-        As of `generic`.
-    platform : str
-        FMI 3's name.
+    `structure`: as of `generic`. `platform`: FMI 3's name. Returns: none if there is none for these sources and this
+    platform. Raises `FmuError` if the file is missing or damaged, or the binary differs from its digest.
 
-    Returns
-    -------
-    bytes or None
-        None if there is none for these sources and this platform.
-
-    Raises
-    ------
-    FmuError
-        If the file is missing or damaged, or the binary differs from its digest.
-
-    Examples
-    --------
     >>> prebuilt_binary("another structure", "x86_64-linux") is None
     True
     """

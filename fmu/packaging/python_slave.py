@@ -31,10 +31,7 @@ class TireSlave(Fmi2Slave):
     logged, and the next step is discarded. So it is after a force that is not finite. No exception is raised, as it
     would be fatal for the host.
 
-    Parameters
-    ----------
-    **kwargs
-        The arguments of pythonfmu: the instance's name and the folder of the resources.
+    `**kwargs`: the arguments of pythonfmu: the instance's name and the folder of the resources.
     """
 
     def __init__(self, **kwargs: Any) -> None:

@@ -24,28 +24,10 @@ def python_contents(
 ) -> dict[str, bytes]:
     """Return the files of an FMU that runs in Python, by paths inside it.
 
-    Parameters
-    ----------
-    tire : Tire
-        In ISO signs.
-    identifier : str
-        The model identifier.
-    token : str
-        As in the model description.
-    description : bytes
-        The native FMU's modelDescription.xml for FMI 2.
-    variables : sequence of Variable
-        In the order of their value references.
-
-    Returns
-    -------
-    dict of str to bytes
-        The description with the capabilities of pythonfmu, its binaries and modules, and the tire's Python files.
-
-    Raises
-    ------
-    FmuError
-        If pythonfmu is not installed.
+    `tire`: in ISO signs. `identifier`: the model identifier. `token`: as in the model description. `description`: the
+    native FMU's modelDescription.xml for FMI 2. `variables`: in the order of their value references. Returns: the
+    description with the capabilities of pythonfmu, its binaries and modules, and the tire's Python files. Raises
+    `FmuError` if pythonfmu is not installed.
     """
     installed, license_text = _pythonfmu()
     # Python identifies a module by name: two tires in one process need two names.

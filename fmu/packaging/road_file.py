@@ -16,16 +16,6 @@ _FORMAT, _LENGTH = b"TIREROAD", 0.1
 def road_file(road: Road) -> bytes:
     """Return the file with a road, little-endian.
 
-    Parameters
-    ----------
-    road : Road
-
-    Returns
-    -------
-    bytes
-
-    Examples
-    --------
     >>> road_file(Road(1.0, np.array([-1.0, 1.0]), np.zeros((2, 2)), np.zeros(2)))[:8]
     b'TIREROAD'
     """

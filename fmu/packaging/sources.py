@@ -44,19 +44,8 @@ KINEMATICS = "wheel_kinematics.h"
 def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     """Return the names of the files to compile.
 
-    Parameters
-    ----------
-    fmi : int
-        2 or 3.
-    shown : Interface
+    `fmi`: 2 or 3. Returns: the two files of the model's generated code are last.
 
-    Returns
-    -------
-    tuple of str
-        The two files of the model's generated code are last.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
@@ -76,17 +65,7 @@ def _common_files(shown: Interface) -> tuple[str, ...]:
 def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
     """Return every source file of a library with the Standard Tyre Interface.
 
-    Parameters
-    ----------
-    shown : Interface
-        With hub inputs.
-    tire_header : str
-        Content of sti_tire.h.
-
-    Returns
-    -------
-    dict of str to bytes
-        By file name.
+    `shown`: with hub inputs. `tire_header`: content of sti_tire.h. Returns: by file name.
     """
     code = code_files((*STI, STI_HEADER, BUILT_IN, *_common_files(shown)), shown)
     written = {CONFIG: model_config(shown), VALUES: tire_values(shown, ""), STI_TIRE: tire_header}
@@ -96,16 +75,6 @@ def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
 def generic_files(shown: Interface) -> tuple[str, ...]:
     """Return the names of the files of a binary for every tire with the same variables, and for both FMI versions.
 
-    Parameters
-    ----------
-    shown : Interface
-
-    Returns
-    -------
-    tuple of str
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> generic_files(interface(published("trento_hoosier")))[:4]
@@ -117,21 +86,8 @@ def generic_files(shown: Interface) -> tuple[str, ...]:
 def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     """Return every source file of an FMU, without the standard's own headers.
 
-    Parameters
-    ----------
-    fmi : int
-        2 or 3.
-    shown : Interface
-    token : str
-        As in the model description.
+    `fmi`: 2 or 3. `token`: as in the model description. Returns: by file name.
 
-    Returns
-    -------
-    dict of str to bytes
-        By file name.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:4]
@@ -144,15 +100,7 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
 def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
     """Return C files and their headers, without those that are written for the tire.
 
-    Parameters
-    ----------
-    names : iterable of str
-        As from `c_files` or `generic_files`.
-    shown : Interface
-
-    Returns
-    -------
-    dict of str to bytes
+    `names`: as from `c_files` or `generic_files`.
     """
     wrapper, model = files("tirefmu.fmu") / "wrapper", shown.tire.model
     generated = code_file(shown.tire.book, f"c/{model}.c").parent
@@ -171,23 +119,10 @@ def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
 def build_description(identifier: str, names: Iterable[str]) -> bytes:
     """Return buildDescription.xml, from which an FMI 3 host compiles the sources.
 
-    Parameters
-    ----------
-    identifier : str
-        The model identifier.
-    names : iterable of str
-        Files to compile.
+    `identifier`: the model identifier. `names`: files to compile.
 
-    Returns
-    -------
-    bytes
+    Source: FMI 3.0.2, section 2.5.1.
 
-    References
-    ----------
-    FMI 3.0.2, section 2.5.1.
-
-    Examples
-    --------
     >>> b'SourceFile name="mf96.c"' in build_description("tire", ["mf96.c"])
     True
     """

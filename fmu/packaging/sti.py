@@ -85,16 +85,6 @@ def export_sti(
 def tire_header(tire: Tire) -> str:
     """Return the header with what a library knows of its tire without the values of its equations.
 
-    Parameters
-    ----------
-    tire : Tire
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> print(tire_header(published("trento_hoosier")).splitlines()[1])
     #define TIRE_TITLE "tirefmu: Hoosier 6.0/18.0-10 LCO (Trento team 6), Magic Formula 1996, Trento form"

@@ -39,18 +39,8 @@ VERTICAL = (
 def tire_values(shown: Interface, token: str) -> str:
     """Return the header with the values of the tire, for a binary that is compiled for it.
 
-    Parameters
-    ----------
-    shown : Interface
-    token : str
-        As in the model description.
+    `token`: as in the model description.
 
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> print(tire_values(interface(published("trento_hoosier")), "{1}").splitlines()[1])
@@ -80,16 +70,6 @@ def input_ranges(shown: Interface) -> list[tuple[float, float]]:
 def model_config(shown: Interface) -> str:
     """Return the header that configures the wrapper for a model and its variables; equal for most tires of a model.
 
-    Parameters
-    ----------
-    shown : Interface
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> print(model_config(interface(published("trento_hoosier"))).splitlines()[6])

@@ -47,22 +47,9 @@ _NOT_IN_NAMES = re.compile(r'[\x00-\x1f\x7f\\:*?"<>|]')
 def unpacked(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Unpack an FMU into a temporary folder and remove the folder afterwards.
 
-    Parameters
-    ----------
-    path : path-like
+    Yields: the folder; it contains a modelDescription.xml without a document type. Raises `FmuError` if the file is
+    missing, is not an FMU, exceeds a limit of this module, or has an entry that no FMU needs.
 
-    Yields
-    ------
-    Path
-        The folder; it contains a modelDescription.xml without a document type.
-
-    Raises
-    ------
-    FmuError
-        If the file is missing, is not an FMU, exceeds a limit of this module, or has an entry that no FMU needs.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> from tirefmu.fmu import export
     >>> with unpacked(export(published("trento_hoosier"), "tire.fmu")) as folder:

@@ -17,13 +17,8 @@ from .archive import DESCRIPTION, unpacked
 class Connector:
     """An input or output of an FMU.
 
-    Attributes
-    ----------
-    name, description : str
-    causality : str
-        ``input`` or ``output``.
-    unit : str
-        Empty if the FMU declares none.
+    - `causality`: ``input`` or ``output``.
+    - `unit`: empty if the FMU declares none.
     """
 
     name: str
@@ -35,22 +30,8 @@ class Connector:
 def connectors(path: str | os.PathLike[str]) -> tuple[int, list[Connector]]:
     """Return the FMI version of an FMU and its inputs and outputs that are real numbers.
 
-    Parameters
-    ----------
-    path : path-like
+    Raises `FmuError` if it is not a readable FMU, or of another version than 2 or 3.
 
-    Returns
-    -------
-    int
-    list of Connector
-
-    Raises
-    ------
-    FmuError
-        If it is not a readable FMU, or of another version than 2 or 3.
-
-    Examples
-    --------
     >>> from tirefmu.fmu import export
     >>> fmi, found = connectors(export("trento_hoosier", "tire.fmu", fmi=2))
     >>> fmi, [connector.name for connector in found]

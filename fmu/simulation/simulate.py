@@ -43,12 +43,8 @@ LARGEST_ANSWER = 1_000_000
 class Simulation:
     """The result of a simulation.
 
-    Attributes
-    ----------
-    outputs : ndarray, shape (n_rows, n_outputs)
-        The rows of all runs in sequence.
-    problems : tuple of str
-        Problems found by fmpy's validation.
+    - `outputs`, shape (n_rows, n_outputs): the rows of all runs in sequence.
+    - `problems`: problems found by fmpy's validation.
     """
 
     outputs: FloatArray
@@ -68,31 +64,11 @@ def simulate(
 ) -> Simulation:
     """Simulate an unpacked FMU over a table in a separate process.
 
-    Parameters
-    ----------
-    path : path-like
-        The FMU, for messages.
-    folder : Path
-        The unpacked FMU.
-    time : ndarray, shape (n,), s
-    rows : ndarray, shape (n, n_inputs)
-    inputs, outputs : sequence of str
-        Names of variables.
-    runs : sequence of slice
-        Rows of each run, which starts with a new initialization. Runs may have the same rows.
-    timeout : float, optional
-        Time limit, s; None for `TIME_LIMIT` and `TIME_LIMIT_PER_ROW`.
-    starts : sequence of mapping of str to float
-        Start values of real variables for each run; default: those of the FMU.
-
-    Returns
-    -------
-    Simulation
-
-    Raises
-    ------
-    FmuError
-        If the FMU cannot be loaded, rejects a call, crashes, ends its process, or exceeds the time limit.
+    `path`: the FMU, for messages. `folder`: the unpacked FMU. `time`, shape (n,). `rows`, shape (n, n_inputs).
+    `inputs`, `outputs`: names of variables. `runs`: rows of each run, which starts with a new initialization. Runs may
+    have the same rows. `timeout`: time limit, s; None for `TIME_LIMIT` and `TIME_LIMIT_PER_ROW`. `starts`: start values
+    of real variables for each run; default: those of the FMU. Raises `FmuError` if the FMU cannot be loaded, rejects a
+    call, crashes, ends its process, or exceeds the time limit.
     """
     simulated = sum(run.stop - run.start for run in runs)
     limit = TIME_LIMIT + TIME_LIMIT_PER_ROW * simulated if timeout is None else timeout
@@ -174,21 +150,8 @@ def _how_it_ended(status: int) -> str:
 def read_description(path: str | os.PathLike[str], folder: Path) -> Any:
     """Return the model description of an unpacked FMU, without validation.
 
-    Parameters
-    ----------
-    path : path-like
-        The FMU, for messages.
-    folder : Path
-        The unpacked FMU.
-
-    Returns
-    -------
-    fmpy.model_description.ModelDescription
-
-    Raises
-    ------
-    FmuError
-        If it is invalid, or the FMU does not support Co-Simulation of FMI 2 or 3.
+    `path`: the FMU, for messages. `folder`: the unpacked FMU. Raises `FmuError` if it is invalid, or the FMU does not
+    support Co-Simulation of FMI 2 or 3.
     """
     try:
         description = fmpy.read_model_description(str(folder), validate=False)
@@ -208,22 +171,9 @@ def read_description(path: str | os.PathLike[str], folder: Path) -> Any:
 def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
     """Unpack an FMU and load it into this process, and clean up afterwards; for trusted FMUs only.
 
-    Parameters
-    ----------
-    path : path-like
+    Yields: instantiated, not initialized. Raises `FmuError` if the file is not an FMU for Co-Simulation, cannot be
+    loaded on this platform, or rejects a call.
 
-    Yields
-    ------
-    Slave
-        Instantiated, not initialized.
-
-    Raises
-    ------
-    FmuError
-        If the file is not an FMU for Co-Simulation, cannot be loaded on this platform, or rejects a call.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> from tirefmu.fmu import export
     >>> with loaded(export(published("trento_hoosier"), "tire.fmu")) as slave:

@@ -44,21 +44,11 @@ class Rejected(Exception):
 class Slave:
     """An instance of an FMU for Co-Simulation, of either FMI version, and its log.
 
-    Attributes
-    ----------
-    description : fmpy.model_description.ModelDescription
-    folder : Path
-        The unpacked FMU.
-    log : list of str
-        The lines that the instance logged.
-    fmu : fmpy.fmi2.FMU2Slave or fmpy.fmi3.FMU3Slave
-    version_3 : bool
-        True for FMI 3, False for FMI 2.
+    - `folder`: the unpacked FMU.
+    - `log`: the lines that the instance logged.
+    - `version_3`: true for FMI 3, False for FMI 2.
 
-    Raises
-    ------
-    Rejected
-        If there is no binary for this platform, if it is incomplete, or if it creates no instance.
+    Raises `Rejected` if there is no binary for this platform, if it is incomplete, or if it creates no instance.
     """
 
     description: Any
@@ -124,25 +114,10 @@ class Slave:
 
         The first row is set during initialization: states start in steady state.
 
-        Parameters
-        ----------
-        rows : slice
-            The rows of a table to simulate, after a new initialization.
-        time : ndarray, shape (n_table,), s
-            Not decreasing in these rows; there is no step between rows of equal time.
-        inputs : ndarray, shape (n_table, n_inputs)
-        input_names, output_names : sequence of str
-        starts : mapping of str to float, optional
-            Start values of other variables.
-
-        Returns
-        -------
-        ndarray, shape (n_rows, n_outputs)
-
-        Raises
-        ------
-        Rejected
-            If the FMU rejects a call; the message has the row and the last log line.
+        `rows`: the rows of a table to simulate, after a new initialization. `time`, shape (n_table,): not decreasing in
+        these rows; there is no step between rows of equal time. `inputs`, shape (n_table, n_inputs). `starts`: start
+        values of other variables. Returns shape (n_rows, n_outputs). Raises `Rejected` if the FMU rejects a call; the
+        message has the row and the last log line.
         """
         fmu, instance = self.fmu, self.fmu.component
         n_in, n_out = len(input_names), len(output_names)

@@ -33,14 +33,8 @@ _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 class Column:
     """One column of a table: its name and its declared unit.
 
-    Parameters
-    ----------
-    name : str
-    unit : str, optional
-        As declared in the header, ``alpha [deg]``. None means the SI unit.
+    `unit`: as declared in the header, ``alpha [deg]``. None means the SI unit.
 
-    Examples
-    --------
     >>> Column.parse("alpha [deg]")
     Column(name='alpha', unit='deg')
     >>> Column.parse("lap [1]").name
@@ -52,16 +46,7 @@ class Column:
 
     @classmethod
     def parse(cls, header: str) -> Column:
-        """Read a header. Brackets declare a unit only after a name of the contract.
-
-        Parameters
-        ----------
-        header : str
-
-        Returns
-        -------
-        Column
-        """
+        """Read a header. Brackets declare a unit only after a name of the contract."""
         name, unit = _name_and_unit(header)
         return cls(name, unit) if name in CHANNELS else cls(header.strip())
 
@@ -77,24 +62,9 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     A name of FSAE TTC files is that of the input if the table lacks it and the unit is clear. Other unknown columns are
     passed through, unless the name resembles an input that the table lacks (`check_names`).
 
-    Parameters
-    ----------
-    headers : sequence of str
-    source : str
-        The file, for the message.
+    `source`: the file, for the message. Raises `DataError` if there are more than `MOST_COLUMNS` columns, a name occurs
+    twice, a name resembles a missing input, or no column is a channel.
 
-    Returns
-    -------
-    list of Column
-
-    Raises
-    ------
-    DataError
-        If there are more than `MOST_COLUMNS` columns, a name occurs twice, a name resembles a missing input, or no
-        column is a channel.
-
-    Examples
-    --------
     >>> [column.name for column in parse_header(["kappa", "Fz [kN]", "remark"], "a.csv")]
     ['kappa', 'Fz', 'remark']
     >>> [column.name for column in parse_header(["alpha", "TSTC", "IA [deg]"], "a.csv")]
@@ -136,28 +106,11 @@ def channels_in_si(
 ) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return the table with contract names and SI units, with every channel checked.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        As read, with one column per entry of ``columns``, in the same order.
-    columns : sequence of Column
-    source : str
-        The file, for messages.
-    location : callable
-        From a row's number, counted from 0, to "line 12" or "row 12".
-
-    Returns
-    -------
-    table : pandas.DataFrame
-        Channels as floats. Other columns are unchanged.
-    about : dict of str to str
-        ``declared``: the channels whose unit the table declares.
-
-    Raises
-    ------
-    DataError
-        If there are no rows, a cell of a channel is not a number or infinite, more than `MOST_INCOMPLETE` of an input
-        is NaN, or a declared unit is unknown or one of another quantity.
+    `table`: as read, with one column per entry of ``columns``, in the same order. `source`: the file, for messages.
+    `location`: from a row's number, counted from 0, to "line 12" or "row 12". Returns `table`: channels as floats.
+    Other columns are unchanged. Returns `about`: ``declared``: the channels whose unit the table declares. Raises
+    `DataError` if there are no rows, a cell of a channel is not a number or infinite, more than `MOST_INCOMPLETE` of an
+    input is NaN, or a declared unit is unknown or one of another quantity.
     """
     if table.empty:
         raise DataError(f"{source}: no rows")
@@ -174,10 +127,7 @@ def converted_channels(
 ) -> pd.DataFrame:
     """Return the table with contract names and SI units; see `channels_in_si`. A channel may contain NaN or infinities.
 
-    Raises
-    ------
-    DataError
-        If a cell of a channel is not a number, or a declared unit is unknown or one of another quantity.
+    Raises `DataError` if a cell of a channel is not a number, or a declared unit is unknown or one of another quantity.
     """
     columns_out: dict[str, pd.Series] = {}
     for number, column in enumerate(columns):
@@ -194,22 +144,9 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, location: 
 
     Rows without an input are excluded later (`without_incomplete_rows`).
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-    name : str
-        The contract's name of the channel.
-    source : str
-    location : callable
-        From a row's number, counted from 0, to "line 12" or "row 12".
+    `values`, shape (n,). `name`: the contract's name of the channel. `location`: from a row's number, counted from 0,
+    to "line 12" or "row 12". Raises `DataError`: with the file, the first location, the channel and the number of rows.
 
-    Raises
-    ------
-    DataError
-        With the file, the first location, the channel and the number of rows.
-
-    Examples
-    --------
     >>> check_finite(np.array([0.0, np.nan]), "alpha", "a.csv", lambda row: f"line {row + 2}")
     Traceback (most recent call last):
     ...

@@ -30,20 +30,7 @@ def read_csv_table(path: Path, signs: str) -> Recording:
     Lines before the header that begin with ``#`` are skipped. Columns are separated by commas, semicolons or tabs.
     Numbers are read exactly.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    signs : str
-        The convention of the table.
-
-    Returns
-    -------
-    Recording
-
-    Raises
-    ------
-    DataError
-        With file, line and column of the first error.
+    `signs`: the convention of the table. Raises `DataError`: with file, line and column of the first error.
     """
     source = str(path)
     with _opened(path) as file:

@@ -21,21 +21,8 @@ EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 
 def read_parquet_table(path: Path, signs: str) -> Recording:
     """Read a Parquet table.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    signs : str
-        The convention of the table.
-
-    Returns
-    -------
-    Recording
-
-    Raises
-    ------
-    DataError
-        If pyarrow is not installed, the file is not a Parquet file, or a channel cannot be used. The message counts
-        rows from 1.
+    `signs`: the convention of the table. Raises `DataError` if pyarrow is not installed, the file is not a Parquet
+    file, or a channel cannot be used. The message counts rows from 1.
     """
     source = str(path)
     table = _loaded("parquet", path)
@@ -46,14 +33,7 @@ def read_parquet_table(path: Path, signs: str) -> Recording:
 
 @dataclass(frozen=True)
 class ParquetParts:
-    """A Parquet table that is read in parts, so that its size does not determine the memory.
-
-    Attributes
-    ----------
-    path : pathlib.Path
-    columns : tuple of Column
-    rows : int
-    """
+    """A Parquet table that is read in parts, so that its size does not determine the memory."""
 
     path: Path
     columns: tuple[Column, ...]
@@ -63,10 +43,7 @@ class ParquetParts:
     def of(cls, path: Path) -> ParquetParts:
         """Read the header of a file.
 
-        Raises
-        ------
-        DataError
-            If pyarrow is not installed, the file is not a Parquet file, or its columns cannot be used.
+        Raises `DataError` if pyarrow is not installed, the file is not a Parquet file, or its columns cannot be used.
         """
         names, rows = _loaded("parquet header", path)
         return cls(path, tuple(parse_header(names, str(path))), rows)
@@ -74,10 +51,7 @@ class ParquetParts:
     def tables(self, most: int) -> Iterator[tuple[int, pd.DataFrame]]:
         """Yield the number of the first row of each part and its rows, `most` at most, channels in SI.
 
-        Raises
-        ------
-        DataError
-            If a channel cannot be used. The message counts rows from 1.
+        Raises `DataError` if a channel cannot be used. The message counts rows from 1.
         """
         start = 0
         while (table := _loaded("parquet part", self.path, start, most)) is not None:

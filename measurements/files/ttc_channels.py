@@ -39,29 +39,11 @@ def bench_recording(
 ) -> Recording:
     """Return the recording of the channels of a bench file.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    vectors : mapping of str to ndarray, shape (n,)
-        By the name in the file; the case is ignored.
-    units : mapping of str to str
-        The units that the file declares, by name. If there are none, `assumed_units` are used.
-    signs : str
-        The convention of the file.
-    about : mapping of str to str
-    location : callable
-        From a row's number, counted from 0, to "line 12" or "row 12".
-
-    Returns
-    -------
-    Recording
-        The available channels of ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My``.
-
-    Raises
-    ------
-    DataError
-        If a mandatory channel or every output is missing, a name resembles a missing channel, lengths differ, a unit is
-        unknown, or an input contains NaN.
+    `vectors`, shape (n,): by the name in the file; the case is ignored. `units`: the units that the file declares, by
+    name. If there are none, `assumed_units` are used. `signs`: the convention of the file. `location`: from a row's
+    number, counted from 0, to "line 12" or "row 12". Returns: the available channels of ``t kappa alpha gamma Fz p V T
+    Fx Fy Mz Mx My``. Raises `DataError` if a mandatory channel or every output is missing, a name resembles a missing
+    channel, lengths differ, a unit is unknown, or an input contains NaN.
     """
     source = str(path)
     folded = {name.casefold(): values for name, values in vectors.items()}
@@ -89,21 +71,9 @@ def bench_recording(
 def assumed_units(path: Path, vectors: Mapping[str, NDArray[np.float64]]) -> tuple[dict[str, str], str]:
     """Return the units of a file that declares none, and the reason for them.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        Names like ``A1464run30`` mean US customary units, ``B1464run30`` SI.
-    vectors : mapping of str to ndarray
-        By name in lower case. A pressure that is too small for kPa is in psi.
+    `path`: names like ``A1464run30`` mean US customary units, ``B1464run30`` SI. `vectors`: by name in lower case. A
+    pressure that is too small for kPa is in psi. Returns `units`: by name in lower case.
 
-    Returns
-    -------
-    units : dict of str to str
-        By name in lower case.
-    reason : str
-
-    Examples
-    --------
     >>> assumed_units(Path("A1464run30.mat"), {})[1]
     "assumed USCS: the file's name begins with A"
     >>> assumed_units(Path("run.mat"), {"p": np.full(9, 12.0)})[1]
@@ -126,16 +96,6 @@ def assumed_units(path: Path, vectors: Mapping[str, NDArray[np.float64]]) -> tup
 def has_bench_names(names: Collection[str]) -> bool:
     """Return whether names are those of channels of a bench file.
 
-    Parameters
-    ----------
-    names : collection of str
-
-    Returns
-    -------
-    bool
-
-    Examples
-    --------
     >>> has_bench_names(["et", "sa", "fz", "fy", "lap"]), has_bench_names(["t", "alpha"])
     (True, False)
     """

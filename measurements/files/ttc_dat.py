@@ -21,23 +21,10 @@ _UNIT_OF_TWO_WORDS = re.compile(r"\bdeg(?:rees?)? +(?=[CFK]\b)", re.IGNORECASE)
 def read_ttc_dat(path: Path, signs: str) -> Recording:
     """Read a ``.dat`` file of the FSAE TTC: a title, names, units, and rows separated by blanks or tabs.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    signs : str
-        The convention of the file; Calspan writes sae. ``about["signs"]`` has that of the title (``ISO True``), if any.
-
-    Returns
-    -------
-    Recording
-        The available channels of ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My``. ``about`` has the title as
-        ``tireid``.
-
-    Raises
-    ------
-    DataError
-        If no line has the names of the channels, rows differ in length, or a cell is not a number (with the line).
-        Also if a channel is missing or cannot be used, as for ``.mat`` files.
+    `signs`: the convention of the file; Calspan writes sae. ``about["signs"]`` has that of the title (``ISO True``), if
+    any. Returns: the available channels of ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My``. ``about`` has the title as
+    ``tireid``. Raises `DataError` if no line has the names of the channels, rows differ in length, or a cell is not a
+    number (with the line). Also if a channel is missing or cannot be used, as for ``.mat`` files.
     """
     source = str(path)
     lines = _lines(path)

@@ -56,22 +56,10 @@ class _Quantity:
 def read_tydex(path: Path, signs: str) -> Recording:
     """Read a TYDEX file.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-    signs : str
-        The convention of the file. TYDEX defines its W axes as iso.
-
-    Returns
-    -------
-    Recording
-        The channels of the contract. A constant of the file is a channel with the same value in every row.
-
-    Raises
-    ------
-    DataError
-        If a section or the load in the W axes is missing, a channel occurs twice, a row has more or fewer cells than
-        there are channels, a cell is not a number, or a unit is unknown (with the line).
+    `signs`: the convention of the file. TYDEX defines its W axes as iso. Returns: the channels of the contract. A
+    constant of the file is a channel with the same value in every row. Raises `DataError` if a section or the load in
+    the W axes is missing, a channel occurs twice, a row has more or fewer cells than there are channels, a cell is not
+    a number, or a unit is unknown (with the line).
     """
     source = str(path)
     with path.open(encoding="latin-1") as file:

@@ -52,19 +52,8 @@ def write_tables(tables: Iterable[pd.DataFrame], path: str | PathLike[str]) -> N
 
     Only one of them has to be in memory at a time.
 
-    Parameters
-    ----------
-    tables : iterable of pandas.DataFrame
-    path : str or path-like
-        As for `write_table`.
+    `path`: as for `write_table`. Raises `DataError`: as `write_table`.
 
-    Raises
-    ------
-    DataError
-        As `write_table`.
-
-    Examples
-    --------
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_tables((pd.DataFrame({"Fy": [float(i)]}) for i in range(2)), Path(folder) / "out.csv")
     ...     print((Path(folder) / "out.csv").read_text().split())

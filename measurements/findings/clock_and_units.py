@@ -35,16 +35,6 @@ RATIOS: Mapping[str, Mapping[float, str]] = {
 def clock_and_units(recording: Recording) -> Iterator[Finding]:
     """Yield findings on jumps of the clock, on channels in two units, and on a speed that may be in km/h.
 
-    Parameters
-    ----------
-    recording : Recording
-
-    Yields
-    ------
-    Finding
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> clock, alpha = [0.0, 0.1, 0.2, 0.3, 9.0, 9.1], np.linspace(0.10, 0.11, 6)
     >>> rows = pd.DataFrame({"t": [*clock, 9.2], "alpha": [*alpha, 0.2], "Fy": 1.0})

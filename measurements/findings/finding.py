@@ -43,16 +43,6 @@ class Finding:
 def verdict_on(findings: Sequence[Finding]) -> str:
     """Return what findings mean for a fit, in one line.
 
-    Parameters
-    ----------
-    findings : sequence of Finding
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> verdict_on([]), verdict_on([Finding("two tires", "a.csv: two tires", serious=True)])
     ('ready for a fit', 'a fit of these data would be misleading')
     >>> verdict_on([Finding("repeated rows", "a.csv: 5 of 90 rows occur twice")])

@@ -39,15 +39,7 @@ MOST_POINTS = 2000
 def findings_of(recording: Recording, *, alone: bool) -> Iterator[Finding]:
     """Yield what a recording lacks or contradicts in its columns, rows and order.
 
-    Parameters
-    ----------
-    recording : Recording
-    alone : bool
-        Whether it is the only recording; otherwise a suggested selection applies to its file only.
-
-    Yields
-    ------
-    Finding
+    `alone`: whether it is the only recording; otherwise a suggested selection applies to its file only.
     """
     yield from _missing_slips(recording)
     yield from _unread_channels(recording)
@@ -125,14 +117,6 @@ def row_keys(recording: Recording) -> pd.Series:
     """Return a hash of each row over all channels but the clock, shape (n,); empty without a measured output.
 
     Signs are converted, so that a file in two conventions is recognized.
-
-    Parameters
-    ----------
-    recording : Recording
-
-    Returns
-    -------
-    pandas.Series
     """
     table = recording.with_signs("iso").table
     names = [name for name in CHANNELS if name in table and name != "t"]

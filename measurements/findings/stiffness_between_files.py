@@ -38,14 +38,6 @@ def stiffness_between_files(recordings: Sequence[Recording]) -> Iterator[Finding
 
     The slope of Fy/Fz between two slip angles that both recordings have, at free rolling and at equal load, camber and
     pressure. It needs no tire model.
-
-    Parameters
-    ----------
-    recordings : sequence of Recording
-
-    Yields
-    ------
-    Finding
     """
     usable = [recording for recording in recordings if {"alpha", "Fz", "Fy"} <= set(recording.table)]
     rows = [_free_rolling(recording) for recording in usable] if len(usable) > 1 else []

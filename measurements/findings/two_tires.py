@@ -29,19 +29,10 @@ FORCES = {"alpha": "Fy", "kappa": "Fx"}
 def two_tires(recordings: Sequence[Recording]) -> list[str]:
     """Return why recordings seem to be of several tires.
 
-    Parameters
-    ----------
-    recordings : sequence of Recording
+    Returns: sentences on names that differ, on loads of different size in two recordings, and on loads of different
+    size before and after a restart of the clock (joined files). Without any, at most one on sweeps at equal operating
+    conditions whose friction differs.
 
-    Returns
-    -------
-    list of str
-        Sentences on names that differ, on loads of different size in two recordings, and on loads of different size
-        before and after a restart of the clock (joined files). Without any, at most one on sweeps at equal operating
-        conditions whose friction differs.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> rows = pd.DataFrame({"Fz": [900.0], "Fy": [1.0]})
     >>> two_tires([Recording(rows, "iso", f"{name}.mat", {"tireid": name}) for name in ("Hoosier", "Avon")])

@@ -15,19 +15,9 @@ END_SHARE = 0.1
 def drift(column: pd.Series, rows: NDArray[np.intp]) -> float:
     """Return the change of a channel from the first to the last tenth of some rows.
 
-    Parameters
-    ----------
-    column : pandas.Series, shape (n,)
-    rows : ndarray of int, shape (m,)
-        In the order of time.
+    `column`, shape (n,). `rows`, shape (m,): in the order of time. Returns: difference of the medians, in the unit of
+    the column; NaN without a number at either end.
 
-    Returns
-    -------
-    float
-        Difference of the medians, in the unit of the column; NaN without a number at either end.
-
-    Examples
-    --------
     >>> round(drift(pd.Series(np.linspace(50.0, 60.0, 101)), np.arange(101)), 1)
     9.1
     """

@@ -31,16 +31,7 @@ SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha", "Mx": "alpha", "My": "kappa
 
 
 def inspection_figures(inspection: Inspection) -> list[Figure]:
-    """Return the figures of a recording: over time, over slip, and the visited conditions.
-
-    Parameters
-    ----------
-    inspection : Inspection
-
-    Returns
-    -------
-    list of Figure
-    """
+    """Return the figures of a recording: over time, over slip, and the visited conditions."""
     return [_over_time(inspection), *_over_slip(inspection), *_coverage(inspection)]
 
 

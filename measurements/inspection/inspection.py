@@ -29,16 +29,8 @@ RATE_TIME = 0.5
 class ChannelSummary:
     """One channel of a recording, in SI units (deg C for T).
 
-    Parameters
-    ----------
-    name, meaning, unit : str
-    unit_from : str
-        "declared in the file", or why the unit was assumed.
-    rows, missing : int
-        Number of rows with a value, and without.
-    lowest, median, highest : float
-    levels : tuple of float
-        Levels at which an input was held; empty if it was swept, and for an output.
+    `unit_from`: "declared in the file", or why the unit was assumed. `rows`, `missing`: number of rows with a value,
+    and without. `levels`: levels at which an input was held; empty if it was swept, and for an output.
     """
 
     name: str
@@ -57,16 +49,9 @@ class ChannelSummary:
 class SweepSummary:
     """One sweep: consecutive rows in which inputs move steadily.
 
-    Parameters
-    ----------
-    number, first, last : int
-        Number of the sweep, first and last sample, from 1, as in ``--where``.
-    moving : tuple of str
-        The swept inputs.
-    lowest, highest, rate : tuple of float
-        Range of each, and its median speed per second, in SI units.
-    held : mapping of str to float
-        Medians of the other inputs, in SI units.
+    `number`, `first`, `last`: number of the sweep, first and last sample, from 1, as in ``--where``. `moving`: the
+    swept inputs. `lowest`, `highest`, `rate`: range of each, and its median speed per second, in SI units. `held`:
+    medians of the other inputs, in SI units.
     """
 
     number: int
@@ -83,17 +68,9 @@ class SweepSummary:
 class ConditionSummary:
     """One operating condition.
 
-    Parameters
-    ----------
-    held : mapping of str to float
-        Levels of the held inputs, in SI units; Fz is the load, positive in every sign convention.
-    moving : tuple of str
-        The swept inputs; "points" for separate steady points.
-    rows, sweeps : int
-        Number of rows, and of consecutive stretches of rows.
-    seconds : float
-    drift : mapping of str to float
-        Change of p, V and T from the first to the last tenth of the rows, in SI units.
+    `held`: levels of the held inputs, in SI units; Fz is the load, positive in every sign convention. `moving`: the
+    swept inputs; "points" for separate steady points. `rows`, `sweeps`: number of rows, and of consecutive stretches of
+    rows. `drift`: change of p, V and T from the first to the last tenth of the rows, in SI units.
     """
 
     held: dict[str, float]
@@ -108,21 +85,9 @@ class ConditionSummary:
 class Inspection:
     """The contents of one recording.
 
-    Parameters
-    ----------
-    recording : Recording
-    channels : tuple of ChannelSummary
-    interval, duration : float
-        Median step of the clock and recorded time without interruptions, s.
-    segments : int
-        Number of stretches without interruption.
-    longest_gap : float
-        s, the longest interruption; 0 without one.
-    sweeps : tuple of SweepSummary
-    conditions : tuple of ConditionSummary
-        Without the rows of transitions, sorted by pressure, camber and load.
-    exclusion : RowExclusion
-        The rows that ``fit`` would exclude.
+    `interval`, `duration`: median step of the clock and recorded time without interruptions, s. `segments`: number of
+    stretches without interruption. `longest_gap`: s, the longest interruption; 0 without one. `conditions`: without the
+    rows of transitions, sorted by pressure, camber and load. `exclusion`: the rows that ``fit`` would exclude.
     """
 
     recording: Recording
@@ -163,19 +128,8 @@ def _without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
 def inspect(recordings: Sequence[Recording]) -> tuple[list[Inspection], list[Finding]]:
     """Return the contents of recordings, and what they lack or contradict.
 
-    Parameters
-    ----------
-    recordings : sequence of Recording
-        Of one tire.
+    `recordings`: of one tire. Returns `findings`: about all recordings (`data_findings`).
 
-    Returns
-    -------
-    inspections : list of Inspection
-    findings : list of Finding
-        About all recordings (`data_findings`).
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> clock = np.arange(1800) / 100.0
     >>> alpha, load = 0.1 * np.sin(2.0 * np.pi * clock / 9.0), np.where(clock < 9.0, 900.0, 500.0)

@@ -24,18 +24,7 @@ def write_inspection(
 ) -> None:
     """Write the page of an inspection: findings, and figures and tables of each recording.
 
-    Parameters
-    ----------
-    inspections : sequence of Inspection
-    findings : sequence of Finding
-    path : str or Path
-    command : str
-        The command line, for the provenance.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be written.
+    `command`: the command line, for the provenance. Raises `DataError` if the file cannot be written.
     """
     path = path_from(path)
     page = page_text(

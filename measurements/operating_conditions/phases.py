@@ -153,13 +153,8 @@ class _Motion:
 class Motions:
     """How the inputs of a recording move, from which phases and transitions follow.
 
-    Parameters
-    ----------
-    segments : list of Segment
-    inputs : list
-        The controlled inputs with the levels at which they were held.
-    motions : list of list
-        By input, the motion in each segment that is a time series.
+    `inputs`: the controlled inputs with the levels at which they were held. `motions`: by input, the motion in each
+    segment that is a time series.
     """
 
     segments: list[Segment]
@@ -174,16 +169,7 @@ class Motions:
 
 @once
 def motions_of(recording: Recording) -> Motions:
-    """Return how the inputs of a recording move.
-
-    Parameters
-    ----------
-    recording : Recording
-
-    Returns
-    -------
-    Motions
-    """
+    """Return how the inputs of a recording move."""
     segments, inputs = segments_of(recording), _inputs(recording)
     series = [segment for segment in segments if segment.is_series]
     return Motions(segments, inputs, [list(_motions(each, series)) for each in inputs])

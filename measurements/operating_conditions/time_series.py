@@ -24,13 +24,7 @@ from .levels import level_tolerance
 class Segment:
     """Consecutive rows that were logged without interruption.
 
-    Parameters
-    ----------
-    rows : slice
-    is_series : bool
-        Whether the rows are a time series rather than separate steady points.
-    interval : float
-        Sample interval, s.
+    `is_series`: whether the rows are a time series rather than separate steady points. `interval`: sample interval, s.
     """
 
     rows: slice
@@ -43,17 +37,8 @@ def segments_of(recording: Recording) -> list[Segment]:
 
     A recording has hundreds of segments: each channel is compared with its tolerance once, for all of them.
 
-    Parameters
-    ----------
-    recording : Recording
+    Returns: in the order of the rows. Together they contain every row once.
 
-    Returns
-    -------
-    list of Segment
-        In the order of the rows. Together they contain every row once.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> steps = Recording(pd.DataFrame({"kappa": np.tile([0.0, 0.2, -0.2], 20)}), "iso", "points.csv")
     >>> segments_of(steps)
@@ -76,15 +61,7 @@ def segments_of(recording: Recording) -> list[Segment]:
 def sample_interval(recording: Recording, rows: slice) -> float:
     """Return the median step of the clock in consecutive rows.
 
-    Parameters
-    ----------
-    recording : Recording
-    rows : slice
-
-    Returns
-    -------
-    float, s
-        0.01 s (100 Hz) if no clock was recorded.
+    Returns: 0.01 s (100 Hz) if no clock was recorded.
     """
     return _interval(_clock(recording), rows)
 

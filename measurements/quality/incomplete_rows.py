@@ -16,22 +16,9 @@ from ..thresholds import MOST_INCOMPLETE
 def without_incomplete_rows(recording: Recording) -> Recording:
     """Return a recording without the rows in which an input is NaN.
 
-    Parameters
-    ----------
-    recording : Recording
+    Returns: the same one if every row is complete. Otherwise ``about["incomplete"]`` has the numbers of rows. Raises
+    `DataError` if more than `MOST_INCOMPLETE` of the rows are incomplete.
 
-    Returns
-    -------
-    Recording
-        The same one if every row is complete. Otherwise ``about["incomplete"]`` has the numbers of rows.
-
-    Raises
-    ------
-    DataError
-        If more than `MOST_INCOMPLETE` of the rows are incomplete.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> rows = pd.DataFrame({"alpha": [0.0, np.nan, 0.1, 0.2, 0.3, 0.4], "Fy": 1.0})
     >>> without_incomplete_rows(Recording(rows, "iso", "a.csv")).about["incomplete"]

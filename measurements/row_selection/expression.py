@@ -55,13 +55,8 @@ _WORD = re.compile(
 class Selection:
     """The condition that an expression states.
 
-    Attributes
-    ----------
-    expression : str
-    names : frozenset of str
-        The names that it uses: channels, counters, "file".
-    matches : callable
-        Returns for each row whether it satisfies the condition.
+    - `names`: the names that it uses: channels, counters, "file".
+    - `matches`: returns for each row whether it satisfies the condition.
     """
 
     expression: str
@@ -72,24 +67,11 @@ class Selection:
 def parse_selection(expression: str) -> Selection:
     """Return the condition that an expression states.
 
-    Parameters
-    ----------
-    expression : str
-        Numbers without a unit are in SI units (deg C for T). Fz is the load in every sign convention, positive for a
-        loaded wheel; all other channels have the signs of the table. Names: the channels, ``sample``, ``segment`` and
-        ``sweep`` (counted from 1), ``file``.
+    `expression`: numbers without a unit are in SI units (deg C for T). Fz is the load in every sign convention,
+    positive for a loaded wheel; all other channels have the signs of the table. Names: the channels, ``sample``,
+    ``segment`` and ``sweep`` (counted from 1), ``file``. Raises `DataError`: with the word that is wrong, and the
+    nearest valid name.
 
-    Returns
-    -------
-    Selection
-
-    Raises
-    ------
-    DataError
-        With the word that is wrong, and the nearest valid name.
-
-    Examples
-    --------
     >>> sorted(parse_selection("t > 2 min and p in 70..90 kPa").names)
     ['p', 't']
     >>> parse_selection("t > 2 min and pressure > 70 kPa")
@@ -106,24 +88,9 @@ def parse_selection(expression: str) -> Selection:
 def parse_range(text: str, channel: str) -> tuple[float, float]:
     """Return value and tolerance of one range, such as ``220 +- 100 N`` or ``70..90 kPa``.
 
-    Parameters
-    ----------
-    text : str
-    channel : str
-        The contract's name, for the unit.
+    `channel`: the contract's name, for the unit. Returns: in SI units. The limits are included. Raises `DataError` if
+    it is not a range, or the unit is not one of the channel.
 
-    Returns
-    -------
-    tuple of (float, float)
-        In SI units. The limits are included.
-
-    Raises
-    ------
-    DataError
-        If it is not a range, or the unit is not one of the channel.
-
-    Examples
-    --------
     >>> parse_range("220 +- 100 N", "Fz"), parse_range("70..90 kPa", "p")
     ((220.0, 100.0), (80000.0, 10000.0))
     """

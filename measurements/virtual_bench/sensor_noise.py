@@ -184,21 +184,9 @@ class Noise:
 def correlated(t: NDArray[np.float64], correlation_time: float, rng: np.random.Generator) -> NDArray[np.float64]:
     """Return first-order autoregressive noise of standard deviation 1 at the given times.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,), s
-        Ascending, with any steps. The correlation decays over a pause.
-    correlation_time : float
-        s. 0 gives white noise.
-    rng : numpy.random.Generator
+    `t`, shape (n,): ascending, with any steps. The correlation decays over a pause. `correlation_time`: s. 0 gives
+    white noise. Returns shape (n,): stationary from the first row, correlation exp(-|t_i - t_j|/correlation_time).
 
-    Returns
-    -------
-    ndarray, shape (n,)
-        Stationary from the first row, correlation exp(-|t_i - t_j|/correlation_time).
-
-    Examples
-    --------
     >>> noise = correlated(np.arange(20000) / 100.0, 0.03, np.random.default_rng(1))
     >>> bool(abs(np.corrcoef(noise[:-1], noise[1:])[0, 1] - np.exp(-0.01 / 0.03)) < 0.03)
     True

@@ -20,24 +20,14 @@ MOST_COEFFICIENTS, MOST_ACTS, MOST_EFFECTS, MOST_STATES = 50, 50, 50, 10
 def check_effect(effect: AddedEffect, location: str) -> None:
     """Raise `EffectError` if an effect violates the rules.
 
-    Parameters
-    ----------
-    effect : AddedEffect
-        With formulas as returned by `formula`.
-    location : str
-        Origin of the effect, for messages.
+    `effect`: with formulas as returned by `formula`. `location`: origin of the effect, for messages.
     """
     if reason := next(_objections(effect), ""):
         raise EffectError(f"{location}: {reason}")
 
 
 def check_effects(effects: Sequence[AddedEffect]) -> None:
-    """Raise `EffectError` if effects or their formulas violate the rules, or if two have the same name.
-
-    Parameters
-    ----------
-    effects : sequence of AddedEffect
-    """
+    """Raise `EffectError` if effects or their formulas violate the rules, or if two have the same name."""
     from .formula import formula  # SymPy
 
     if len(effects) > MOST_EFFECTS:

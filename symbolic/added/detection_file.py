@@ -31,23 +31,8 @@ FORM_KEYS = ("free", "starts", "sizes", "given", "holds", "grid")
 def read_detection(table: object, location: str, own: Collection[str] | None = None) -> Detection:
     """Return the declarations of a table [diagnosis].
 
-    Parameters
-    ----------
-    table : object
-        As parsed from TOML.
-    location : str
-        Name of the file, for messages.
-    own : collection of str, optional
-        Coefficients that the file declares; the table may then use no others.
-
-    Returns
-    -------
-    Detection
-
-    Raises
-    ------
-    EffectError
-        If a key, a name, a number or a count is invalid.
+    `table`: as parsed from TOML. `location`: name of the file, for messages. `own`: coefficients that the file
+    declares; the table may then use no others. Raises `EffectError` if a key, a name, a number or a count is invalid.
     """
     location = f"{location}: [diagnosis]"
     given = known_keys(table, KEYS, location)

@@ -23,16 +23,9 @@ if TYPE_CHECKING:
 class Act:
     """Change of one named quantity, given by name or role, by an added effect.
 
-    Attributes
-    ----------
-    on : str
-    how : str
-        "factor" or "term".
-    text : str
-        The formula as `tirefmu.symbolic.added.formula.formula_text` writes it.
+    - `how`: "factor" or "term".
+    - `text`: the formula as `tirefmu.symbolic.added.formula.formula_text` writes it.
 
-    Examples
-    --------
     >>> act = Act("friction_y", "factor", "TMU1*(T - TREF) + 1")
     >>> sorted(act.reads), act.expression
     (['T', 'TMU1', 'TREF'], TMU1*(T - TREF) + 1)
@@ -121,11 +114,8 @@ def _filled(declarations: dict[str, Coefficient], space: dict[str, object]) -> N
 def owners_of(effects: Sequence[AddedEffect]) -> dict[str, list[tuple[AddedEffect, State]]]:
     """Return the states of effects by name, each with the effects that declare it.
 
-    Raises
-    ------
-    EffectError
-        If two effects declare a state of the same name differently, or a state has the name of a line, or of an FMU's
-        variable, of another.
+    Raises `EffectError` if two effects declare a state of the same name differently, or a state has the name of a line,
+    or of an FMU's variable, of another.
     """
     owners: dict[str, list[tuple[AddedEffect, State]]] = {}
     for effect in effects:

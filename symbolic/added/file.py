@@ -120,25 +120,10 @@ def _effect(table: dict[str, Any], source: str) -> AddedEffect:
 def read_declared(text: str, file: str) -> Effect | AddedEffect:
     r"""Return the effect of a file of the package; without [[acts]] it belongs to the equations of chapters.
 
-    Parameters
-    ----------
-    text : str
-        TOML. In addition to the keys of `read_effect`, a file without [[acts]] may have ``optional`` and ``rescales``
-        (`tirefmu.symbolic.declarations.Effect`).
-    file : str
-        Name of the file: the effect's name and ``.toml``.
+    `text`: TOML. In addition to the keys of `read_effect`, a file without [[acts]] may have ``optional`` and
+    ``rescales`` (`tirefmu.symbolic.declarations.Effect`). `file`: name of the file: the effect's name and ``.toml``.
+    Raises `EffectError`: as `read_effect`, or if the names of file and effect differ.
 
-    Returns
-    -------
-    Effect or AddedEffect
-
-    Raises
-    ------
-    EffectError
-        As `read_effect`, or if the names of file and effect differ.
-
-    Examples
-    --------
     >>> read_declared('name = "snow"\nphysics = "less grip"\noptional = true', "snow.toml")
     Effect(name='snow', physics='less grip', rescales=(), optional=True, detection=None)
     """

@@ -61,25 +61,11 @@ class _Refused(ValueError):
 def formula(text: str, location: str) -> sp.Expr:
     """Return the expression of a text.
 
-    Parameters
-    ----------
-    text : str
-        ``1 + TMU1*(T - TREF)``: + - * / **, brackets, numbers, ``pi``, and the functions of `FUNCTIONS`.
-    location : str
-        Origin of the text, for messages.
+    `text`: ``1 + TMU1*(T - TREF)``: + - * / **, brackets, numbers, ``pi``, and the functions of `FUNCTIONS`.
+    `location`: origin of the text, for messages. Returns: names are real symbols. Numbers are rational or doubles,
+    finite and of limited size. Raises `EffectError` if the text is not a formula, exceeds the limits of this module, or
+    a part of it has no real value.
 
-    Returns
-    -------
-    sympy.Expr
-        Names are real symbols. Numbers are rational or doubles, finite and of limited size.
-
-    Raises
-    ------
-    EffectError
-        If the text is not a formula, exceeds the limits of this module, or a part of it has no real value.
-
-    Examples
-    --------
     >>> formula("1 + 2*TMU1*abs(T)", "example")
     2*TMU1*absolute(T) + 1
     >>> formula("T/(2 - 2)", "example")
@@ -102,8 +88,6 @@ def formula(text: str, location: str) -> sp.Expr:
 def formula_text(expression: sp.Expr) -> str:
     """Return the text of an expression; `formula` is the inverse.
 
-    Examples
-    --------
     >>> formula_text(formula("0.1*T*0.7 + sqrt(2)", "example"))
     '0.06999999999999999*T + 1.4142135623730951'
     """

@@ -8,8 +8,6 @@ import ast
 def names_in(text: str) -> frozenset[str]:
     """Return the names that a formula reads, functions excluded.
 
-    Examples
-    --------
     >>> sorted(names_in("abs(Fy)*V + TAU"))
     ['Fy', 'TAU', 'V']
     """

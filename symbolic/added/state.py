@@ -32,27 +32,18 @@ LINES = ("target", "rate", "start", "derivative")
 class State:
     """A state x of an added effect.
 
-    Attributes
-    ----------
-    name, description, unit : str
-    kind : str
-        "lag": x' = rate (drive - x), with the rate |V|/length if a length is given. "heat": x' = drive - rate (x -
-        ambient). "accumulation": x' = drive. "oscillator": x'' = frequency^2 (drive - x) - damping x', whose formulas
-        read inputs alone; x' is a state of its own behind this one, of kind "speed" with the same formulas
-        (`with_speeds`). "hysteresis": dx = (sgn(ds) - x) |ds|/width, where s is the lag that the drive names, or the
-        size sqrt(a^2 + b^2) of two lags. "play": dx = ds/width, but not beyond -1 and 1: the follower of a backlash
-        is at s - width x.
-    drive : tuple of str
-        A formula; of a hysteresis and of play the names of one or two lags.
-    rate, length, width, ambient, frequency, damping : str
-        Formulas; empty if the kind does not have them.
-    start : str
-        A formula of coefficients for the value at the start of a recording. If empty, a lag, a heat balance and an
-        oscillator start in equilibrium with the first row, and other states at 0. "fitted": so do they in a tire, but
-        a fit and a diagnosis estimate the value at the start of each segment of a recording.
+    - `kind`: "lag": x' = rate (drive - x), with the rate |V|/length if a length is given. "heat": x' = drive - rate (x
+      - ambient). "accumulation": x' = drive. "oscillator": x'' = frequency^2 (drive - x) - damping x', whose formulas
+      read inputs alone; x' is a state of its own behind this one, of kind "speed" with the same formulas
+      (`with_speeds`). "hysteresis": dx = (sgn(ds) - x) |ds|/width, where s is the lag that the drive names, or the size
+      sqrt(a^2 + b^2) of two lags. "play": dx = ds/width, but not beyond -1 and 1: the follower of a backlash is at s -
+      width x.
+    - `drive`: a formula; of a hysteresis and of play the names of one or two lags.
+    - `rate`, `length`, `width`, `ambient`, `frequency`, `damping`: formulas; empty if the kind does not have them.
+    - `start`: a formula of coefficients for the value at the start of a recording. If empty, a lag, a heat balance and
+      an oscillator start in equilibrium with the first row, and other states at 0. "fitted": so do they in a tire, but
+      a fit and a diagnosis estimate the value at the start of each segment of a recording.
 
-    Examples
-    --------
     >>> late = State("late_load", "lag", ("Fz",), length="LATE", unit="N")
     >>> sorted(late.reads), late.reads_only({"Fz", "V"}, {"LATE"})
     (['Fz', 'LATE', 'V'], True)
@@ -134,8 +125,6 @@ class State:
 def with_speeds(states: Iterable[State]) -> Iterator[State]:
     """Yield states, and the speed of each oscillator behind it.
 
-    Examples
-    --------
     >>> swing = State("swing", "oscillator", ("Fy",), frequency="200", damping="20", unit="N")
     >>> [(state.name, state.kind, state.unit) for state in with_speeds([swing])]
     [('swing', 'oscillator', 'N'), ('swing_speed', 'speed', 'N/s')]

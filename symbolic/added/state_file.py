@@ -18,25 +18,9 @@ KEYS = ("kind", "drive", "rate", "length", "width", "ambient", "frequency", "dam
 def read_states(tables: object, source: str) -> tuple[State, ...]:
     """Return the states of an effect file, formulas as written there.
 
-    Parameters
-    ----------
-    tables : object
-        The value of the key ``states``.
-    source : str
-        Name of the file, for messages.
+    `tables`: the value of the key ``states``. `source`: name of the file, for messages. Returns: the speed of an
+    oscillator is a state behind it. Raises `EffectError` if a table is not that of a state.
 
-    Returns
-    -------
-    tuple of State
-        The speed of an oscillator is a state behind it.
-
-    Raises
-    ------
-    EffectError
-        If a table is not that of a state.
-
-    Examples
-    --------
     >>> (state,) = read_states({"late_load": {"kind": "lag", "drive": "Fz", "length": "LATE"}}, "example.toml")
     >>> state.kind, state.drive
     ('lag', ('Fz',))

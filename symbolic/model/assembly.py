@@ -24,25 +24,9 @@ def assembled(
 ) -> tuple[Equation, ...]:
     """Return every line of a model, with effects as switches and options as choices.
 
-    Parameters
-    ----------
-    model : str
-        Its name; where models that share a line differ, its side is taken.
-    chapters : sequence of Chapter
-    added : iterable of AddedEffect
-    quantities : mapping of str to str
-        The quantity that each role is.
-    outputs : collection of str
-
-    Returns
-    -------
-    tuple of Equation
-        Without steps that no output and no named quantity uses: they belong to another model.
-
-    Raises
-    ------
-    EffectError
-        If an added effect acts on a quantity that the model does not have.
+    `model`: its name; where models that share a line differ, its side is taken. `quantities`: the quantity that each
+    role is. Returns: without steps that no output and no named quantity uses: they belong to another model. Raises
+    `EffectError` if an added effect acts on a quantity that the model does not have.
     """
     written = (equation for chapter in chapters for equation in chapter.equations)
     lines = [replace(line, expression=_own(line.expression, model)) for line in written]
@@ -64,16 +48,8 @@ def check_reads(
 ) -> None:
     """Raise `EffectError` where an added effect reads what is not computed before the line that it acts on.
 
-    Parameters
-    ----------
-    model : str
-        Its name, for the message.
-    lines : iterable of Equation
-        With the added effects.
-    added, quantities
-        As for `assembled`.
-    known : iterable of str
-        Inputs and coefficients.
+    `model`: its name, for the message. `lines`: with the added effects. `added`, `quantities`: as for `assembled`.
+    `known`: inputs and coefficients.
     """
     lines, before = list(lines), set(known)
     acts = [(act, _places(quantities.get(act.on, act.on), lines, effect)) for effect in added for act in effect.acts]

@@ -18,60 +18,36 @@ if TYPE_CHECKING:
 class ModelDeclaration:
     """What a tire model declares: its lines, and all that other packages have to know of it.
 
-    Attributes
-    ----------
-    name : str
-        As on the command line: a lower-case word.
-    title : str
-    inputs, outputs : tuple of Quantity
-        kappa and alpha first, Fz among them; Fx and Fy among the outputs.
-    sections : tuple of type[Section]
-        The coefficients, by .tir section.
-    chapters : tuple of str or Chapter
-        The lines, in an order in which each uses only earlier ones: chapters, or modules of its folder that have one
-        as ``eq`` and are imported when the lines are needed.
-    results : tuple of str
-        Named quantities that are results in addition to the outputs, such as radii: a coefficient that reaches
-        one of them is not idle.
-    on_demand : tuple of (str, str)
-        Effects that act only in rows in which an input is not 0, and the input's name (turn_slip: phit).
-    own_effects : tuple of Effect
-        Effects of its lines that `tirefmu.symbolic.effects` does not have.
-    roles : mapping of str to Role
-        Which named quantity has which of `tirefmu.symbolic.contract.ROLES`; it lacks the others.
-    property_file : PropertyFile
-        How its .tir files are recognized and written.
-    constraints : mapping of str to tuple of PhysicalConstraint
-        What a fit enforces, by the output that it belongs to.
-    recipe : str
-        The default fit recipe: one of the package's, or of its own.
-    recipes : tuple of str
-        Its own recipes: ``<name>.toml`` in its folder.
-    folder : str
-        Its package, with these files: ``__name__`` of the folder's ``__init__.py``.
-    baseline : tuple of str
-        The coefficients that a tire without effects is fitted by.
-    starts : tuple of mapping of str to float
-        Several starts of the baseline in adapted SAE, against local optima; others start at generic values.
-    spread : mapping of str to float
-        Standard deviation among tires of coefficients of the baseline that a recording may leave undetermined.
-    refinements : tuple of mapping of str to float
-        Refinements of the baseline that a diagnosis tries: coefficients and sizes to probe with, in adapted SAE.
-    relaxation : tuple of str
-        The coefficients of its relaxation lengths, which act through time only.
-    own_relaxation : tuple of str
-        The coefficient that scales relaxation lengths which follow from other coefficients, then those that must be
-        known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
-    low_speed : str
-        The coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
-    reverses : bool
-        Whether its forces at a given kappa change their direction with the sign of V: kappa is then positive where it
-        drives the wheel in its direction of travel. The equations of other models are those of a wheel that rolls
-        forward: an FMU that computes slips mirrors their forces where the wheel rolls backward.
-    friction_scales : tuple of str
-        The coefficients to which friction is proportional: a road with another friction multiplies each of them.
-    added : tuple of AddedEffect
-        Effects beyond the book; see `extended`.
+    - `name`: as on the command line: a lower-case word.
+    - `inputs`, `outputs`: kappa and alpha first, Fz among them; Fx and Fy among the outputs.
+    - `sections`: the coefficients, by .tir section.
+    - `chapters`: the lines, in an order in which each uses only earlier ones: chapters, or modules of its folder that
+      have one as ``eq`` and are imported when the lines are needed.
+    - `results`: named quantities that are results in addition to the outputs, such as radii: a coefficient that reaches
+      one of them is not idle.
+    - `on_demand`: effects that act only in rows in which an input is not 0, and the input's name (turn_slip: phit).
+    - `own_effects`: effects of its lines that `tirefmu.symbolic.effects` does not have.
+    - `roles`: which named quantity has which of `tirefmu.symbolic.contract.ROLES`; it lacks the others.
+    - `property_file`: how its .tir files are recognized and written.
+    - `constraints`: what a fit enforces, by the output that it belongs to.
+    - `recipe`: the default fit recipe: one of the package's, or of its own.
+    - `recipes`: its own recipes: ``<name>.toml`` in its folder.
+    - `folder`: its package, with these files: ``__name__`` of the folder's ``__init__.py``.
+    - `baseline`: the coefficients that a tire without effects is fitted by.
+    - `starts`: several starts of the baseline in adapted SAE, against local optima; others start at generic values.
+    - `spread`: standard deviation among tires of coefficients of the baseline that a recording may leave undetermined.
+    - `refinements`: refinements of the baseline that a diagnosis tries: coefficients and sizes to probe with, in
+      adapted SAE.
+    - `relaxation`: the coefficients of its relaxation lengths, which act through time only.
+    - `own_relaxation`: the coefficient that scales relaxation lengths which follow from other coefficients, then those
+      that must be known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
+    - `low_speed`: the coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
+    - `reverses`: whether its forces at a given kappa change their direction with the sign of V: kappa is then positive
+      where it drives the wheel in its direction of travel. The equations of other models are those of a wheel that
+      rolls forward: an FMU that computes slips mirrors their forces where the wheel rolls backward.
+    - `friction_scales`: the coefficients to which friction is proportional: a road with another friction multiplies
+      each of them.
+    - `added`: effects beyond the book; see `extended`.
     """
 
     name: str

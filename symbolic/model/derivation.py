@@ -25,23 +25,9 @@ def structure_of(
 ) -> Structure:
     """Return what the lines of a model determine.
 
-    Parameters
-    ----------
-    equations : sequence of Equation
-        Every line, with effects as switches and options as choices.
-    declared : iterable of str
-        The coefficients, in the order of their declarations.
-    required : iterable of str
-        Coefficients that the model has although no line reads them.
-    outputs : sequence of str
-    on_demand : iterable of str
-        Effects that an input activates.
-    lengths : collection of str
-        The relaxation lengths.
-
-    Returns
-    -------
-    Structure
+    `equations`: every line, with effects as switches and options as choices. `declared`: the coefficients, in the order
+    of their declarations. `required`: coefficients that the model has although no line reads them. `on_demand`: effects
+    that an input activates. `lengths`: the relaxation lengths.
     """
     read = {symbol.name for line in equations for symbol in line.expression.free_symbols} | set(required)
     chosen = {str(choice.args[0]) for line in equations for choice in line.expression.atoms(Choice)}

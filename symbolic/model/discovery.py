@@ -12,14 +12,7 @@ from .definition import Model
 def found_models() -> dict[str, Model]:
     """Return the models of all folders that have them, by name and in the order of their names.
 
-    Returns
-    -------
-    dict of str to Model
-
-    Raises
-    ------
-    ModelError
-        If two have one name or one FITTYP.
+    Raises `ModelError` if two have one name or one FITTYP.
     """
     package = __name__.rsplit(".", 2)[0]  # tirefmu.symbolic
     folders = [found.name for found in iter_modules(import_module(package).__path__) if found.ispkg]
@@ -33,16 +26,7 @@ def found_models() -> dict[str, Model]:
 def register(model: Model, models: dict[str, Model]) -> None:
     """Add a model to others.
 
-    Parameters
-    ----------
-    model : Model
-    models : dict of str to Model
-        Changed.
-
-    Raises
-    ------
-    ModelError
-        If its name is no lower-case word, or name or FITTYP are taken.
+    `models`: changed. Raises `ModelError` if its name is no lower-case word, or name or FITTYP are taken.
     """
     if not (model.name.isidentifier() and model.name == model.name.lower()):
         raise ModelError(f"model {model.name!r}: a name is a word of lower-case letters, digits and _")

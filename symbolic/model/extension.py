@@ -16,13 +16,7 @@ from ..quantities import BEYOND, OWN_SPEED
 def has_place(effect: AddedEffect, named: Collection[str], known: Collection[str]) -> bool:
     """Return whether a model has all that an effect acts on and reads.
 
-    Parameters
-    ----------
-    effect : AddedEffect
-    named : collection of str
-        Named quantities and roles of the model.
-    known : collection of str
-        Its inputs and coefficients.
+    `named`: named quantities and roles of the model. `known`: its inputs and coefficients.
     """
     readable = {*known, *BEYOND, *(declaration.name for declaration in effect.declarations)}
     if effect.states:
@@ -44,13 +38,7 @@ def further_inputs(effects: Sequence[AddedEffect], inputs: Iterable[Quantity]) -
 def check_names(model: str, effects: Sequence[AddedEffect], quantities: Iterable[str], declared: Iterable[str]) -> None:
     """Raise `EffectError` where an effect, a coefficient or a state has a name that means something else in a model.
 
-    Parameters
-    ----------
-    model : str
-        Its name.
-    effects : sequence of AddedEffect
-    quantities, declared : iterable of str
-        Its inputs, outputs and lines; its coefficients.
+    `model`: its name. `quantities`, `declared`: its inputs, outputs and lines; its coefficients.
     """
     options = {option.parameter for option in OPTIONS.values()}
     taken = {**dict.fromkeys((*quantities, *(quantity.name for quantity in BEYOND.values())), "a quantity")}

@@ -14,16 +14,7 @@ from ..notation import Choice, Equation, Switch
 def reaching(lines: Iterable[Equation], targets: Collection[str]) -> list[Equation]:
     """Return the lines on which the targets depend, in order.
 
-    Parameters
-    ----------
-    lines : iterable of Equation
-        Each uses only earlier symbols.
-    targets : collection of str
-        Names of symbols.
-
-    Returns
-    -------
-    list of Equation
+    `lines`: each uses only earlier symbols. `targets`: names of symbols.
     """
     needed, found = set(targets), []
     for line in reversed(list(lines)):
@@ -36,18 +27,8 @@ def reaching(lines: Iterable[Equation], targets: Collection[str]) -> list[Equati
 def reduced(equations: Iterable[Equation], present: Collection[str], read: Collection[str]) -> tuple[Equation, ...]:
     """Return lines with effects switched and options decided, without the lines that this makes trivial.
 
-    Parameters
-    ----------
-    equations : iterable of Equation
-        Each uses only earlier symbols.
-    present : collection of str
-        The effects that are on.
-    read : collection of str
-        The options that stay in the lines; the others have their first value.
-
-    Returns
-    -------
-    tuple of Equation
+    `equations`: each uses only earlier symbols. `present`: the effects that are on. `read`: the options that stay in
+    the lines; the others have their first value.
     """
     lines: list[Equation] = []
     known: dict[sp.Symbol, sp.Expr] = {}  # a line that is 0 or 1 now removes later terms
@@ -94,16 +75,7 @@ def replaced(expression: sp.Expr, kind: type[sp.Function], by: Callable[..., sp.
 
     `Basic.replace` does the same from the innermost node outwards, which takes several times the time.
 
-    Parameters
-    ----------
-    expression : sympy.Expr
-    kind : subclass of sympy.Function
-    by : callable
-        What replaces a node, given its arguments; nodes in the result are replaced, too.
-
-    Returns
-    -------
-    sympy.Expr
+    `by`: what replaces a node, given its arguments; nodes in the result are replaced, too.
     """
     if isinstance(expression, kind):
         return replaced(by(*expression.args), kind, by)

@@ -40,16 +40,6 @@ Values = Mapping[str, float]
 def check_signs(model: Model) -> None:
     """Raise `ModelError` where a model violates the sign law, with the coefficients that are marked wrongly.
 
-    Parameters
-    ----------
-    model : Model
-
-    Raises
-    ------
-    ModelError
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> check_signs(model("mf96"))
     """
@@ -73,16 +63,6 @@ def check_signs(model: Model) -> None:
 def check_reversal(model: Model) -> None:
     """Raise `ModelError` unless the declaration `reverses` is what Fx does where V changes its sign.
 
-    Parameters
-    ----------
-    model : Model
-
-    Raises
-    ------
-    ModelError
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> check_reversal(model("fiala"))
     """

@@ -25,15 +25,8 @@ NO_SLIP = sp.Float("1e-12")
 def state_lines(effects: Sequence[AddedEffect]) -> tuple[Equation, ...]:
     """Return the lines of the states of effects; 0 if the effects of a state are off.
 
-    Parameters
-    ----------
-    effects : sequence of AddedEffect
-        Effects may share a state that they declare alike.
-
-    Returns
-    -------
-    tuple of Equation
-        A line named `SLIDING_POWER` first if a state reads it.
+    `effects`: effects may share a state that they declare alike. Returns: a line named `SLIDING_POWER` first if a state
+    reads it.
     """
     eq = Chapter("States")
     if any(SLIDING_POWER in state.reads for effect in effects for state in effect.states):

@@ -20,16 +20,10 @@ from ..errors import ModelError
 class Case:
     """What a line is under certain conditions: a number, as text, or an expression that reads names.
 
-    Attributes
-    ----------
-    present : tuple of str
-        The effects of the line that are on.
-    numbers : tuple of str
-        The numbers that earlier lines are, '' for an expression; in the order of `Line.earlier`.
-    number : str
-        What the line is then; '' for an expression.
-    reads : tuple of str
-        What the expression reads.
+    - `present`: the effects of the line that are on.
+    - `numbers`: the numbers that earlier lines are, '' for an expression; in the order of `Line.earlier`.
+    - `number`: what the line is then; '' for an expression.
+    - `reads`: what the expression reads.
     """
 
     present: tuple[str, ...]
@@ -42,12 +36,7 @@ class Case:
 class Line:
     """What a line reads, as its effects and the earlier lines that may be numbers decide.
 
-    Attributes
-    ----------
-    name : str
-    effects, earlier : tuple of str
-    cases : tuple of Case
-        One for each combination.
+    - `cases`: one for each combination.
     """
 
     name: str
@@ -69,24 +58,14 @@ class Line:
 class Structure:
     """What the lines of a model determine.
 
-    Attributes
-    ----------
-    coefficients : tuple of str
-        Those that a line reads, in the order of the parameter vector.
-    options, straight_options : tuple of str
-        The options that a line reads; those that act in rows without an effect on demand, but for the signs.
-    effects : tuple of str
-        In the order in which the lines have them.
-    relaxing_effects : tuple of str
-        The effects in the lines of the relaxation lengths.
-    quantities : mapping of str to (str, str)
-        Unit and description of each named quantity.
-    straight : mapping of str to tuple of str
-        What each output reads in rows without an effect on demand, under default options.
-    lines : tuple of Line
+    - `coefficients`: those that a line reads, in the order of the parameter vector.
+    - `options`, `straight_options`: the options that a line reads; those that act in rows without an effect on demand,
+      but for the signs.
+    - `effects`: in the order in which the lines have them.
+    - `relaxing_effects`: the effects in the lines of the relaxation lengths.
+    - `quantities`: unit and description of each named quantity.
+    - `straight`: what each output reads in rows without an effect on demand, under default options.
 
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> structure = model("mf96").structure
     >>> structure.quantities["mu_y"]
@@ -150,16 +129,7 @@ class Structure:
 def stored_structure(file: Traversable, declared: Collection[str]) -> Structure:
     """Return the structure in a file.
 
-    Parameters
-    ----------
-    file : file
-    declared : collection of str
-        Coefficients that the model declares.
-
-    Raises
-    ------
-    ModelError
-        If it does not fit the declarations.
+    `declared`: coefficients that the model declares. Raises `ModelError` if it does not fit the declarations.
     """
     try:
         structure = Structure.from_text(file.read_text(encoding="ascii"))

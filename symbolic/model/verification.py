@@ -19,17 +19,8 @@ from .sign_law import check_reversal, check_signs
 def verify(model: Model) -> None:
     """Raise `ModelError` for the first declaration that a model violates.
 
-    Parameters
-    ----------
-    model : Model
+    Raises `ModelError`: with the name of the model and of the coefficient or quantity.
 
-    Raises
-    ------
-    ModelError
-        With the name of the model and of the coefficient or quantity.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> verify(model("mf96"))
     """

@@ -21,15 +21,6 @@ def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]
     everywhere, row by row (`tirefmu.symbolic.printers.routines.entries`); its library also exports
     ``<model>_batch_chosen_derivatives``, some of them, and ``<model>_batch_normal_equations``, which uses them where
     they are (`normal_equations.h`).
-
-    Parameters
-    ----------
-    model : Model
-    routines : tuple of Routine
-
-    Returns
-    -------
-    dict of str to str
     """
     by_name = {routine.full_name: routine for routine in routines}
     sources = {}

@@ -24,17 +24,7 @@ ARRAYS = "const double inputs[], const double parameters[], double results[]"
 
 
 def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
-    """Return the header: sizes, indices of inputs, parameters and results, prototypes.
-
-    Parameters
-    ----------
-    model : Model
-    routines : tuple of Routine
-
-    Returns
-    -------
-    str
-    """
+    """Return the header: sizes, indices of inputs, parameters and results, prototypes."""
     quantities = routines[0]
     prefix = model.name.upper()
     remarks = {name: f"{each.description} [{each.unit}]" for name, each in model.coefficients.items()}
@@ -59,15 +49,6 @@ def c_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
     """Return the two sources of a model by the names of their files, without the ending.
 
     ``<model>`` has every routine but the Jacobians, ``<model>_jacobians`` these. Neither calls the other.
-
-    Parameters
-    ----------
-    model : Model
-    routines : tuple of Routine
-
-    Returns
-    -------
-    dict of str to str
     """
     return {
         model.name: _source(model, "C99", values_of(routines), [_rows(model)]),

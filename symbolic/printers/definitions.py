@@ -28,13 +28,8 @@ _CALL_OF_FAST = re.compile(r"\bfast_(sin|cos|tan|atan|exp|pow)\(")
 class Definition:
     """A paragraph of a header.
 
-    Attributes
-    ----------
-    text : str
-    names : frozenset of str
-        What it defines; nothing where it is a remark on all that follows.
-    uses : frozenset of str
-        The identifiers in it.
+    - `names`: what it defines; nothing where it is a remark on all that follows.
+    - `uses`: the identifiers in it.
     """
 
     text: str
@@ -45,8 +40,6 @@ class Definition:
 def comment(*lines: str) -> str:
     """Return a comment of one or more lines: the only way in which text gets into generated C.
 
-    Examples
-    --------
     >>> comment("grip */ int x; /*")
     '/* grip * / int x; / * */'
     """
@@ -57,20 +50,8 @@ def comment(*lines: str) -> str:
 def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
     r"""Return the definitions that some code uses, and those that they use.
 
-    Parameters
-    ----------
-    code : str
-        C.
-    headers : tuple of str
-        `PLAIN` or `KERNEL`.
+    `code`: C. `headers`: `PLAIN` or `KERNEL`. Returns: empty where it uses none.
 
-    Returns
-    -------
-    str
-        Empty where it uses none.
-
-    Examples
-    --------
     >>> print(definitions("double f(double x) { return cubed_sqrt(x) + PI; }"))
     #define PI 3.14159265358979323846
     <BLANKLINE>
@@ -90,8 +71,6 @@ def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
 def calling_math(code: str) -> str:
     """Return code that calls the functions of math.h instead of the fast ones: slower, small, other roundings.
 
-    Examples
-    --------
     >>> calling_math("y = fast_atan(fast_sin(x));")
     'y = atan(sin(x));'
     """
@@ -101,8 +80,6 @@ def calling_math(code: str) -> str:
 def calling_functions(code: str) -> str:
     """Return code that calls the fast functions, which compilers would expand at each call: the same digits.
 
-    Examples
-    --------
     >>> calling_functions("y = fast_atan(fast_sin(x));")
     'y = called_atan(called_sin(x));'
     """

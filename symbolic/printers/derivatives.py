@@ -38,12 +38,8 @@ class Step:
 class SplitLine:
     """A line ready for the chain rule.
 
-    Attributes
-    ----------
-    steps : tuple of Step
-        In an order in which each uses only earlier ones; the last is the line itself.
-    shared : tuple of (Symbol, Expr)
-        What several steps or partials have in common, to be computed before them.
+    - `steps`: in an order in which each uses only earlier ones; the last is the line itself.
+    - `shared`: what several steps or partials have in common, to be computed before them.
     """
 
     steps: tuple[Step, ...]
@@ -53,16 +49,6 @@ class SplitLine:
 def split(line: Equation) -> SplitLine:
     """Split a line into steps and differentiate each.
 
-    Parameters
-    ----------
-    line : Equation
-
-    Returns
-    -------
-    SplitLine
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.notation import Chapter
     >>> eq, q1, q2, dfz, R0 = Chapter("Trail"), *sp.symbols("q1 q2 dfz R0", real=True)
     >>> D_t = eq("4.E43", "D_t", R0 * (q1 + q2 * dfz))
@@ -205,12 +191,8 @@ def _without_repetition(name: str, steps: Sequence[tuple[sp.Symbol, sp.Expr, dic
 class ChainRule:
     """The graph of which step depends on which, and the removal of its inner vertices.
 
-    Attributes
-    ----------
-    edges : dict
-        By upper and lower symbol, the derivative of the one by the other that is known so far.
-    assignments : list of (Symbol, Expr)
-        What has to be computed, in order.
+    - `edges`: by upper and lower symbol, the derivative of the one by the other that is known so far.
+    - `assignments`: what has to be computed, in order.
     """
 
     edges: dict[sp.Symbol, dict[sp.Symbol, sp.Expr]] = field(default_factory=dict)

@@ -129,8 +129,6 @@ class ArrayPrinter(NumberPrinter, PythonCodePrinter):
 class NumpyPrinter(ArrayPrinter):
     """Python text calling NumPy.
 
-    Examples
-    --------
     >>> NumpyPrinter().doprint(sp.sin(sp.Symbol("F_x0_w")) ** 2)
     'np.sin(F_x0_w)**2'
     >>> loaded = sp.Piecewise((0, sp.Symbol("Fz") <= 0), (sp.Symbol("F_x0"), True))
@@ -146,8 +144,6 @@ class NumpyPrinter(ArrayPrinter):
 class NamespacePrinter(NumpyPrinter):
     """Python text calling a library of arrays with NumPy's names, which is an argument of the printed function.
 
-    Examples
-    --------
     >>> NamespacePrinter().doprint(sp.sin(sp.Symbol("F_x0_w")) ** 2)
     'xp.sin(F_x0_w)**2'
     """
@@ -159,8 +155,6 @@ class NamespacePrinter(NumpyPrinter):
 class CasadiPrinter(ArrayPrinter):
     """Python text calling CasADi.
 
-    Examples
-    --------
     >>> light, fast = sp.Symbol("Fz") <= 0, sp.Symbol("V") > 1
     >>> CasadiPrinter().doprint(sp.Piecewise((0, sp.And(light, fast)), (sp.pi, True)))
     'ca.if_else(ca.logic_and(Fz <= 0, V > 1), 0, ca.pi)'
@@ -190,8 +184,6 @@ CALLED_POWERS = {
 class PlainCPrinter(NumberPrinter, C99CodePrinter):
     """C99 text in double precision; squares are written as calls of an inline function, never with pow.
 
-    Examples
-    --------
     >>> PlainCPrinter().doprint(sp.Symbol("dfz") ** 2 / sp.sqrt(sp.Symbol("x")))
     'square(dfz)/sqrt(x)'
     """
@@ -246,15 +238,9 @@ class PlainCPrinter(NumberPrinter, C99CodePrinter):
 class LanesPrinter(PlainCPrinter):
     """C text in which some symbols represent several rows at a time, see lanes.h.
 
-    Parameters
-    ----------
-    varying : collection of str
-        The symbols that differ from row to row.
-    lines : iterable of (sympy.Symbol, sympy.Expr)
-        What symbols stand for: some are arcus tangents, or products with one.
+    `varying`: the symbols that differ from row to row. `lines`: what symbols stand for: some are arcus tangents, or
+    products with one.
 
-    Examples
-    --------
     >>> B, x = sp.symbols("B x")
     >>> LanesPrinter({"x"}).doprint(B**2 + sp.atan(B * x) ** 2)
     'square(B) + lanes_square(lanes_atan(B*x))'

@@ -31,19 +31,10 @@ from .wheel.rolling_radius import c_rolling_radius
 def render(everything: bool = False) -> dict[str, str]:
     """Return the generated files: path relative to the folder, text. Deterministic to the byte.
 
-    Parameters
-    ----------
-    everything : bool
-        Also the Jacobians, and in the folder `WITH_EFFECTS` each model with the whole library of effects, for the
-        diagnosis. Without it, what is committed.
+    `everything`: also the Jacobians, and in the folder `WITH_EFFECTS` each model with the whole library of effects, for
+    the diagnosis. Without it, what is committed.
 
-    Returns
-    -------
-    dict of str to str
-
-    See Also
-    --------
-    render_model : the files of one model.
+    See render_model : the files of one model.
     """
     files = law_files() | kinematic_files()
     models = [_from_lines(model) for model in MODELS.values()]
@@ -72,22 +63,9 @@ def _with_library(model: Model) -> Model:
 def render_model(model: Model) -> dict[str, str]:
     """Return the files of one model, Jacobians included: path relative to the folder, text.
 
-    Parameters
-    ----------
-    model : Model
-        Also one with added effects.
+    `model`: also one with added effects. Raises `ModelError` if the model violates its declarations; see
+    `tirefmu.symbolic.model.verification`.
 
-    Returns
-    -------
-    dict of str to str
-
-    Raises
-    ------
-    ModelError
-        If the model violates its declarations; see `tirefmu.symbolic.model.verification`.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> sorted(render_model(model("mf96")))[:3]
     ['c/mf96.c', 'c/mf96.h', 'c/mf96_batch_forces.c']
@@ -109,8 +87,6 @@ def render_model(model: Model) -> dict[str, str]:
 def jacobian_files(name: str) -> list[str]:
     """Return the files of a model that have its Jacobians: six times as long as the others together.
 
-    Examples
-    --------
     >>> jacobian_files("mf96")[:2]
     ['numpy/mf96_jacobians.py', 'c/mf96_jacobians.c']
     """
@@ -121,16 +97,7 @@ def jacobian_files(name: str) -> list[str]:
 def write(folder: Path, everything: bool = False) -> list[Path]:
     """Write what `render` returns below a folder and remove generated files that are no longer made.
 
-    Parameters
-    ----------
-    folder : Path
-    everything : bool
-        As for `render`.
-
-    Returns
-    -------
-    list of Path
-        The files whose text changed, removed ones included.
+    `everything`: as for `render`. Returns: the files whose text changed, removed ones included.
     """
     changed = []
     files = render(everything)
@@ -147,16 +114,7 @@ def write(folder: Path, everything: bool = False) -> list[Path]:
 
 
 def difference(folder: Path) -> str:
-    """Return the unified diff from the committed files in a folder to what would be generated; empty where equal.
-
-    Parameters
-    ----------
-    folder : Path
-
-    Returns
-    -------
-    str
-    """
+    """Return the unified diff from the committed files in a folder to what would be generated; empty where equal."""
     files = render()
     stale = {path.relative_to(folder).as_posix(): "" for path in _strays(folder, files)}
     diffs: list[str] = []

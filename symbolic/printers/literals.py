@@ -18,8 +18,6 @@ from ..notation import Equation
 class Literal(sp.Symbol):
     """A number that SymPy treats as a symbol.
 
-    Examples
-    --------
     >>> x = sp.Symbol("x")
     >>> Literal("0.1") * (x - 1), Literal("0.1").value
     (0.1*(x - 1), 0.1)
@@ -39,8 +37,6 @@ def literal(value: float) -> sp.Expr:
 def folded(lines: Sequence[Equation], values: Mapping[str, float]) -> tuple[Equation, ...]:
     """Return lines with numbers for the coefficients; a line that becomes a number is used as such.
 
-    Examples
-    --------
     >>> from tirefmu.symbolic.notation import Chapter
     >>> eq, (PCX1, LCX, B) = Chapter("Fx"), sp.symbols("PCX1 LCX B", real=True)
     >>> C = eq("4.E11", "C_x", PCX1 * LCX)

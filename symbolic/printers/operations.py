@@ -52,15 +52,9 @@ class Operation:
 class Tape:
     """Slots of numbers: the leaves, the constants, then the result of each operation.
 
-    Attributes
-    ----------
-    leaves : tuple of str
-        What is given from outside.
-    constants : tuple of float
-    operations : tuple of Operation
-        In an order in which each reads only earlier slots. What is equal is computed once.
-    slots : dict of str to int
-        The slots of leaves and lines by name.
+    - `leaves`: what is given from outside.
+    - `operations`: in an order in which each reads only earlier slots. What is equal is computed once.
+    - `slots`: the slots of leaves and lines by name.
     """
 
     leaves: tuple[str, ...]
@@ -72,23 +66,9 @@ class Tape:
 def taped(lines: Sequence[Equation], leaves: Sequence[str]) -> Tape:
     """Return lines as operations.
 
-    Parameters
-    ----------
-    lines : sequence of Equation
-        Each reads leaves and earlier lines only.
-    leaves : sequence of str
+    `lines`: each reads leaves and earlier lines only. Raises `NotImplementedError` if a line uses a function that has
+    no operation.
 
-    Returns
-    -------
-    Tape
-
-    Raises
-    ------
-    NotImplementedError
-        If a line uses a function that has no operation.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.notation import Chapter
     >>> eq, x, B = Chapter("Force"), *sp.symbols("x B", real=True)
     >>> y = eq("1", "y", 2 * sp.atan(B * x) - x)
@@ -203,14 +183,7 @@ def rolling_radius_lines(model: Model) -> list[Equation]:
 
     In the book the radius depends on kappa, which depends on that speed.
 
-    Parameters
-    ----------
-    model : Model
-
-    Returns
-    -------
-    list of Equation
-        None where the model has the free radius only.
+    Returns: none where the model has the free radius only.
     """
     radius, turning = model.quantity("rolling_radius"), model.quantity("wheel_speed")
     lines = [line for line in model.lines((), straight=True) if line.symbol.name != turning]
@@ -220,17 +193,8 @@ def rolling_radius_lines(model: Model) -> list[Equation]:
 def model_tape(model: Model) -> Tape:
     """Return the lines behind forces, named quantities and the rolling radius of a wheel as operations.
 
-    Parameters
-    ----------
-    model : Model
+    Returns: its leaves are inputs, parameters and `TURNING`; the radius of a turning wheel is called `ROLLING_RADIUS`.
 
-    Returns
-    -------
-    Tape
-        Its leaves are inputs, parameters and `TURNING`; the radius of a turning wheel is called `ROLLING_RADIUS`.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> tape = model_tape(model("mf96"))
     >>> tape.leaves[:4], tape.leaves[tape.slots["rolling_radius"]]
@@ -251,14 +215,7 @@ def model_tape(model: Model) -> Tape:
 def c_operations(model: Model) -> str:
     """Return the header with a model's operations, as macros that initialize tables in C.
 
-    Parameters
-    ----------
-    model : Model
-
-    Returns
-    -------
-    str
-        A row of operations has a code and up to three slots.
+    Returns: a row of operations has a code and up to three slots.
     """
     tape, lines, prefix = model_tape(model), model.lines(), model.name.upper()
     outputs = [quantity.name for quantity in model.outputs]

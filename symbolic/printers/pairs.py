@@ -22,17 +22,8 @@ def in_pairs(body: Sequence[Assignment]) -> list[tuple[Assignment, ...]]:
 
     First comes what needs no call, then all calls whose arguments are known, then what needs their results.
 
-    Parameters
-    ----------
-    body : sequence of Assignment
+    Returns: without headings. Single statements, and pairs of calls.
 
-    Returns
-    -------
-    list of tuple of Assignment
-        Without headings. Single statements, and pairs of calls.
-
-    Examples
-    --------
     >>> a, b, c, x, y = sp.symbols("a b c x y")
     >>> waiting = [Assignment(a, 2 * sp.atan(x)), Assignment(b, sp.atan(a)), Assignment(c, sp.atan(y))]
     >>> for members in in_pairs(waiting):
@@ -61,8 +52,6 @@ def in_pairs(body: Sequence[Assignment]) -> list[tuple[Assignment, ...]]:
 def function_of(expression: sp.Expr) -> str:
     """Return the function that an expression calls, or "" where its outermost operation is none of `FUNCTIONS`.
 
-    Examples
-    --------
     >>> x, y = sp.symbols("x y")
     >>> function_of(sp.cos(x)), function_of(x**y), function_of(x**2), function_of(2 * sp.cos(x))
     ('shifted_sin', 'pow', '', '')

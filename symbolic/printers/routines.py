@@ -36,16 +36,9 @@ class Assignment:
 class Routine:
     """A function to print.
 
-    Attributes
-    ----------
-    name, summary : str
-    body : tuple of Assignment
-    results : tuple of tuple of sympy.Expr
-        One row for a vector, several for a matrix (row per output).
-    labels : tuple of str
-        What the results are called, in the same order; columns of a matrix.
-    variant : str
-        "" where the routine holds for every row, `STRAIGHT` where it holds for most of them only.
+    - `results`: one row for a vector, several for a matrix (row per output).
+    - `labels`: what the results are called, in the same order; columns of a matrix.
+    - `variant`: "" where the routine holds for every row, `STRAIGHT` where it holds for most of them only.
     """
 
     name: str
@@ -70,18 +63,9 @@ class Routine:
 def routines(model: Model) -> tuple[Routine, ...]:
     """Return the routines of a model, all effects present.
 
-    Parameters
-    ----------
-    model : Model
+    Returns: quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; drives, where
+    there are states; if options and turn slip are in the lines, all but the first again, straight.
 
-    Returns
-    -------
-    tuple of Routine
-        quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; drives, where there
-        are states; if options and turn slip are in the lines, all but the first again, straight.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> [routine.name for routine in routines(model("mf96"))]
     ['quantities', 'forces', 'jacobian_inputs', 'jacobian_parameters']
@@ -108,24 +92,10 @@ def chosen_routines(
 ) -> tuple[Routine, ...]:
     """Return some routines of given lines, for printouts outside `generated/`.
 
-    Parameters
-    ----------
-    lines : sequence of Equation
-        Without switches, as from `tirefmu.symbolic.model.lines.reduced`.
-    names : sequence of str
-        Of "forces", "quantities", "jacobian_inputs", "jacobian_parameters" and "states".
-    outputs : sequence of sympy.Symbol
-        The forces and moments.
-    inputs, coefficients : sequence of sympy.Symbol
-        The columns of the Jacobians.
-    quantities : sequence of sympy.Symbol
-        The named quantities.
-    states : sequence of sympy.Symbol
-        The derivatives of the states and the rates at which they decay.
-
-    Returns
-    -------
-    tuple of Routine
+    `lines`: without switches, as from `tirefmu.symbolic.model.lines.reduced`. `names`: of "forces", "quantities",
+    "jacobian_inputs", "jacobian_parameters" and "states". `outputs`: the forces and moments. `inputs`, `coefficients`:
+    the columns of the Jacobians. `quantities`: the named quantities. `states`: the derivatives of the states and the
+    rates at which they decay.
     """
     needed = reaching(lines, [output.name for output in outputs])
     make = {
@@ -145,8 +115,6 @@ def chosen_routines(
 def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
     """Return the Jacobians among routines: most of the text, which is printed into files of its own.
 
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> [routine.name for routine in jacobians_of(routines(model("mf96")))]
     ['jacobian_inputs', 'jacobian_parameters']
@@ -169,16 +137,6 @@ def side_by_side(body: Sequence[Assignment]) -> list[Assignment]:
     In the book's order every line waits for the one above it. A processor looks some hundred instructions ahead: it
     overlaps the arcus tangents of seven curves if they are next to each other, which saves a quarter of the time.
 
-    Parameters
-    ----------
-    body : sequence of Assignment
-
-    Returns
-    -------
-    list of Assignment
-
-    Examples
-    --------
     >>> a, b, c, x = sp.symbols("a b c x")
     >>> waiting = [Assignment(a, sp.atan(x)), Assignment(b, sp.atan(a)), Assignment(c, sp.atan(2 * x))]
     >>> [str(assignment.symbol) for assignment in side_by_side(waiting)]

@@ -41,24 +41,9 @@ def state_lines(
 ) -> tuple[tuple[Equation, ...], tuple[sp.Symbol, ...]]:
     """Return the lines that a tire's states need in addition to its own lines, and the results.
 
-    Parameters
-    ----------
-    model : Model
-    lines : sequence of Equation
-        The lines of the tire.
-    effects : collection of str
-        The effects that it has.
-
-    Returns
-    -------
-    lines : tuple of Equation
-    results : tuple of sympy.Symbol
-        ``NAME_dot`` and ``NAME_decay`` of each state, lagged slips first, in the units of the state per second and 1/s.
-
-    Raises
-    ------
-    TirefmuError
-        If the tire has no states, or a name is in use.
+    `lines`: the lines of the tire. `effects`: the effects that it has. Returns `results`: ``NAME_dot`` and
+    ``NAME_decay`` of each state, lagged slips first, in the units of the state per second and 1/s. Raises
+    `TirefmuError` if the tire has no states, or a name is in use.
     """
     eq = Chapter("Derivatives of the states")
     lagging = lagging_slips(model, lines)

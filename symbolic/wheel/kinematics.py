@@ -29,13 +29,6 @@ eq = Chapter("Wheel kinematics")
 class KinematicFunction:
     """A function with several results, which are lines of the chapter.
 
-    Attributes
-    ----------
-    name, summary : str
-    arguments, results : tuple of Quantity
-
-    Examples
-    --------
     >>> [result.name for result in FUNCTIONS[0].results][:5]
     ['V_x', 'V_y', 'wheel_speed', 'psi_dot', 'gamma']
     """

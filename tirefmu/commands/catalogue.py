@@ -19,25 +19,9 @@ KINDS = ("default", "optional", "library")
 def effects(name: str | None = None, only_model: str | None = None) -> list[dict[str, Any]]:
     """Return the effects, each with its mechanism, models, coefficients and how a diagnosis finds it.
 
-    Parameters
-    ----------
-    name : str, optional
-        Only this effect.
-    only_model : str, optional
-        Only effects that a tire of this model can have.
+    `name`: only this effect. `only_model`: only effects that a tire of this model can have. Returns: JSON values, by
+    kind and name. Raises `UnknownName` if the effect or the model does not exist.
 
-    Returns
-    -------
-    list of dict
-        JSON values, by kind and name.
-
-    Raises
-    ------
-    UnknownName
-        If the effect or the model does not exist.
-
-    Examples
-    --------
     >>> [found["models"] for found in effects("speed_friction")]
     [['mf52', 'mf61', 'mf62']]
     """
@@ -88,8 +72,6 @@ def _coefficient(declared: Coefficient) -> dict[str, Any]:
 def models() -> list[dict[str, Any]]:
     """Return the models: name, title, inputs, outputs, number of coefficients, effects.
 
-    Examples
-    --------
     >>> [(found["name"], found["outputs"]) for found in models()][-1]
     ('mf96', ['Fx', 'Fy', 'Mz'])
     """

@@ -20,25 +20,8 @@ class TimeLimitReached(Exception):
 def run_limited(command: str, arguments: Sequence[str], seconds: float, report: Callable[[str], None]) -> int:
     """Run a command of the command line, and end it at a time limit, whatever it computes then.
 
-    Parameters
-    ----------
-    command : str
-    arguments : sequence of str
-    seconds : float
-    report : callable
-        Called with each line of its progress.
-
-    Returns
-    -------
-    int
-        Its exit code, 0 or 1.
-
-    Raises
-    ------
-    TimeLimitReached
-        If it was ended.
-    TirefmuError
-        With its message, if it ended with an error.
+    `report`: called with each line of its progress. Returns: its exit code, 0 or 1. Raises `TimeLimitReached` if it was
+    ended. Raises `TirefmuError`: with its message, if it ended with an error.
     """
     line = [sys.executable, "-P", "-m", "tirefmu", command, *arguments]  # -P: no module of the current folder
     process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace")

@@ -75,12 +75,8 @@ SECTIONS: dict[str, dict[str, Key]] = {
 class Project:
     """A project.
 
-    Attributes
-    ----------
-    path : Path
-        Of the file.
-    sections : mapping of str to mapping of str to Any
-        The given values; paths are relative to the folder of the file.
+    - `path`: of the file.
+    - `sections`: the given values; paths are relative to the folder of the file.
     """
 
     path: Path
@@ -150,20 +146,8 @@ class Project:
 def read_project(path: Path) -> Project:
     """Read a project file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    Project
-
-    Raises
-    ------
-    TirefmuError
-        If it cannot be read, is not TOML, or has no tables.
-    UnknownName
-        If a section or a key does not exist.
+    Raises `TirefmuError` if it cannot be read, is not TOML, or has no tables. Raises `UnknownName` if a section or a
+    key does not exist.
     """
     content = toml_file(path, TirefmuError)
     for section, keys in content.items():
@@ -207,8 +191,6 @@ def project_text(
 ) -> str:
     """Return the text of a new project file, with remarks for what may be added.
 
-    Examples
-    --------
     >>> print(project_text(["run.csv"], "mf61", {"Fz0": 1000.0}, None, None).splitlines()[2])
     tables = ["run.csv"]
     """

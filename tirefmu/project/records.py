@@ -24,12 +24,8 @@ LARGEST = 10_000_000
 class Records:
     """The records of a folder of results.
 
-    Attributes
-    ----------
-    path : Path
-        Of the file; a file that is missing or damaged has no record.
-    entries : dict of str to dict
-        Key, digests of the outputs and exit code of each step, by its name.
+    - `path`: of the file; a file that is missing or damaged has no record.
+    - `entries`: key, digests of the outputs and exit code of each step, by its name.
     """
 
     path: Path

@@ -30,17 +30,10 @@ Command = Callable[[Step], int]
 class Outcome:
     """A step of a run.
 
-    Attributes
-    ----------
-    step : Step
-    status : int
-        0: success; 1: completed, but a check failed.
-    repeated : bool
-        False if the results were up to date.
-    headline : Headline
-        What the step found, in one line.
-    summary : tuple of str
-        The details, a line each.
+    - `status`: 0: success; 1: completed, but a check failed.
+    - `repeated`: false if the results were up to date.
+    - `headline`: what the step found, in one line.
+    - `summary`: the details, a line each.
     """
 
     step: Step
@@ -55,29 +48,12 @@ def run_project(
 ) -> list[Outcome]:
     """Run the steps of a project and write the page ``index.html`` after each.
 
-    Parameters
-    ----------
-    project : Project
-    command : callable
-        Runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
-    terminal : Terminal
-        Shows the outcome of each step, a line or a few.
-    force : bool
-        Repeat also the steps whose results are up to date.
-    outside : bool
-        Results may be outside the folder of the project.
-
-    Returns
-    -------
-    list of Outcome
-
-    Raises
-    ------
-    TirefmuError
-        If a table does not exist, a result would be outside the folder of the project, a folder or file cannot be
-        written, or a step has invalid input; steps before it are recorded.
-    KeyboardInterrupt
-        If a step was interrupted; it is repeated by the next run.
+    `command`: runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
+    `terminal`: shows the outcome of each step, a line or a few. `force`: repeat also the steps whose results are up to
+    date. `outside`: results may be outside the folder of the project. Raises `TirefmuError` if a table does not exist,
+    a result would be outside the folder of the project, a folder or file cannot be written, or a step has invalid
+    input; steps before it are recorded. Raises `KeyboardInterrupt` if a step was interrupted; it is repeated by the
+    next run.
     """
     for table in (*project.tables, *project.diagnosed):
         if not table.is_file():

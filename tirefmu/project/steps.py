@@ -14,23 +14,13 @@ from .project_file import Project
 class Step:
     """A command line of a project.
 
-    Attributes
-    ----------
-    name : str
-        Unique in the project.
-    command : str
-    arguments : tuple of str
-        After the name of the command.
-    inputs : tuple of Path
-        Files that the result depends on.
-    outputs : tuple of Path
-        Files and folders that it writes.
-    result : Path
-        Its JSON result, one of the outputs.
-    page : Path or None
-        What a reader opens first, one of the outputs or in one of them.
-    time_limit : float, optional
-        Seconds after which the command is ended.
+    - `name`: unique in the project.
+    - `arguments`: after the name of the command.
+    - `inputs`: files that the result depends on.
+    - `outputs`: files and folders that it writes.
+    - `result`: its JSON result, one of the outputs.
+    - `page`: what a reader opens first, one of the outputs or in one of them.
+    - `time_limit`: seconds after which the command is ended.
     """
 
     name: str
@@ -44,16 +34,7 @@ class Step:
 
 
 def steps_of(project: Project) -> list[Step]:
-    """Return the steps of a project in their order.
-
-    Parameters
-    ----------
-    project : Project
-
-    Returns
-    -------
-    list of Step
-    """
+    """Return the steps of a project in their order."""
     folder, tables, data = project.folder, project.tables, project.options("data")
     given = (*tables, *project.files_of("data"))
     tire, fmu, fitted = folder / "tire.tir", folder / "tire.fmu", folder / "fit.json"
@@ -95,8 +76,6 @@ def _step(
 def labels(tables: tuple[Path, ...]) -> list[str]:
     """Return a short name for each table, part of file names; numbered where two tables have the same.
 
-    Examples
-    --------
     >>> labels((Path("a/run 1.csv"), Path("c.mat"))), labels((Path("a/run.csv"), Path("b/run.csv")))
     (['run_1', 'c'], ['1_run', '2_run'])
     """

@@ -13,10 +13,7 @@ from tirefmu.tires.drawing.labels import drawn_unit
 class Headline:
     """The result of a command in one line.
 
-    Attributes
-    ----------
-    text : str
-    rating : {"good", "limited", "bad"}
+    - `rating`, one of "good", "limited", "bad".
     """
 
     text: str
@@ -26,19 +23,8 @@ class Headline:
 def headline_of(command: str, result: Mapping[str, Any], status: int) -> Headline:
     """Return what matters most in the JSON result of a command.
 
-    Parameters
-    ----------
-    command : str
-    result : mapping of str to Any
-    status : int
-        The command's exit code.
+    `status`: the command's exit code.
 
-    Returns
-    -------
-    Headline
-
-    Examples
-    --------
     >>> headline_of("fit", {"verdict": {"word": "usable with limits", "reasons": ["combined slip"]}}, 0)
     Headline(text='tire usable with limits', rating='limited')
     """
@@ -78,13 +64,6 @@ _HEADLINES: dict[str, Callable[[Mapping[str, Any]], tuple[str, bool]]] = {
 def summary_of(command: str, result: Mapping[str, Any]) -> Iterator[str]:
     """Yield what a command found, from its JSON result.
 
-    Parameters
-    ----------
-    command : str
-    result : mapping of str to Any
-
-    Examples
-    --------
     >>> list(summary_of("export", {"fmi": 3, "inputs": "slip", "bytes": 2048}))
     ['slip inputs, 2 KB']
     """

@@ -25,10 +25,7 @@ ROWS_IN_CACHE = 1016
 def batch_code(book: Model) -> Code:
     """Return the batch kernels of a model.
 
-    Raises
-    ------
-    CompilerError
-        If they cannot be compiled.
+    Raises `CompilerError` if they cannot be compiled.
     """
     return _BatchCode(book)
 

@@ -56,27 +56,10 @@ def cache_folder() -> Path:
 def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) -> Path:
     """Return the folder of an entry, made where it is missing or damaged.
 
-    Parameters
-    ----------
-    name : str
-        A file name that identifies the content: equal names mean equal entries.
-    make : callable
-        Writes the files into an empty folder.
-    rebuild : bool
-        Make the entry again: its content is as recorded, but of no use here.
+    `name`: a file name that identifies the content: equal names mean equal entries. `make`: writes the files into an
+    empty folder. `rebuild`: make the entry again: its content is as recorded, but of no use here. Returns: in the
+    cache, or in a private temporary folder that goes with this process. Raises `OSError` if it can be written nowhere.
 
-    Returns
-    -------
-    Path
-        In the cache, or in a private temporary folder that goes with this process.
-
-    Raises
-    ------
-    OSError
-        If it can be written nowhere.
-
-    Examples
-    --------
     >>> folder = cached("example", lambda folder: folder.joinpath("text").write_text("made once"))
     >>> folder.joinpath("text").read_text()
     'made once'
@@ -93,13 +76,8 @@ def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) ->
 def intact_entry(name: str) -> Path | None:
     """Return the folder of an entry that is there and intact, or None.
 
-    Parameters
-    ----------
-    name : str
-        As for `cached`.
+    `name`: as for `cached`.
 
-    Examples
-    --------
     >>> print(intact_entry("never-made"))
     None
     """
@@ -228,10 +206,8 @@ def _is_intact(target: Path) -> bool:
 def _record(target: Path, any_writer: bool = False) -> str:
     """Return digest, size and name of every file of an entry.
 
-    Raises
-    ------
-    OSError
-        If something in it is neither file nor folder, or, unless `any_writer` is set, others could have written it.
+    Raises `OSError` if something in it is neither file nor folder, or, unless `any_writer` is set, others could have
+    written it.
     """
     lines = []
     for path in (target, *sorted(target.rglob("*"))):

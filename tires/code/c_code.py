@@ -33,20 +33,8 @@ def c_code(book: Model) -> Code:
 def compiled_model(book: Model, *, jacobians: bool = False) -> ctypes.CDLL:
     """Return the compiled code of a model: all routines but its Jacobians, or these.
 
-    Parameters
-    ----------
-    book : Model
-    jacobians : bool
-        Jacobians are most of the code: they are a library of their own, compiled when one is first used.
-
-    Returns
-    -------
-    ctypes.CDLL
-
-    Raises
-    ------
-    CompilerError
-        If it cannot be compiled.
+    `jacobians`: Jacobians are most of the code: they are a library of their own, compiled when one is first used.
+    Raises `CompilerError` if it cannot be compiled.
     """
     name = f"{book.name}_jacobians" if jacobians else book.name
     source = code_file(book, f"c/{name}.c")

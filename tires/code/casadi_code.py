@@ -37,23 +37,9 @@ def casadi_code(book: Model) -> Code:
 def casadi_expression(book: Model, routine: str, inputs: Any, parameters: Any, *, straight: bool = False) -> Any:
     """Return the results of a routine as an expression, which CasADi can differentiate.
 
-    Parameters
-    ----------
-    book : Model
-    routine : str
-        "forces", "quantities", ...
-    inputs, parameters : casadi.SX, casadi.MX or casadi.DM
-        Columns.
-    straight : bool
-        As for `numpy_routine`.
+    `routine`: "forces", "quantities", ... `inputs`, `parameters`: columns. `straight`: as for `numpy_routine`. Returns:
+    a column; of a Jacobian a matrix with one row a force.
 
-    Returns
-    -------
-    casadi.SX, casadi.MX or casadi.DM
-        A column; of a Jacobian a matrix with one row a force.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> x, p = ca.SX.sym("x", 4), ca.SX.sym("p", len(model("mf96").parameters))
     >>> casadi_expression(model("mf96"), "forces", x, p).shape

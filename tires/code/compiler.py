@@ -41,8 +41,6 @@ class NoCompilerError(CompilerError):
 def suffix(system: str = sys.platform) -> str:
     """Return how shared libraries end on a system named as by sys.platform.
 
-    Examples
-    --------
     >>> suffix("linux"), suffix("win32")
     ('.so', '.dll')
     """
@@ -53,14 +51,9 @@ def suffix(system: str = sys.platform) -> str:
 class CrossCompiler:
     """A C compiler for another machine than this one.
 
-    Attributes
-    ----------
-    command : tuple of str
-        The compiler with what makes it build for that machine.
-    system : str
-        That machine's, named as by sys.platform.
-    version : str
-        Another one is built again.
+    - `command`: the compiler with what makes it build for that machine.
+    - `system`: that machine's, named as by sys.platform.
+    - `version`: another one is built again.
     """
 
     command: tuple[str, ...]
@@ -71,10 +64,7 @@ class CrossCompiler:
 def find_compiler() -> list[str]:
     """Return the command of the C compiler: $CC, or cc, gcc or clang on the path.
 
-    Raises
-    ------
-    CompilerError
-        If there is none; the message states what to install.
+    Raises `CompilerError` if there is none; the message states what to install.
     """
     named = os.environ.get("CC", "").strip()
     if named:
@@ -115,33 +105,12 @@ def shared_library(
 ) -> Path:
     """Return a shared library built from C sources or object files, from the cache where it is there.
 
-    Parameters
-    ----------
-    name : str
-        What the file begins with.
-    sources, headers : sequence of Path
-        Sources to compile and headers that they include; their content decides whether to build again.
-    include : sequence of Path
-        Folders to search for headers.
-    flags : sequence of str
-        Further compiler flags.
-    libraries : sequence of str
-        What to link with.
-    machine : str
-        What the flags depend on in addition to the compiler, such as the processor.
-    cross : CrossCompiler, optional
-        Build for another machine.
-    rebuild : bool
-        Build it again although it is there: it cannot be loaded.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    CompilerError
-        If there is no compiler, it fails (the message has its errors), or the library can be written nowhere.
+    `name`: what the file begins with. `sources`, `headers`: sources to compile and headers that they include; their
+    content decides whether to build again. `include`: folders to search for headers. `flags`: further compiler flags.
+    `libraries`: what to link with. `machine`: what the flags depend on in addition to the compiler, such as the
+    processor. `cross`: build for another machine. `rebuild`: build it again although it is there: it cannot be loaded.
+    Raises `CompilerError` if there is no compiler, it fails (the message has its errors), or the library can be written
+    nowhere.
     """
     system = cross.system if cross else sys.platform
     defined = ["-Wl,-z,defs"] if system.startswith("linux") else []
@@ -152,19 +121,8 @@ def shared_library(
 def loaded_library(name: str, sources: Sequence[Path], **options: Any) -> ctypes.CDLL:
     """Return a shared library, loaded; one that is there but cannot be loaded is built again.
 
-    Parameters
-    ----------
-    name, sources, **options
-        As for `shared_library`.
-
-    Returns
-    -------
-    ctypes.CDLL
-
-    Raises
-    ------
-    CompilerError
-        As `shared_library`, or if what was just built cannot be loaded.
+    `name, sources, **options`: as for `shared_library`. Raises `CompilerError`: as `shared_library`, or if what was
+    just built cannot be loaded.
     """
     try:
         return ctypes.CDLL(str(shared_library(name, sources, **options)))
@@ -189,22 +147,8 @@ def compiled_object(
 
     What is long to compile and stays the same in many libraries is compiled once.
 
-    Parameters
-    ----------
-    name : str
-        What the file begins with.
-    source : Path
-    headers, include, flags, cross
-        As for `shared_library`.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    CompilerError
-        As `shared_library`.
+    `name`: what the file begins with. `headers`, `include`, `flags`, `cross`: as for `shared_library`. Raises
+    `CompilerError`: as `shared_library`.
     """
     return _built(name, ".o", [source], headers, include, ["-c", *flags], [], cross=cross)
 
@@ -250,8 +194,6 @@ def _run(command: list[str]) -> None:
 def _errors(output: str) -> str:
     r"""Return the first errors of a compiler or linker, or its last lines if it reports none as such.
 
-    Examples
-    --------
     >>> _errors("a.c: In function 'f':\na.c:1:2: warning: unused 'x'\na.c:3:1: error: expected ';'\n  3 | }\n")
     "a.c:3:1: error: expected ';'"
     """
@@ -264,8 +206,6 @@ def _errors(output: str) -> str:
 def processor() -> str:
     """Return what identifies this processor's instruction set: code for one may not run on another.
 
-    Examples
-    --------
     >>> processor() == processor()
     True
     """

@@ -57,15 +57,7 @@ class Code(Protocol):
 def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> npt.NDArray[np.bool_]:
     """Return the rows in which no effect on demand acts and every option that matters has its first value.
 
-    Parameters
-    ----------
-    book : Model
-    inputs : ndarray, shape (n_inputs, n)
-    parameters : ndarray, shape (n_parameters,)
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
+    `inputs`, shape (n_inputs, n). `parameters`, shape (n_parameters,). Returns shape (n,).
     """
     options, requesting = _deciding(book)
     if parameters[options].any():

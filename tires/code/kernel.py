@@ -37,18 +37,8 @@ FLAGS = flags(instruction_set())
 class Kernel:
     """One routine of a model for whole tables: rows without turn slip, under default options.
 
-    Parameters
-    ----------
-    book : Model
-    routine : str
-        "forces", "jacobian_inputs" or "jacobian_parameters".
-    n_results : int
-        Numbers that it gives for a row.
-
-    Raises
-    ------
-    CompilerError
-        If there is no compiler, or none of the flags suits it.
+    `routine`: "forces", "jacobian_inputs" or "jacobian_parameters". `n_results`: numbers that it gives for a row.
+    Raises `CompilerError` if there is no compiler, or none of the flags suits it.
     """
 
     def __init__(self, book: Model, routine: str, n_results: int) -> None:
@@ -62,18 +52,9 @@ class Kernel:
     ) -> tuple[FloatArray, BoolArray]:
         """Return results and which rows have none.
 
-        Parameters
-        ----------
-        inputs : ndarray, shape (n_inputs, n)
-        parameters : ndarray, shape (n_parameters,)
-        into : ndarray, shape (n_results, n), optional
-            Where the results go; a new array where None.
-
-        Returns
-        -------
-        results : ndarray, shape (n_results, n)
-        undone : ndarray of bool, shape (n,)
-            Rows in which a result is not finite, be it by the inputs or because a kernel's functions end there.
+        `inputs`, shape (n_inputs, n). `parameters`, shape (n_parameters,). `into`, shape (n_results, n): where the
+        results go; a new array where None. Returns `results`, shape (n_results, n). Returns `undone`, shape (n,): rows
+        in which a result is not finite, be it by the inputs or because a kernel's functions end there.
         """
         columns = np.ascontiguousarray(inputs, dtype=np.float64)
         values = np.ascontiguousarray(parameters, dtype=np.float64)
@@ -88,15 +69,8 @@ class Kernel:
     def each(self, inputs: FloatArray, population: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Return results and which rows have none for each of many parameter vectors.
 
-        Parameters
-        ----------
-        inputs : ndarray, shape (n_inputs, n)
-        population : ndarray, shape (n_vectors, n_parameters)
-
-        Returns
-        -------
-        results : ndarray, shape (n_vectors, n_results, n)
-        undone : ndarray of bool, shape (n_vectors, n)
+        `inputs`, shape (n_inputs, n). `population`, shape (n_vectors, n_parameters). Returns `results`, shape
+        (n_vectors, n_results, n). Returns `undone`, shape (n_vectors, n).
         """
         columns = np.ascontiguousarray(inputs, dtype=np.float64)
         values = np.ascontiguousarray(population, dtype=np.float64)
@@ -126,14 +100,7 @@ def _address(array: npt.NDArray[Any]) -> int:
 class ChosenDerivatives:
     """Some entries of the Jacobian by coefficients: the others are not written out.
 
-    Parameters
-    ----------
-    book : Model
-
-    Raises
-    ------
-    CompilerError
-        If it cannot be compiled.
+    Raises `CompilerError` if it cannot be compiled.
     """
 
     def __init__(self, book: Model) -> None:
@@ -158,10 +125,7 @@ class ChosenDerivatives:
 def loaded_kernel(book: Model, routine: str) -> ctypes.CDLL:
     """Return the library of a routine's kernel, built by the first flags that the compiler takes.
 
-    Raises
-    ------
-    CompilerError
-        If there is no compiler, or none of the flags suits it.
+    Raises `CompilerError` if there is no compiler, or none of the flags suits it.
     """
     name = f"{book.name}_batch_{routine}"
     source = code_file(book, f"c/{name}.c")

@@ -25,10 +25,7 @@ wheel_kinematics: Any = import_module("tirefmu.generated.numpy.wheel_kinematics"
 def numpy_module(book: Model) -> ModuleType:
     """Return the Python module of a model: tables of names, and every routine but its Jacobians.
 
-    Raises
-    ------
-    TirefmuError
-        If the code in the package has been printed from other equations.
+    Raises `TirefmuError` if the code in the package has been printed from other equations.
     """
     module = _module(book, book.name)
     if book.parameters != module.PARAMETERS or tuple(q.name for q in book.inputs) != module.INPUTS:
@@ -39,23 +36,10 @@ def numpy_module(book: Model) -> ModuleType:
 def numpy_routine(book: Model, routine: str, *, straight: bool = False) -> Callable[..., Any]:
     """Return a printed function of a model; its Jacobians have a module of their own.
 
-    Parameters
-    ----------
-    book : Model
-    routine : str
-        "forces", "quantities", "drives", "relaxation", "jacobian_inputs" or "jacobian_parameters".
-    straight : bool
-        The faster variant for rows without effects on demand, under default options, where there is one.
-
-    Returns
-    -------
-    callable
-        Of inputs, parameters and the library of arrays, NumPy by default.
-
-    Raises
-    ------
-    AttributeError
-        If the model lacks the routine.
+    `routine`: "forces", "quantities", "drives", "relaxation", "jacobian_inputs" or "jacobian_parameters". `straight`:
+    the faster variant for rows without effects on demand, under default options, where there is one. Returns: of
+    inputs, parameters and the library of arrays, NumPy by default. Raises `AttributeError` if the model lacks the
+    routine.
     """
     is_jacobian = routine.startswith("jacobian_")
     module = _module(book, f"{book.name}_jacobians") if is_jacobian else numpy_module(book)

@@ -56,17 +56,7 @@ Equations = list[tuple[FloatArray, FloatArray]]
 def equations_by_chunks(code: Code, rows: WeightedRows, parameters: FloatArray, size: int = CHUNK) -> Equations:
     """Return the normal equations from the Jacobian of a few rows at a time.
 
-    Parameters
-    ----------
-    code : Code
-    rows : WeightedRows
-    parameters : ndarray, shape (n_parameters,)
-    size : int
-        Rows of a chunk.
-
-    Returns
-    -------
-    Equations
+    `parameters`, shape (n_parameters,). `size`: rows of a chunk.
     """
     gradients = [np.zeros(len(entries)) for entries in rows.entries]
     matrices = [np.zeros((len(entries), len(entries))) for entries in rows.entries]
@@ -85,14 +75,7 @@ class EquationsKernel:
 
     It is in the library of the derivatives, for rows without turn slip under default options.
 
-    Parameters
-    ----------
-    book : Model
-
-    Raises
-    ------
-    CompilerError
-        If it cannot be compiled.
+    Raises `CompilerError` if it cannot be compiled.
     """
 
     def __init__(self, book: Model) -> None:

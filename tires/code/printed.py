@@ -35,20 +35,8 @@ def model_with(name: str, added: Sequence[AddedEffect] = ()) -> Model:
 
     Where its code has been printed before, its structure is read from there: no equation has to be loaded.
 
-    Parameters
-    ----------
-    name : str
-    added : sequence of AddedEffect
-
-    Returns
-    -------
-    Model
-        One object for one model and the same effects.
-
-    Raises
-    ------
-    UnknownName, EffectError
-        As `tirefmu.symbolic.models.model`.
+    Returns: one object for one model and the same effects. Raises `UnknownName, EffectError`: as
+    `tirefmu.symbolic.models.model`.
     """
     return model(name, added, find=_printed_structure)
 
@@ -56,23 +44,9 @@ def model_with(name: str, added: Sequence[AddedEffect] = ()) -> Model:
 def code_file(book: Model, name: str) -> Path:
     """Return a file of a model's code, printed where it is missing.
 
-    Parameters
-    ----------
-    book : Model
-    name : str
-        Relative to the folder of all code, such as "c/mf61_jacobians.c".
-
-    Returns
-    -------
-    Path
-        Headers that it includes are in the same folder.
-
-    Raises
-    ------
-    ModelError
-        If the model violates its declarations.
-    TirefmuError
-        If the code cannot be written.
+    `name`: relative to the folder of all code, such as "c/mf61_jacobians.c". Returns: headers that it includes are in
+    the same folder. Raises `ModelError` if the model violates its declarations. Raises `TirefmuError` if the code
+    cannot be written.
     """
     packaged = packaged_file(book, name)
     return Path(str(files("tirefmu.generated"))) / packaged if packaged else printed_folder(book) / name
@@ -91,21 +65,8 @@ def packaged_file(book: Model, name: str) -> str:
 def printed_folder(book: Model) -> Path:
     """Return the folder of a printed model, printing it where it is not there yet.
 
-    Parameters
-    ----------
-    book : Model
-
-    Returns
-    -------
-    Path
-        With numpy/, c/ and structure/ below it, and the Python files compiled.
-
-    Raises
-    ------
-    ModelError
-        If the model violates its declarations.
-    TirefmuError
-        If it cannot be written.
+    Returns: with numpy/, c/ and structure/ below it, and the Python files compiled. Raises `ModelError` if the model
+    violates its declarations. Raises `TirefmuError` if it cannot be written.
     """
 
     def write(folder: Path) -> None:

@@ -25,13 +25,8 @@ LARGE = 2**22
 class ResultMemory:
     """Memory for large results, which is used again when a result and all its views are gone.
 
-    Parameters
-    ----------
-    most : int
-        Numbers that are kept for later results (2**26: 512 MB).
+    `most`: numbers that are kept for later results (2**26: 512 MB).
 
-    Examples
-    --------
     >>> memory = ResultMemory()
     >>> first = memory.empty((5, 1_000_000))
     >>> address, view = first.ctypes.data, first[0]
@@ -49,16 +44,7 @@ class ResultMemory:
         self._kept: deque[FloatArray] = deque()
 
     def empty(self, shape: tuple[int, ...]) -> FloatArray:
-        """Return an array whose values are arbitrary, as `numpy.empty` does.
-
-        Parameters
-        ----------
-        shape : tuple of int
-
-        Returns
-        -------
-        ndarray of float
-        """
+        """Return an array whose values are arbitrary, as `numpy.empty` does."""
         size = math.prod(shape)
         return np.empty(shape) if size < LARGE else np.asarray(_Loan(self, self._of_size(size), shape))
 

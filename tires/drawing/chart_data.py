@@ -23,16 +23,6 @@ def chart_data(figure: Figure) -> str:
 
     Numbers of series are base64 text of 32-bit floating-point numbers. ``step`` tells which points are left out.
 
-    Parameters
-    ----------
-    figure : Figure
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> panel = Panel("α (deg)", "Fy (N)", title="<b>")
     >>> chart_data(Figure("force", "Side force", ((panel,),)))[:20]
     '[[{"x":"\\u03b1 (deg)'

@@ -15,19 +15,7 @@ LIBRARY, LIBRARY_SCRIPT, LIBRARY_STYLE = "uplot", "uPlot.iife.js", "uPlot.min.cs
 def library_file(name: str) -> str:
     """Return the text of a file of the chart library, without importing its package.
 
-    Parameters
-    ----------
-    name : str
-        `LIBRARY_SCRIPT` or `LIBRARY_STYLE`.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    TirefmuError
-        If the package is not installed.
+    `name`: `LIBRARY_SCRIPT` or `LIBRARY_STYLE`. Raises `TirefmuError` if the package is not installed.
     """
     found = find_spec(LIBRARY)
     for folder in (found.submodule_search_locations or []) if found else []:
@@ -40,8 +28,6 @@ def library_file(name: str) -> str:
 def allowed(script: str) -> str:
     """Return the source of a content security policy that allows this script only.
 
-    Examples
-    --------
     >>> allowed("")
     "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='"
     """

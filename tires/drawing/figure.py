@@ -24,24 +24,14 @@ MARGIN = 0.05
 class Series:
     """What is drawn in one look.
 
-    Attributes
-    ----------
-    kind : {"line", "points", "band"}
-        A band is a filled polygon.
-    x, y : array_like, shape (n,)
-        In the units of the axes; NaN interrupts a line.
-    color : str
-        ``#rrggbb``.
-    label : str
-        Series with the same label have one entry in the legend and are hidden together; empty: no entry.
-    dashes : tuple of float
-        Of a line: dashes and gaps in widths of the line.
-    marker : {"", ".", "o", "^", "s", "D", "v", "x", "ring"}
-        Of points, and of a line with points.
-    size : float
-        Width of a line, or size of a marker, in points.
-    opacity : float
-        From 0 to 1.
+    - `kind`, one of "line", "points", "band": a band is a filled polygon.
+    - `x`, `y`, shape (n,): in the units of the axes; NaN interrupts a line.
+    - `color`: ``#rrggbb``.
+    - `label`: series with the same label have one entry in the legend and are hidden together; empty: no entry.
+    - `dashes`: of a line: dashes and gaps in widths of the line.
+    - `marker`, one of "", ".", "o", "^", "s", "D", "v", "x", "ring": of points, and of a line with points.
+    - `size`: width of a line, or size of a marker, in points.
+    - `opacity`: from 0 to 1.
     """
 
     kind: Literal["line", "points", "band"]
@@ -64,20 +54,12 @@ class Series:
 class Cells:
     """A map of a mean over two axes: blue below 0, red above.
 
-    Attributes
-    ----------
-    x, y : ndarray, shapes (n + 1,), (m + 1,)
-        Edges of the cells, ascending.
-    means : ndarray, shape (n, m)
-        NaN: no color.
-    counts : ndarray of int, shape (n, m)
-        Rows of a cell.
-    numbered : bool
-        Whether the counts are written in the cells.
-    limit : float
-        The mean with the darkest color.
-    label : str
-        What the mean is, with its unit.
+    - `x`, `y`: edges of the cells, ascending.
+    - `means`, shape (n, m): NaN: no color.
+    - `counts`, shape (n, m): rows of a cell.
+    - `numbered`: whether the counts are written in the cells.
+    - `limit`: the mean with the darkest color.
+    - `label`: what the mean is, with its unit.
     """
 
     x: FloatArray
@@ -93,26 +75,16 @@ class Cells:
 class Panel:
     """Axes with what is drawn in them.
 
-    Attributes
-    ----------
-    x, y : str
-        Labels of the axes, with units.
-    series : tuple of Series
-        In the order in which they are drawn.
-    title, legend : str
-        Headings of the panel and of its legend.
-    across, upright : tuple of float
-        Gray lines at values of y and of x.
-    x_limits, y_limits : tuple of (float or None, float or None)
-        Of the axes; None: of the values, with a margin.
-    x_axis, y_axis : str
-        Panels of a figure with the same name of an axis have the same limits, and are zoomed together along x.
-    cells : Cells, optional
-        Below the series.
-    width, height : float
-        Of a picture, inches; a page takes their ratios.
-    equal : bool
-        In a picture, whether both axes have one scale.
+    - `x`, `y`: labels of the axes, with units.
+    - `series`: in the order in which they are drawn.
+    - `title`, `legend`: headings of the panel and of its legend.
+    - `across`, `upright`: gray lines at values of y and of x.
+    - `x_limits`, `y_limits`: of the axes; None: of the values, with a margin.
+    - `x_axis`, `y_axis`: panels of a figure with the same name of an axis have the same limits, and are zoomed together
+      along x.
+    - `cells`: below the series.
+    - `width`, `height`: of a picture, inches; a page takes their ratios.
+    - `equal`: in a picture, whether both axes have one scale.
     """
 
     x: str
@@ -136,15 +108,9 @@ class Panel:
 class Figure:
     """A figure.
 
-    Attributes
-    ----------
-    name : str
-        Of its file.
-    title : str
-    rows : tuple of tuple of (Panel or None)
-        The panels from top to bottom; a single panel of a row has its full width, None is an empty place.
-    note : str
-        Below the panels.
+    - `name`: of its file.
+    - `rows`: the panels from top to bottom; a single panel of a row has its full width, None is an empty place.
+    - `note`: below the panels.
     """
 
     name: str

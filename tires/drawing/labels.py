@@ -42,8 +42,6 @@ def stiffness_unit(slip: str) -> str:
 def letter(channel: str, signs: str = "iso") -> str:
     """Return a channel's letter, that of a load so that a loaded tire's is positive.
 
-    Examples
-    --------
     >>> letter("Fy"), letter("alpha"), letter("Fz", "sae")
     ('Fy', 'α', '-Fz')
     """
@@ -53,8 +51,6 @@ def letter(channel: str, signs: str = "iso") -> str:
 def axis_label(channel: str, signs: str = "iso") -> str:
     """Return a channel's letter and the unit in which it is drawn.
 
-    Examples
-    --------
     >>> axis_label("alpha"), axis_label("kappa"), axis_label("Fy")
     ('α (deg)', 'κ (-)', 'Fy (N)')
     """
@@ -64,8 +60,6 @@ def axis_label(channel: str, signs: str = "iso") -> str:
 def level_text(channel: str, level: float) -> str:
     """Return a level in its drawn unit; loads by magnitude.
 
-    Examples
-    --------
     >>> level_text("Fz", -220.4), level_text("gamma", 0.0349), level_text("kappa", -0.2251)
     ('220 N', '2 deg', '-0.225')
     """
@@ -84,8 +78,6 @@ def held_text(signs: str, held: Mapping[str, float]) -> str:
 def note(signs: str, *parts: str) -> str:
     """Return the note below a figure: the sign convention and further parts.
 
-    Examples
-    --------
     >>> note("iso", "points: data")
     'ISO-W signs (Fz > 0; Fy < 0 at α > 0); points: data'
     """

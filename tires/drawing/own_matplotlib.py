@@ -34,8 +34,6 @@ SETTINGS["svg.hashsalt"] = "tirefmu"
 def own_settings() -> Iterator[None]:
     """Use the settings that come with matplotlib: around each function that makes a figure or renders one.
 
-    Examples
-    --------
     >>> from matplotlib import rcParams
     >>> with rc_context({"font.size": 30.0}):
     ...     with own_settings():

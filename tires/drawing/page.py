@@ -34,20 +34,9 @@ def page_text(
     part of the page if the page has a figure; the first figure is drawn as a picture as well, which is seen in print
     and without scripts.
 
-    Parameters
-    ----------
-    package : str
-        Package with the template: "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting".
-    filters : mapping of str to callable
-        Filters of the template by name.
-    template : str
-        File of the package; it extends ``page.html`` of this one.
-    **content
-        Variables of the template.
-
-    Returns
-    -------
-    str
+    `package`: package with the template: "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting". `filters`: filters
+    of the template by name. `template`: file of the package; it extends ``page.html`` of this one. `**content`:
+    variables of the template.
     """
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_visible,
@@ -93,9 +82,6 @@ def _visible(value: object) -> str:
 def write_page(page: str, path: Path) -> None:
     """Write a page; the file is complete or not written.
 
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
+    Raises `OSError` if the file cannot be written.
     """
     write_whole(path, page.encode("utf-8"))

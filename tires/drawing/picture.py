@@ -38,16 +38,6 @@ MARKERS = {"ring": "o"}
 def picture(figure: Figure) -> MatplotlibFigure:
     """Return a figure drawn by matplotlib.
 
-    Parameters
-    ----------
-    figure : Figure
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
     >>> force = Panel("α (deg)", "Fy (N)", (Series("line", [0.0, 1.0], [0.0, 5.0], label="tire"),))
     >>> [ax.get_ylabel() for ax in picture(Figure("force", "Side force", ((force,),))).axes]
     ['Fy (N)']
@@ -94,22 +84,7 @@ def rendered(figure: MatplotlibFigure, suffix: str, dpi: float, **options: Any) 
 def write_figures(figures: Sequence[Figure], folder: Path, prefix: str = "") -> list[Path]:
     """Write figures as PNG files; all are drawn before the first is written.
 
-    Parameters
-    ----------
-    figures : sequence of Figure
-    folder : Path
-        Created if it does not exist.
-    prefix : str
-        Of the file names.
-
-    Returns
-    -------
-    list of Path
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
+    `folder`: created if it does not exist. `prefix`: of the file names. Raises `OSError` if a file cannot be written.
     """
     images = [(folder / f"{prefix}{each.name}.png", png(each, DPI)) for each in figures]
     folder.mkdir(parents=True, exist_ok=True)

@@ -31,24 +31,10 @@ def residuals_over_inputs(
 
     A panel is omitted if the input does not vary in the rows in which the channel is measured, or is unknown there.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Inputs.
-    residuals : mapping of str to ndarray, shape (n,)
-        Measured minus computed per channel; NaN if not measured.
-    signs : str
-        Convention of table and residuals.
-    *notes : str
-        Further parts of the note.
+    `table`: inputs. `residuals`, shape (n,): measured minus computed per channel; NaN if not measured. `signs`:
+    convention of table and residuals. `*notes`: further parts of the note. Returns: none if no input varies or nothing
+    was measured.
 
-    Returns
-    -------
-    Figure or None
-        None if no input varies or nothing was measured.
-
-    Examples
-    --------
     >>> table = pd.DataFrame({"alpha": np.linspace(-0.1, 0.1, 50), "Fz": 900.0})
     >>> figure = residuals_over_inputs(table, {"Fy": np.sin(40.0 * table["alpha"].to_numpy())}, "iso")
     >>> [panel.x for panel in figure.panels]

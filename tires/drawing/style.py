@@ -39,8 +39,6 @@ class LevelStyle(NamedTuple):
 def level_styles(count: int, by: str) -> list[LevelStyle]:
     """Return styles ordered like the levels: one color map for loads, another for angles.
 
-    Examples
-    --------
     >>> first, second = level_styles(2, "Fz")
     >>> first.color != second.color, first.dashes != second.dashes, first.marker != second.marker
     (True, True, True)
@@ -67,8 +65,6 @@ def _readable(color: RGB) -> RGB:
 def contrast(color: str) -> float:
     """Return the contrast ratio of a color with white (WCAG 2.2).
 
-    Examples
-    --------
     >>> round(contrast("#000000"), 6), contrast("#ffffff")
     (21.0, 1.0)
     """

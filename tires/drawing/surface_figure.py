@@ -39,15 +39,9 @@ def plot(
 ) -> MatplotlibFigure:
     """Return one figure of a tire; `Tire.plot` documents the parameters.
 
-    Raises
-    ------
-    UnknownName
-        If the kind or the convention does not exist.
-    TirefmuError
-        If a load is not positive, or the tire makes no force or one that is not finite.
+    Raises `UnknownName` if the kind or the convention does not exist. Raises `TirefmuError` if a load is not positive,
+    or the tire makes no force or one that is not finite.
 
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> len(plot(published("unicamp_small_tire"), "combined", loads=[60.0, 110.0]).axes)
     2

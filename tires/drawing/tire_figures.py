@@ -62,19 +62,9 @@ def sketched(
 def default_loads(tire: TireDefinition) -> tuple[float, ...]:
     """Return three loads over the range in which a tire is known, as round as the range allows.
 
-    Parameters
-    ----------
-    tire : TireDefinition
-        Of its range, the part from a quarter of the nominal load to three times it; up to twice the nominal load
-        where it has no range.
+    `tire`: of its range, the part from a quarter of the nominal load to three times it; up to twice the nominal load
+    where it has no range. Returns: in N; fewer where the range is a single load.
 
-    Returns
-    -------
-    tuple of float
-        In N; fewer where the range is a single load.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> default_loads(published("unicamp_small_tire"))
     (60.0, 110.0, 160.0)

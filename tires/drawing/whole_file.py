@@ -8,10 +8,7 @@ from pathlib import Path
 def write_whole(path: Path, content: bytes) -> Path:
     """Write a file so that nothing half-written is ever seen under its name; return its path.
 
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
+    Raises `OSError` if the file cannot be written.
     """
     part = path.with_name(f".{path.name}.part")
     try:

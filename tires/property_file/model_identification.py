@@ -33,22 +33,8 @@ def model_of(
 ) -> tuple[str, tuple[str, ...]]:
     """Return the model of a file, with notes where the file does not state it explicitly.
 
-    Parameters
-    ----------
-    entries : mapping of (section, key) to Entry
-    own : mapping of str to Entry
-        The entries of [TIREFMU].
-    path : pathlib.Path
-        For messages.
-
-    Returns
-    -------
-    (str, tuple of str)
-
-    Raises
-    ------
-    TirError
-        If the file is for no model of this version, or states none.
+    `own`: the entries of [TIREFMU]. `path`: for messages. Raises `TirError` if the file is for no model of this
+    version, or states none.
     """
     if "TIREFMU_MODEL" in own:
         return _named(own["TIREFMU_MODEL"], path), ()

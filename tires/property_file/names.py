@@ -70,8 +70,6 @@ OtherEntry = tuple[str, str, str]
 def unit_of(key: str) -> str | None:
     """Return the SI unit of a key of the field, or None if it is unknown.
 
-    Examples
-    --------
     >>> unit_of("WIDTH"), unit_of("BELT_IYY"), unit_of("PRICE")
     ('m', 'kg m^2', None)
     """
@@ -85,8 +83,6 @@ def unit_of(key: str) -> str | None:
 def near_miss(key: str, names: Iterable[str]) -> str | None:
     """Return the name that a key almost is, or None; I for 1 and O for 0 count as the same.
 
-    Examples
-    --------
     >>> near_miss("PDYI", ["PDY3", "PDY1"]), near_miss("PRICE", ["PDY3", "PDY1"])
     ('PDY1', None)
     """
@@ -104,8 +100,6 @@ def near_miss(key: str, names: Iterable[str]) -> str | None:
 def aliases() -> frozenset[str]:
     """Return the spellings of the field that mean a coefficient of some model.
 
-    Examples
-    --------
     >>> "IP_NOM" in aliases()
     True
     """
@@ -115,8 +109,6 @@ def aliases() -> frozenset[str]:
 def folded(format_: str) -> str:
     """Return a PROPERTY_FILE_FORMAT without what spellings differ in.
 
-    Examples
-    --------
     >>> folded("MF-Tyre"), folded("MF_05")
     ('MFTYRE', 'MF05')
     """
@@ -126,20 +118,9 @@ def folded(format_: str) -> str:
 def model_by_coefficients(format_: str, keys: Collection[str]) -> str | None:
     """Return the model of a shared format of which a file has coefficients that the others lack, or None.
 
-    Parameters
-    ----------
-    format_ : str
-        PROPERTY_FILE_FORMAT.
-    keys : collection of str
-        The keys of the file.
+    `format_`: PROPERTY_FILE_FORMAT. `keys`: the keys of the file. Returns: of several the one with the highest FITTYP,
+    as later models have the coefficients of earlier ones.
 
-    Returns
-    -------
-    str or None
-        Of several the one with the highest FITTYP, as later models have the coefficients of earlier ones.
-
-    Examples
-    --------
     >>> model_by_coefficients("USER", {"PKY6", "Q_CAM3"}), model_by_coefficients("USER", {"PCX1"})
     ('mf62', None)
     """
@@ -155,8 +136,6 @@ def model_by_coefficients(format_: str, keys: Collection[str]) -> str | None:
 def model_lines(book: Model) -> dict[str, str]:
     """Return the entries of [MODEL] in every written file, by key; those of the file that was read replace them.
 
-    Examples
-    --------
     >>> model_lines(MODELS["mf61"])
     {'FITTYP': '61', 'PROPERTY_FILE_FORMAT': "'USER'"}
     """
@@ -168,8 +147,6 @@ def model_lines(book: Model) -> dict[str, str]:
 def written_sections(book: Model) -> tuple[str, ...]:
     """Return the titles of the sections that are written for any tire of a model, in their order.
 
-    Examples
-    --------
     >>> written_sections(MODELS["mf96"])[:4]
     ('MDI_HEADER', 'UNITS', 'MODEL', 'DIMENSION')
     """
@@ -181,18 +158,8 @@ def written_sections(book: Model) -> tuple[str, ...]:
 def not_given(tire: TireDefinition) -> tuple[str, ...]:
     """Return the coefficients that were not given: at their default, or as other programs assume them.
 
-    Parameters
-    ----------
-    tire : TireDefinition
-        Read from a file, or made from values.
+    `tire`: read from a file, or made from values. Returns: in the model's order.
 
-    Returns
-    -------
-    tuple of str
-        In the model's order.
-
-    Examples
-    --------
     >>> from tirefmu.tires import Tire
     >>> not_given(Tire("mf96", {name: 1.0 for name in MODELS["mf96"].coefficients if name != "PKY2"}))
     ('PKY2',)
@@ -211,8 +178,6 @@ def silent_coefficients(tire: TireDefinition) -> frozenset[str]:
 def assumed_lines(names: Collection[str], book: Model) -> tuple[OtherEntry, ...]:
     """Return the lines of [TIREFMU_ASSUMED] that name coefficients, one for each section.
 
-    Examples
-    --------
     >>> assumed_lines({"PKY2", "PKY1"}, MODELS["mf96"])
     (('TIREFMU_ASSUMED', 'LATERAL_COEFFICIENTS', "'PKY1,PKY2'"),)
     """
@@ -223,8 +188,6 @@ def assumed_lines(names: Collection[str], book: Model) -> tuple[OtherEntry, ...]
 def listed(text: str) -> tuple[str, ...]:
     """Return the names of a list such as a file of ours has.
 
-    Examples
-    --------
     >>> listed("'PKY1, PKY2'")
     ('PKY1', 'PKY2')
     """
@@ -234,8 +197,6 @@ def listed(text: str) -> tuple[str, ...]:
 def in_written_order(entries: Iterable[OtherEntry], book: Model) -> tuple[OtherEntry, ...]:
     """Return retained entries in the order of a written file: by section, each in its own order.
 
-    Examples
-    --------
     >>> entries = [("SHAPE", "", "1 0"), ("MODEL", "USE_MODE", "14"), ("SHAPE", "", "1 1")]
     >>> in_written_order(entries, MODELS["mf96"])
     (('MODEL', 'USE_MODE', '14'), ('SHAPE', '', '1 0'), ('SHAPE', '', '1 1'))

@@ -19,28 +19,10 @@ def other_entries(
 ) -> tuple[tuple[OtherEntry, ...], list[str]]:
     """Return the lines of a file that its model does not read, as they are written again.
 
-    Parameters
-    ----------
-    lines : iterable of Entry or Row
-        What remains of the file.
-    book : Model
-    units : UnitSystem
-        Of the file.
-    path : pathlib.Path
-        For messages.
+    `lines`: what remains of the file. `units`: of the file. `path`: for messages. Returns: the lines in the order of
+    the file, and notes about them. Raises `TirError` if a key almost is a coefficient in a file that only tirefmu
+    writes.
 
-    Returns
-    -------
-    (tuple of OtherEntry, list of str)
-        The lines in the order of the file, and notes about them.
-
-    Raises
-    ------
-    TirError
-        If a key almost is a coefficient in a file that only tirefmu writes.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> inches = UnitSystem({"LENGTH": 0.0254}, {"LENGTH": "'inch'"})
     >>> other_entries([Entry("DIMENSION", "RIM_WIDTH", "10.0", 8)], model("mf61"), inches, Path("x.tir"))

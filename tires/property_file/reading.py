@@ -56,12 +56,8 @@ BODY = ("VERTICAL_STIFFNESS", "Q_RE0")
 class TirReading:
     """A tire as read from a file, and what its user should know about the reading.
 
-    Attributes
-    ----------
-    tire : Tire
-    notes : tuple of str
-        What the file does not state and how it was interpreted, a sentence each: units converted, keys that almost are
-        coefficients, keys given twice, ...
+    - `notes`: what the file does not state and how it was interpreted, a sentence each: units converted, keys that
+      almost are coefficients, keys given twice, ...
     """
 
     tire: Tire
@@ -95,19 +91,7 @@ def read_tir(path: str | Path, radius: float | None = None) -> Tire:
 def read_tir_with_notes(path: str | Path, radius: float | None = None) -> TirReading:
     """Read a tire from a .tir file, with notes on what the file does not state.
 
-    Parameters
-    ----------
-    path : str or Path
-    radius : float, optional
-
-    Returns
-    -------
-    TirReading
-
-    Raises
-    ------
-    TirError
-        As `read_tir` does.
+    Raises `TirError`: as `read_tir` does.
     """
     return _Reader(path_from(path), radius).reading()
 

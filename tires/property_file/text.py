@@ -55,20 +55,9 @@ class Row:
 def read_lines(path: Path) -> list[Entry | Row]:
     """Read the entries and rows of a .tir file.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-
-    Returns
-    -------
-    list of Entry or Row
-        In the file's order; comments, blank lines and prose before the first section are skipped.
-
-    Raises
-    ------
-    TirError
-        If the file cannot be read, is larger than `MOST_BYTES`, `MOST_LINES` or `LONGEST_LINE`, or a section's name is
-        broken.
+    Returns: in the file's order; comments, blank lines and prose before the first section are skipped. Raises
+    `TirError` if the file cannot be read, is larger than `MOST_BYTES`, `MOST_LINES` or `LONGEST_LINE`, or a section's
+    name is broken.
     """
     try:
         content = read_bounded(path, MOST_BYTES)
@@ -83,8 +72,6 @@ def read_lines(path: Path) -> list[Entry | Row]:
 def parse_lines(text: str, path: Path) -> list[Entry | Row]:
     r"""Return the entries and rows of a text, as `read_lines` does.
 
-    Examples
-    --------
     >>> parse_lines("[vertical] $ comment\r\nfnomin=4.D3 ! N", Path("tire.tir"))
     [Entry(section='VERTICAL', key='FNOMIN', value='4.D3', line=2)]
     """
@@ -115,8 +102,6 @@ def parse_lines(text: str, path: Path) -> list[Entry | Row]:
 def without_comment(line: str) -> str:
     """Return a line up to its comment; a quote that is not closed is an apostrophe.
 
-    Examples
-    --------
     >>> without_comment("NAME = 'Q$' $ quick"), without_comment("AREA = driver's ! side")
     ("NAME = 'Q$' ", "AREA = driver's ")
     """
@@ -134,8 +119,6 @@ def without_comment(line: str) -> str:
 def unquoted(value: str) -> str:
     """Return a value without the quotes around it and without text behind them.
 
-    Examples
-    --------
     >>> unquoted("'PAC2002'"), unquoted("kg"), unquoted("'LEFT' mounted")
     ('PAC2002', 'kg', 'LEFT')
     """
@@ -145,18 +128,9 @@ def unquoted(value: str) -> str:
 def number_and_rest(value: str) -> tuple[float, str]:
     """Return the number that a value begins with, and the text behind it.
 
-    Parameters
-    ----------
-    value : str
-        Also ``.5``, ``5.``, and Fortran's ``1.5D+03`` and ``1.5+3``; in quotes or not.
+    `value`: also ``.5``, ``5.``, and Fortran's ``1.5D+03`` and ``1.5+3``; in quotes or not. Returns: NaN where there is
+    no finite number, it is longer than `LONGEST_NUMBER`, or a blank does not end it.
 
-    Returns
-    -------
-    (float, str)
-        NaN where there is no finite number, it is longer than `LONGEST_NUMBER`, or a blank does not end it.
-
-    Examples
-    --------
     >>> number_and_rest("1.5D+03"), number_and_rest("'.5'"), number_and_rest("4 per cent"), number_and_rest("'4' kN")
     ((1500.0, ''), (0.5, ''), (4.0, 'per cent'), (4.0, 'kN'))
     >>> number_and_rest("1,5")[0]

@@ -18,15 +18,9 @@ from .units import UNITS, factor_of, unit_factor
 class UnitSystem:
     """The units of a file.
 
-    Attributes
-    ----------
-    factors : mapping of str to float
-        To SI, by LENGTH, FORCE, ...; what is absent is SI.
-    other_units : mapping of str to str
-        Those that are not SI, as the file writes them.
+    - `factors`: to SI, by LENGTH, FORCE, ...; what is absent is SI.
+    - `other_units`: those that are not SI, as the file writes them.
 
-    Examples
-    --------
     >>> inches = UnitSystem({"LENGTH": 0.0254}, {"LENGTH": "'inch'"})
     >>> inches.factor("m", "DIMENSION"), inches.factor("m", "LATERAL_COEFFICIENTS")
     (0.0254, 1.0)
@@ -45,22 +39,8 @@ class UnitSystem:
 def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> tuple[UnitSystem, list[str]]:
     """Take the units out of a file's entries.
 
-    Parameters
-    ----------
-    entries : mutable mapping of (section, key) to Entry
-        Those that declare units are removed.
-    path : pathlib.Path
-        For messages.
-
-    Returns
-    -------
-    (UnitSystem, list of str)
-        The units, and notes about them.
-
-    Raises
-    ------
-    TirError
-        If a unit, or a key of [UNITS], is not known.
+    `entries`: those that declare units are removed. `path`: for messages. Returns: the units, and notes about them.
+    Raises `TirError` if a unit, or a key of [UNITS], is not known.
     """
     declared = [key for key in entries if key[0] == "UNITS" or _names_unit(entries[key])]
     declared.sort(key=lambda key: key[0] == "UNITS")  # [UNITS] overrides a header

@@ -93,8 +93,6 @@ _SYMBOL = re.compile(r"([A-Za-z]+)(?:\^(\d))?")
 def unit_factor(key: str, spelling: str) -> float | None:
     """Return the factor from a unit to SI, or None for an unknown spelling.
 
-    Examples
-    --------
     >>> unit_factor("FORCE", "POUND_FORCE"), unit_factor("LENGTH", "parsec")
     (4.4482216152605, None)
     """
@@ -104,21 +102,9 @@ def unit_factor(key: str, spelling: str) -> float | None:
 def factor_of(unit: str, factors: Mapping[str, float], *, per_angle: bool = False) -> float:
     """Return the factor to SI of a value with an SI unit, written in a file's units.
 
-    Parameters
-    ----------
-    unit : str
-        Unit of a declaration: "N/m", "kg m^2", "rad", "1".
-    factors : mapping of str to float
-        The file's units by key; SI where one is missing.
-    per_angle : bool
-        Whether ANGLE also applies within another unit.
+    `unit`: unit of a declaration: "N/m", "kg m^2", "rad", "1". `factors`: the file's units by key; SI where one is
+    missing. `per_angle`: whether ANGLE also applies within another unit.
 
-    Returns
-    -------
-    float
-
-    Examples
-    --------
     >>> factor_of("N/m", {"LENGTH": 1e-3}), factor_of("rad", {"ANGLE": 0.5}), factor_of("N/rad", {"ANGLE": 0.5})
     (1000.0, 0.5, 1.0)
     >>> factor_of("N/rad", {"ANGLE": 0.5}, per_angle=True)
@@ -134,14 +120,8 @@ def factor_of(unit: str, factors: Mapping[str, float], *, per_angle: bool = Fals
 def unit_contradicts(word: str, factor: float) -> bool:
     """Return whether the word behind a number is a unit other than the one that the file declares.
 
-    Parameters
-    ----------
-    word : str
-    factor : float
-        What the file's units make of the number.
+    `factor`: what the file's units make of the number.
 
-    Examples
-    --------
     >>> unit_contradicts("kN", 1.0), unit_contradicts("N", 1.0), unit_contradicts("(N/mm)", 1.0)
     (True, False, True)
     >>> unit_contradicts("mm", 1e-3), unit_contradicts("nominal", 1.0)

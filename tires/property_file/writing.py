@@ -57,18 +57,9 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
 def tir_text(tire: TireDefinition) -> str:
     """Return the text of a tire's .tir file.
 
-    Parameters
-    ----------
-    tire : TireDefinition
+    Returns: other entries of the file that the tire was read from are in their former sections. What only tirefmu knows
+    is at the end, in sections [TIREFMU...], which other readers skip.
 
-    Returns
-    -------
-    str
-        Other entries of the file that the tire was read from are in their former sections. What only tirefmu
-        knows is at the end, in sections [TIREFMU...], which other readers skip.
-
-    Examples
-    --------
     >>> from tirefmu.tires import published
     >>> tir_text(published("trento_hoosier")).splitlines()[0]
     '[MDI_HEADER]'

@@ -46,25 +46,12 @@ class _Header:
 def read_crg(path: str | Path) -> Road:
     """Read a road from an OpenCRG file with text data (LRFI or LDFI).
 
-    Parameters
-    ----------
-    path : str or Path
+    Returns: with the banking and the slope of the reference line in its heights. Heights that are missing at the sides
+    are those of the next ones towards the reference line. Raises `DataError` if the file cannot be read, has binary
+    data, changes the road by modifiers, another border mode or another file, or contains something that is no number;
+    the message names file and line.
 
-    Returns
-    -------
-    Road
-        With the banking and the slope of the reference line in its heights. Heights that are missing at the sides are
-        those of the next ones towards the reference line.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read, has binary data, changes the road by modifiers, another border mode or another file,
-        or contains something that is no number; the message names file and line.
-
-    References
-    ----------
-    ASAM OpenCRG 1.2.
+    Source: ASAM OpenCRG 1.2.
     """
     file = path_from(path)
     try:

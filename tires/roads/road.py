@@ -25,30 +25,13 @@ class Road:
 
     Heights are bilinear between the points of the grid, and beyond its edges those of the edges.
 
-    Parameters
-    ----------
-    increment : float
-        Distance of the points of the reference line, m.
-    v : ndarray, shape (m,), m
-        Increasing.
-    heights : ndarray, shape (n, m), m
-        At each point of the reference line, n at least 2.
-    headings : ndarray, shape (n,), rad
-        Direction of the reference line from the previous point; the first one is not used.
-    start : tuple of float
-        Global x and y of its first point, m.
+    `increment`: distance of the points of the reference line, m. `v`, shape (m,): increasing. `heights`, shape (n, m):
+    at each point of the reference line, n at least 2. `headings`, shape (n,): direction of the reference line from the
+    previous point; the first one is not used. `start`: global x and y of its first point, m. Raises `DataError` if
+    shapes do not fit, a number is not finite or too large, or v does not increase.
 
-    Raises
-    ------
-    DataError
-        If shapes do not fit, a number is not finite or too large, or v does not increase.
+    Source: ASAM OpenCRG 1.2.
 
-    References
-    ----------
-    ASAM OpenCRG 1.2.
-
-    Examples
-    --------
     >>> bump = Road(1.0, np.array([-1.0, 1.0]), np.array([[0.0, 0.0], [0.1, 0.2], [0.0, 0.0]]), np.zeros(3))
     >>> bump.height([0.5, 1.0], [0.0, -1.0]).round(3).tolist()
     [0.075, 0.1]
@@ -92,18 +75,9 @@ class Road:
     def along_and_across(self, x: ArrayLike, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return u (0 at the first point) and v of points.
 
-        Parameters
-        ----------
-        x, y : array-like
-            Global, m.
+        `x`, `y`: global, m. Returns `u, v`: of the nearest part of the reference line. Beyond its ends it continues
+        straight.
 
-        Returns
-        -------
-        u, v : ndarray, m
-            Of the nearest part of the reference line. Beyond its ends it continues straight.
-
-        Examples
-        --------
         >>> turn = Road(1.0, np.array([-1.0, 1.0]), np.zeros((3, 2)), np.array([0.0, 0.0, np.pi / 2]))
         >>> [float(each.round(3)) for each in turn.along_and_across(0.9, 0.5)]
         [1.361, 0.1]
@@ -128,16 +102,7 @@ class Road:
         return (u * self.increment).reshape(given[0].shape), v.reshape(given[0].shape)
 
     def height(self, x: ArrayLike, y: ArrayLike) -> FloatArray:
-        """Return the height of the road, m, at global points, m.
-
-        Parameters
-        ----------
-        x, y : array-like
-
-        Returns
-        -------
-        ndarray
-        """
+        """Return the height of the road, m, at global points, m."""
         u, v = self.along_and_across(x, y)
         n, m = self.heights.shape
         along, across = np.clip(u / self.increment, 0.0, n - 1.0), np.clip(v, self.v[0], self.v[-1])
@@ -151,21 +116,10 @@ class Road:
     def plane(self, x: ArrayLike, y: ArrayLike, length: float = 0.1) -> dict[str, FloatArray]:
         """Return the plane of the road near points as hub inputs.
 
-        Parameters
-        ----------
-        x, y : array-like
-            Global position of wheel centres, m.
-        length : float
-            The slopes are those over this length, m, such as that of the contact patch: a tire does not follow each
-            stone.
+        `x`, `y`: global position of wheel centres, m. `length`: the slopes are those over this length, m, such as that
+        of the contact patch: a tire does not follow each stone. Returns: ``road_z``, ``road_nx``, ``road_ny``,
+        ``road_nz``.
 
-        Returns
-        -------
-        dict of str to ndarray
-            ``road_z``, ``road_nx``, ``road_ny``, ``road_nz``.
-
-        Examples
-        --------
         >>> slope = Road(1.0, np.array([-1.0, 1.0]), np.array([[0.0, 0.0], [0.1, 0.1]]), np.zeros(2))
         >>> {name: float(value.round(3)) for name, value in slope.plane(0.5, 0.0).items()}
         {'road_z': 0.05, 'road_nx': -0.1, 'road_ny': 0.0, 'road_nz': 1.0}

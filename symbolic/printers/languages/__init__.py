@@ -30,18 +30,7 @@ LANGUAGES = {
 def printer(language: str) -> Callable[[Program], dict[str, str]]:
     """Return the function that prints a program in a language: files by name.
 
-    Parameters
-    ----------
-    language : str
-
-    Returns
-    -------
-    callable
-
-    Raises
-    ------
-    UnknownName
-        If there is none; the message offers the nearest.
+    Raises `UnknownName` if there is none; the message offers the nearest.
     """
     if language not in LANGUAGES:
         raise UnknownName("language", language, LANGUAGES)

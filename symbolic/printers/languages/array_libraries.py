@@ -51,24 +51,14 @@ class _TorchPrinter(_JaxPrinter):
 class ArrayLibrary:
     """A library of arrays.
 
-    Attributes
-    ----------
-    title, imports : str
-    printer : ArrayPrinter
-    array : str
-        Converts inputs and coefficients: ``{}``.
-    functions : str
-        Definitions of the functions that choose.
-    forces : str
-        Definition of the forces, with their derivatives if the library differentiates.
-    stack : str
-        Joins results along a new last axis: ``{}`` is a tuple.
-    by_coefficients : str
-        The part of the derivatives of `forces` by coefficients; empty if the library does not differentiate.
-    decorator : str
-        Line above the functions of the equations.
-    test_setup, test_inputs : str
-        Lines of the self-test: settings after the imports, and the conversion of the inputs.
+    - `array`: converts inputs and coefficients: ``{}``.
+    - `functions`: definitions of the functions that choose.
+    - `forces`: definition of the forces, with their derivatives if the library differentiates.
+    - `stack`: joins results along a new last axis: ``{}`` is a tuple.
+    - `by_coefficients`: the part of the derivatives of `forces` by coefficients; empty if the library does not
+      differentiate.
+    - `decorator`: line above the functions of the equations.
+    - `test_setup`, `test_inputs`: lines of the self-test: settings after the imports, and the conversion of the inputs.
     """
 
     title: str

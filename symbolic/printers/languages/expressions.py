@@ -14,13 +14,8 @@ from ..expressions import CALLED_POWERS, PlainCPrinter
 class CallPrinter(PlainCPrinter):
     """Scalar text in which every function is a call; a language names the functions and writes choices.
 
-    Parameters
-    ----------
-    members : mapping of str to str
-        What is written for a symbol that is a member of a structure, by its name.
+    `members`: what is written for a symbol that is a member of a structure, by its name.
 
-    Examples
-    --------
     >>> x, y = sp.symbols("x y")
     >>> CallPrinter().doprint(sp.Piecewise((sp.sin(x) ** 2, x > 0), (1 / y, True)))
     '(x > 0.0 ? square(sin(x)) : 1.0/y)'
@@ -104,8 +99,6 @@ class CallPrinter(PlainCPrinter):
 class C99Printer(CallPrinter):
     """C99 in double precision with the functions of math.h.
 
-    Examples
-    --------
     >>> C99Printer().doprint(sp.atan(sp.Symbol("B_x")) / 3)
     '0.3333333333333333*atan(B_x)'
     """
@@ -116,8 +109,6 @@ class C99Printer(CallPrinter):
 class CppPrinter(CallPrinter):
     """C++ with a template parameter Scalar; functions are found by the type of their argument.
 
-    Examples
-    --------
     >>> CppPrinter().doprint(sp.Piecewise((2, sp.Symbol("x") > 0), (sp.Symbol("x"), True)))
     'Math::choose(x > Scalar(0.0), Scalar(2.0), x)'
     """
@@ -133,8 +124,6 @@ class CppPrinter(CallPrinter):
 class JavaScriptPrinter(CallPrinter):
     """JavaScript.
 
-    Examples
-    --------
     >>> JavaScriptPrinter().doprint(sp.sqrt(sp.Symbol("x")) + sp.Symbol("y") ** 2)
     'Math.sqrt(x) + square(y)'
     """
@@ -147,8 +136,6 @@ class JavaScriptPrinter(CallPrinter):
 class RustPrinter(CallPrinter):
     """Rust with the functions of the crate libm, which needs no standard library.
 
-    Examples
-    --------
     >>> RustPrinter().doprint(sp.Piecewise((sp.exp(sp.Symbol("x")), sp.Symbol("x") < 0), (1, True)))
     '(if x < 0.0 { libm::exp(x) } else { 1.0 })'
     """
@@ -160,8 +147,6 @@ class RustPrinter(CallPrinter):
 class MatlabPrinter(CallPrinter):
     """MATLAB and Octave, element by element of arrays.
 
-    Examples
-    --------
     >>> x, y = sp.symbols("x y")
     >>> MatlabPrinter().doprint(2 * x * y / (1 + x**2))
     '2.0.*x.*y./(1.0 + x.^2.0)'
@@ -195,8 +180,6 @@ class MatlabPrinter(CallPrinter):
 class ModelicaPrinter(CallPrinter):
     """Modelica, with brackets around every power: the operator is not associative.
 
-    Examples
-    --------
     >>> x, y = sp.symbols("x y")
     >>> ModelicaPrinter().doprint(2 * x**2 / (1 + x ** (1 / y)))
     '2.0*x^2/(1.0 + x^(1.0/y))'

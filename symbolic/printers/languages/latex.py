@@ -50,8 +50,6 @@ _DOCUMENT = r"""@head@
 class BookPrinter(LatexPrinter):
     r"""LaTeX of the lines, with symbols as a book prints them.
 
-    Examples
-    --------
     >>> BookPrinter().doprint(sp.Symbol("K_yalpha") * sp.sin(2 * sp.Symbol("PKY2")))
     'K_{y\\alpha} \\sin{\\left(2 \\mathrm{PKY2} \\right)}'
     """
@@ -81,8 +79,6 @@ class BookPrinter(LatexPrinter):
 def symbol_text(name: str) -> str:
     r"""Return a name as mathematics: coefficients upright, quantities with indices and Greek letters.
 
-    Examples
-    --------
     >>> symbol_text("PKY1"), symbol_text("mu_y"), symbol_text("alpha"), symbol_text("F_z01")
     ('\\mathrm{PKY1}', '\\mu_{y}', '\\alpha', 'F_{z01}')
     """

@@ -28,18 +28,10 @@ class Printer(Protocol):
 class Layout:
     """How a language writes statements and comments.
 
-    Attributes
-    ----------
-    printer : Printer
-    statement : str
-        Definition of a local variable: ``{name}`` and ``{value}``.
-    comment : str
-        A comment up to the end of the line: ``{}``.
-    escape : callable
-        Makes any text harmless in such a comment.
-    indent : str
-    continued : str
-        What a line ends with if its statement continues on the next one.
+    - `statement`: definition of a local variable: ``{name}`` and ``{value}``.
+    - `comment`: a comment up to the end of the line: ``{}``.
+    - `escape`: makes any text harmless in such a comment.
+    - `continued`: what a line ends with if its statement continues on the next one.
     """
 
     printer: Printer
@@ -100,8 +92,6 @@ class Layout:
 def filled(template: str, values: Mapping[str, object]) -> str:
     """Return a template with ``@name@`` replaced; code is full of braces and dollar signs.
 
-    Examples
-    --------
     >>> filled("struct @name@ {};", {"name": "tire"})
     'struct tire {};'
     """
@@ -111,8 +101,6 @@ def filled(template: str, values: Mapping[str, object]) -> str:
 def wrapped(items: Sequence[str], width: int = 100, separator: str = ", ") -> list[str]:
     """Return items as lines of limited width, each but the last ending with the separator.
 
-    Examples
-    --------
     >>> wrapped(["kappa", "alpha", "gamma"], width=14)
     ['kappa, alpha, ', 'gamma']
     """

@@ -157,8 +157,6 @@ def _declared(kind: str, about: Quantity, value: str = "", attributes: str = "")
 def _type(unit: str) -> str:
     """Return the definition of a type.
 
-    Examples
-    --------
     >>> _type("N m")
     'type Torque = Real(final quantity = "Torque", final unit = "N.m");'
     """
@@ -187,8 +185,6 @@ def _connectors(kind: str, quantities: Sequence[Quantity], x: int) -> list[str]:
 def _unit(text: str) -> str:
     r"""Return the attribute of a unit as Modelica writes it; none for a text that is no unit.
 
-    Examples
-    --------
     >>> _unit("N m"), _unit("1/rad^2"), _unit('mm " x')
     ('unit = "N.m"', 'unit = "1/rad2"', '')
     """

@@ -33,14 +33,9 @@ TOLERANCE = {name: 1e-9 if name.startswith("jacobian_") else 1e-12 for name in F
 class Selection:
     """What a user requests of a printout.
 
-    Attributes
-    ----------
-    functions : tuple of str
-        Of `FUNCTIONS`.
-    placement : str
-        Of `PLACEMENTS`.
-    outputs : tuple of str
-        The forces and moments; all of the model if empty.
+    - `functions`: of `FUNCTIONS`.
+    - `placement`: of `PLACEMENTS`.
+    - `outputs`: the forces and moments; all of the model if empty.
     """
 
     functions: tuple[str, ...] = FUNCTIONS[:3]
@@ -125,28 +120,10 @@ def program(
 ) -> Program:
     """Return the printout of a tire, without header and self-test.
 
-    Parameters
-    ----------
-    name : str
-        Any text; it becomes an identifier.
-    model : Model
-    effects : collection of str
-        The effects that the tire has. Lines of other effects are not printed.
-    values : mapping of str to float
-        Every coefficient in ISO-W, as in the parameter vector of the generated code.
-    nominal : mapping of str to float
-        The value of each absent input.
-    selection : Selection
-
-    Returns
-    -------
-    Program
-
-    Raises
-    ------
-    TirefmuError
-        If derivatives by the coefficients are requested and the values are in the lines, or states of a tire that
-        has none.
+    `name`: any text; it becomes an identifier. `effects`: the effects that the tire has. Lines of other effects are not
+    printed. `values`: every coefficient in ISO-W, as in the parameter vector of the generated code. `nominal`: the
+    value of each absent input. Raises `TirefmuError` if derivatives by the coefficients are requested and the values
+    are in the lines, or states of a tire that has none.
     """
     if selection.placement == "inline" and "jacobian_parameters" in selection.functions:
         raise TirefmuError("jacobian_parameters needs the coefficients as variables: use --values struct or file")
@@ -187,8 +164,6 @@ def program(
 def operations(routine: Routine) -> int:
     """Return the number of additions, multiplications, divisions, functions and choices of a routine.
 
-    Examples
-    --------
     >>> from ..routines import Assignment
     >>> x, y = sp.symbols("x y")
     >>> operations(Routine("f", "", (Assignment(y, 2 * sp.sin(x) + x + 1),), ((y,),), ("y",)))
@@ -207,8 +182,6 @@ def identifier(text: str) -> str:
 
     It is no word of a language, no function of C, no module that a printout imports and no device of Windows.
 
-    Examples
-    --------
     >>> identifier("My Tire 205/55.tir"), identifier("2019 front"), identifier("for"), identifier("größe")
     ('my_tire_205_55_tir', 'tire_2019_front', 'tire_for', 'gr_e')
     >>> identifier("numpy"), identifier("gamma"), identifier("aux")

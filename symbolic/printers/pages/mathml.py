@@ -90,19 +90,8 @@ def _greek(word: str) -> str:
 def equation_mathml(symbol: sp.Symbol | str, expression: sp.Expr) -> str:
     """Return an equation as a MathML element for a page.
 
-    Parameters
-    ----------
-    symbol : sympy.Symbol or str
-        The left-hand side.
-    expression : sympy.Expr
+    `symbol`: the left-hand side. Returns: one line; texts are escaped.
 
-    Returns
-    -------
-    str
-        One line; texts are escaped.
-
-    Examples
-    --------
     >>> equation_mathml("mu_y", 2 * sp.Symbol("PDY1"))[:38]
     '<math display="block"><mrow><msub><mi>'
     """

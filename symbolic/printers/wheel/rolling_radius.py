@@ -12,17 +12,8 @@ from ..python import origin
 def c_rolling_radius(book: Model) -> str:
     """Return a header with the rolling radius of a wheel at a given angular speed.
 
-    Parameters
-    ----------
-    book : Model
+    Returns: the free radius for a model without an effective rolling radius.
 
-    Returns
-    -------
-    str
-        The free radius for a model without an effective rolling radius.
-
-    Examples
-    --------
     >>> from tirefmu.symbolic.models import model
     >>> print(c_rolling_radius(model("mf96")).splitlines()[-2].strip())
     return UNLOADED_RADIUS;
