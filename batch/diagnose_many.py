@@ -84,7 +84,7 @@ class DiagnosisJob:
 
 
 @dataclass(frozen=True)
-class Task:
+class DiagnosisTask:
     """A job with its data: what a worker needs."""
 
     job: DiagnosisJob
@@ -169,12 +169,12 @@ def diagnose_many(
     )  # fmt: skip
 
 
-def task_of(job: DiagnosisJob) -> Task:
+def task_of(job: DiagnosisJob) -> DiagnosisTask:
     """Return a job with its data; raise TirefmuError if the file cannot be used."""
-    return Task(job, recording_from(job.table, signs=job.signs, where=job.where))
+    return DiagnosisTask(job, recording_from(job.table, signs=job.signs, where=job.where))
 
 
-def run(task: Task) -> Outcome[DiagnosisResult]:
+def run(task: DiagnosisTask) -> Outcome[DiagnosisResult]:
     """Diagnose the recording of a task, in any process."""
     job, recording = task.job, task.recording
     with TemporaryDirectory(prefix="tirefmu-") as scratch:
@@ -255,6 +255,6 @@ def _write_summary(results: Sequence[DiagnosisResult], folder: Path) -> None:
 
 
 #: How diagnoses are computed and stored.
-DIAGNOSES: Kind[DiagnosisJob, Task, DiagnosisResult] = Kind(
+DIAGNOSES: Kind[DiagnosisJob, DiagnosisTask, DiagnosisResult] = Kind(
     task_of, run, digest_of, DiagnosisResult, DiagnosisResult.from_json, _earlier
 )

@@ -48,7 +48,7 @@ class Batch:
 
 
 @dataclass(frozen=True)
-class Task:
+class FitTask:
     """A job with its data: what a worker needs."""
 
     job: FitJob
@@ -124,17 +124,17 @@ def fit_many(
     return Batch(results, folder)
 
 
-def task_of(job: FitJob) -> Task:
+def task_of(job: FitJob) -> FitTask:
     """Return a job with its data.
 
     Raises `TirefmuError` if a file cannot be used.
     """
     start = job.options.get("start")
     given = start if start in (None, "features") else tire_from(start)
-    return Task(job, tuple(recordings_from(job.tables, signs=job.signs, where=job.where)), given)
+    return FitTask(job, tuple(recordings_from(job.tables, signs=job.signs, where=job.where)), given)
 
 
-def run(task: Task) -> Outcome[JobResult]:
+def run(task: FitTask) -> Outcome[JobResult]:
     """Fit the tire of a task, in any process."""
     job = task.job
     options = {**job.options, "start": task.start}
@@ -164,7 +164,7 @@ def digest_of(job: FitJob) -> str:
 
 
 #: How fits are computed and stored.
-FITS: Kind[FitJob, Task, JobResult] = Kind(
+FITS: Kind[FitJob, FitTask, JobResult] = Kind(
     task_of, run, digest_of, JobResult, JobResult.from_json, lambda folder, name: [folder / f"{name}.tir"]
 )
 

@@ -17,7 +17,7 @@ from tirefmu.fitting.resampling.bootstrap import (
 from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
 from tirefmu.measurements import Recording, TableLike, recordings_from
 from tirefmu.symbolic.errors import UnknownName, no_single_text
-from tirefmu.symbolic.models import model as model_named
+from tirefmu.symbolic.models import model_named
 
 from .workers import all_results
 

@@ -41,7 +41,7 @@ STATISTICS: Mapping[str, Callable[[FloatArray], FloatArray]] = {
 
 
 @dataclass(frozen=True)
-class Task:
+class StudyTask:
     """Some runs of a study: what a worker needs.
 
     - `first`: number of the first run.
@@ -134,7 +134,7 @@ def study(
     return table
 
 
-def _tasks(path: Path, study: Study, recordings: Sequence[Recording]) -> Iterator[Task]:
+def _tasks(path: Path, study: Study, recordings: Sequence[Recording]) -> Iterator[StudyTask]:
     """Yield the tasks of a study; raise for parameters, inputs and outputs that the FMU lacks."""
     with unpacked(path) as folder:
         variables = {one.name: one for one in read_description(path, folder).modelVariables}
@@ -159,10 +159,10 @@ def _tasks(path: Path, study: Study, recordings: Sequence[Recording]) -> Iterato
         count = max(1, ROWS_OF_TASK // len(table))
         for first in range(0, len(study.values), count):
             values = study.values[first : first + count]
-            yield Task(number * len(study.values) + first, content, given, outputs, axes, values)
+            yield StudyTask(number * len(study.values) + first, content, given, outputs, axes, values)
 
 
-def run(task: Task) -> list[FloatArray | str]:
+def run(task: StudyTask) -> list[FloatArray | str]:
     """Simulate the runs of a task, in any process.
 
     Returns shape (n_rows, n_outputs): of each run: outputs in ISO-W, or the reason why the FMU fails.
@@ -174,7 +174,9 @@ def run(task: Task) -> list[FloatArray | str]:
             return _simulated(task, path.name, folder, task.values)
 
 
-def _simulated(task: Task, name: str, folder: Path, values: Sequence[Mapping[str, float]]) -> list[FloatArray | str]:
+def _simulated(
+    task: StudyTask, name: str, folder: Path, values: Sequence[Mapping[str, float]]
+) -> list[FloatArray | str]:
     """Simulate some runs; if the FMU fails, halves of them, so that one run does not cost the others."""
     inputs = [str(column) for column in task.table if column != "t"]
     time, rows = (task.table[columns].to_numpy(dtype=np.float64) for columns in ("t", inputs))
@@ -190,7 +192,7 @@ def _simulated(task: Task, name: str, folder: Path, values: Sequence[Mapping[str
     return list(outputs.to_numpy().reshape(len(values), len(time), len(task.outputs)))
 
 
-def _rows(task: Task, source: str, outcome: Sequence[FloatArray | str]) -> Iterator[dict[str, Any]]:
+def _rows(task: StudyTask, source: str, outcome: Sequence[FloatArray | str]) -> Iterator[dict[str, Any]]:
     for i, (values, found) in enumerate(zip(task.values, outcome, strict=True)):
         reason = found if isinstance(found, str) else ""
         row: dict[str, Any] = {"run": task.first + i, "table": source, **values, "reason": reason}
@@ -200,7 +202,7 @@ def _rows(task: Task, source: str, outcome: Sequence[FloatArray | str]) -> Itera
         yield row
 
 
-def _series(task: Task, outcome: Sequence[FloatArray | str]) -> pd.DataFrame:
+def _series(task: StudyTask, outcome: Sequence[FloatArray | str]) -> pd.DataFrame:
     """Return the outputs of all runs over time, NaN for those that failed."""
     runs, n = len(outcome), len(task.table)
     missing = np.full((n, len(task.outputs)), np.nan)

@@ -18,7 +18,7 @@ from tirefmu.symbolic.escaping import quoted
 from .toml_file import check_keys, is_number
 
 #: Upper limit of the number of runs.
-MOST_RUNS = 1_000_000
+MAX_RUNS = 1_000_000
 KEYS: Mapping[str, type] = {
     "tables": list, "signs": str, "outputs": list, "parameters": dict, "samples": int, "seed": int, "series": bool,
 }  # fmt: skip
@@ -72,8 +72,8 @@ def read_study(path: str | Path) -> Study:
         runs = prod(map(len, lists.values()))
     else:
         runs = samples
-    if not 1 <= runs * len(content["tables"]) <= MOST_RUNS:
-        raise FitError(f"{path}: {runs * len(content['tables'])} runs, not 1 to {MOST_RUNS}")
+    if not 1 <= runs * len(content["tables"]) <= MAX_RUNS:
+        raise FitError(f"{path}: {runs * len(content['tables'])} runs, not 1 to {MAX_RUNS}")
     values = (
         [dict(zip(lists, one, strict=True)) for one in product(*lists.values())]
         if samples is None
@@ -90,8 +90,8 @@ def _levels(given: Any, location: str) -> list[float]:
     if isinstance(given, list) and given and all(map(is_number, given)):
         return [float(one) for one in given]
     lower, upper, count = _range(given, location)
-    if count is None or not 1 <= count <= MOST_RUNS:
-        raise FitError(f"{location}: count = {count} is not 1 to {MOST_RUNS}")
+    if count is None or not 1 <= count <= MAX_RUNS:
+        raise FitError(f"{location}: count = {count} is not 1 to {MAX_RUNS}")
     return [float(one) for one in np.linspace(lower, upper, count)]
 
 

@@ -27,7 +27,7 @@ from discovery import version_text
 from discovery_suites import SUITES
 from discovery_table import put_table, split_page
 
-from tirefmu.diagnosis.diagnose import NOMINAL
+from tirefmu.diagnosis.diagnose import NOMINAL_COEFFICIENTS
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
 from tirefmu.diagnosis.verdict.improved_tire import tire_of
@@ -109,7 +109,7 @@ METHODS: Mapping[str, Method] = {"PySINDy": sparse_regression, "Gaussian process
 
 def reached(case: Case) -> list[Reached]:
     """Return what each method reaches in a case."""
-    values = {name: value for key, value in case.nominal.items() for name in NOMINAL[key]}
+    values = {name: value for key, value in case.nominal.items() for name in NOMINAL_COEFFICIENTS[key]}
     start = Tire(DEFAULT_MODEL, values, effects=case.effects, signs=FORMULA_SIGNS)
     signals = signals_of(case.table, start, case.signs)
     problem, solution = fit_baseline(start, signals, known=False)

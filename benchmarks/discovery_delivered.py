@@ -22,7 +22,7 @@ TOLERANCE = 0.02
 #: Median absolute deviation of a normal distribution with a standard deviation of 1.
 NORMAL_MEDIAN = 0.6745
 #: Number of random tires, and the share of a force below which an increase of its error does not count.
-TIRES, LEAST_SHARE = 16, 0.01
+TIRES, MIN_SHARE = 16, 0.01
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     )
     size = np.array([_rms(case.operating[name].to_numpy()) for name in channels])
     increase = operating[1] - operating[0]
-    spread = np.maximum(_spread(result, case, channels), LEAST_SHARE * size)
+    spread = np.maximum(_spread(result, case, channels), MIN_SHARE * size)
     reported = tuple(
         result.gap[part][name]["after"] / after
         for part, pairs in on_rows.items() for name, (_, after) in zip(channels, pairs, strict=True) if after > 0.0
@@ -135,15 +135,15 @@ def _spread(result: Diagnosis, case: Case, channels: Sequence[str]) -> FloatArra
     The root mean square of the standard deviation over random tires, whose coefficients have the prior of the model.
     """
     tire = result.tire.in_signs(FORMULA_SIGNS)
-    book, rng, forces = tire.book, np.random.default_rng(0), []
-    delivered = [name for one in result.found for name in one.coefficients if name in book.coefficients]
+    model, rng, forces = tire.symbolic_model, np.random.default_rng(0), []
+    delivered = [name for one in result.found for name in one.coefficients if name in model.coefficients]
     names = delivered if result.delivered else []
     table = case.operating.drop(columns=list(channels))
     for _ in range(TIRES if names else 0):
         values = dict(tire.values)
         for name in names:
-            declared = book.coefficients[name]
-            center, deviation = book.prior_center.get(name, declared.default), book.prior_spread.get(name, 0.0)
+            declared = model.coefficients[name]
+            center, deviation = model.prior_center.get(name, declared.default), model.prior_spread.get(name, 0.0)
             values[name] = float(np.clip(rng.normal(center, deviation), declared.lower, declared.upper))
         computed = replace(tire, values=values).evaluate(table, signs=case.signs)
         forces.append(computed[list(channels)].to_numpy())

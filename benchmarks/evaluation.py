@@ -25,7 +25,7 @@ import sympy as sp
 
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.model.lines import reaching
-from tirefmu.symbolic.models import model as book_of
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires.code import CHUNK, Code, code_for
 from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.code.compiler import shared_library
@@ -48,51 +48,51 @@ void rows(size_t n, const double *x, double *y, double *w)
 """
 
 
-def parameters(book: Model) -> FloatArray:
+def parameters(model: Model) -> FloatArray:
     """Return the parameter vector of a plausible tire with all coefficients different from 0."""
-    values = {name: declared.generic or 0.01 for name, declared in book.coefficients.items()}
+    values = {name: declared.generic or 0.01 for name, declared in model.coefficients.items()}
     values |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    return np.array([values.get(name, 0.0) for name in book.parameters])
+    return np.array([values.get(name, 0.0) for name in model.parameters])
 
 
-def points(book: Model, n: int) -> FloatArray:
+def points(model: Model, n: int) -> FloatArray:
     """Return n random rows without turn slip, shape (n_inputs, n)."""
     rng = np.random.default_rng(1)
     ranges = RANGES | {"Fz": (500.0, 7000.0), "phit": (0.0, 0.0)}
-    return np.stack([rng.uniform(*ranges[quantity.name], n) for quantity in book.inputs])
+    return np.stack([rng.uniform(*ranges[quantity.name], n) for quantity in model.inputs])
 
 
-def casadi_c(book: Model, values: FloatArray) -> Callable[[FloatArray], object]:
+def casadi_c(model: Model, values: FloatArray) -> Callable[[FloatArray], object]:
     """Return the C code that CasADi generates for the same equations, compiled with -O2, parameters as constants."""
-    x = ca.SX.sym("x", len(book.inputs))
-    forces = casadi_expression(book, "forces", x, ca.DM(values), straight=True)
+    x = ca.SX.sym("x", len(model.inputs))
+    forces = casadi_expression(model, "forces", x, ca.DM(values), straight=True)
     function = ca.Function("forces", [x], [forces])
     with tempfile.TemporaryDirectory() as folder:
         generator = ca.CodeGenerator("forces.c")
         generator.add(function)
         generator.generate(folder + "/")
         source = Path(folder) / "forces.c"
-        loop = LOOP.format(inputs=len(book.inputs), outputs=len(book.outputs))
+        loop = LOOP.format(inputs=len(model.inputs), outputs=len(model.outputs))
         source.write_text(source.read_text() + loop)
         rows = ctypes.CDLL(str(shared_library("casadi_forces", [source], flags=["-fvisibility=default"]))).rows
     work = np.empty(function.sz_w() + 1)
 
     def run(columns: FloatArray) -> object:
         n = columns.shape[1]
-        table, results = np.ascontiguousarray(columns.T), np.empty((n, len(book.outputs)))
+        table, results = np.ascontiguousarray(columns.T), np.empty((n, len(model.outputs)))
         rows(ctypes.c_size_t(n), *(ctypes.c_void_p(array.ctypes.data) for array in (table, results, work)))
         return results
 
     return run
 
 
-def lambdified(book: Model, values: FloatArray) -> Callable[[FloatArray], object]:
+def lambdified(model: Model, values: FloatArray) -> Callable[[FloatArray], object]:
     """Return the NumPy function of SymPy's lambdify, with the equations as common subexpressions."""
-    lines = reaching(book.lines(straight=True), [quantity.name for quantity in book.outputs])
-    constants = dict(zip((sp.Symbol(name, real=True) for name in book.parameters), values.tolist(), strict=True))
-    inputs = [quantity.symbol for quantity in book.inputs]
+    lines = reaching(model.lines(straight=True), [quantity.name for quantity in model.outputs])
+    constants = dict(zip((sp.Symbol(name, real=True) for name in model.parameters), values.tolist(), strict=True))
+    inputs = [quantity.symbol for quantity in model.inputs]
     steps = [(line.symbol, line.expression.xreplace(constants)) for line in lines]
-    outputs = [quantity.symbol for quantity in book.outputs]
+    outputs = [quantity.symbol for quantity in model.outputs]
     modules = [{"sgn": np.sign, "sgn1": lambda x: np.where(x >= 0, 1.0, -1.0), "absolute": np.abs}, "numpy"]
     function = sp.lambdify(inputs, outputs, modules=modules, cse=lambda _: (steps, outputs))
     return lambda columns: function(*columns)
@@ -110,21 +110,21 @@ def in_chunks(code: Code, values: FloatArray, columns: FloatArray) -> None:
         pass
 
 
-def candidates(book: Model, values: FloatArray, only: list[str]) -> dict[str, Callable[[FloatArray], object]]:
+def candidates(model: Model, values: FloatArray, only: list[str]) -> dict[str, Callable[[FloatArray], object]]:
     """Return the compared functions by name: all, or the chosen ones and the C code of CasADi."""
 
     def numpy() -> Code:
-        return code_for(book, "numpy")
+        return code_for(model, "numpy")
 
     def scalar() -> Code:
-        return code_for(book, "c")
+        return code_for(model, "c")
 
     def batch() -> Code:
-        return code_for(book, "batch")
+        return code_for(model, "batch")
 
     builders: dict[str, Callable[[], Callable[[FloatArray], object]]] = {
-        CASADI: lambda: casadi_c(book, values),
-        "SymPy lambdify, cse": lambda: lambdified(book, values),
+        CASADI: lambda: casadi_c(model, values),
+        "SymPy lambdify, cse": lambda: lambdified(model, values),
         "NumPy, chunks": lambda: forces_of(numpy(), values),
         "scalar C": lambda: forces_of(scalar(), values),
         "batch": lambda: forces_of(batch(), values),
@@ -147,14 +147,14 @@ def by_inputs_of(code: Code, values: FloatArray) -> Callable[[FloatArray], objec
     return lambda columns: code.jacobian_inputs(columns, values)
 
 
-def measured(book: Model, numbers: list[int], repetitions: int, only: list[str]) -> dict[int, dict[str, float]]:
+def measured(model: Model, numbers: list[int], repetitions: int, only: list[str]) -> dict[int, dict[str, float]]:
     """Return the median time per point in nanoseconds, by number of points and candidate."""
-    values = parameters(book)
-    functions = candidates(book, values, only)
+    values = parameters(model)
+    functions = candidates(model, values, only)
     times_of: dict[int, dict[str, float]] = {}
     slow: set[str] = set()
     for n in numbers:
-        rows = points(book, n)
+        rows = points(model, n)
         times: dict[str, list[float]] = {name: [] for name in functions if name not in slow}
         calls = max(1, 20_000 // n)
         for repetition in range(repetitions + 1):  # the first one is a warm-up
@@ -193,11 +193,12 @@ def main() -> None:
     parser.add_argument("--only", default="", help="candidates, separated by semicolons")
     parser.add_argument("--json", type=Path, help="also write the times to this file")
     given = parser.parse_args()
-    book = book_of(given.model)
+    model = model_named(given.model)
     only = [name for name in given.only.split(";") if name]
-    measured_times = measured(book, [int(n) for n in given.points.split(",")], given.repetitions, only)
+    measured_times = measured(model, [int(n) for n in given.points.split(",")], given.repetitions, only)
     print(
-        f"{book.title}: {len(book.outputs)} outputs, {len(book.coefficients)} coefficients\n\n{table(measured_times)}"
+        f"{model.title}: {len(model.outputs)} outputs, {len(model.coefficients)} coefficients\n\n"
+        f"{table(measured_times)}"
     )
     if given.json:
         given.json.write_text(json.dumps({str(n): row for n, row in measured_times.items()}, indent=2) + "\n")

@@ -43,7 +43,7 @@ from tirefmu.tires.code.normal_equations import equations_by_chunks
 FloatArray = npt.NDArray[np.float64]
 MODEL = "mf61"
 #: Upper limit of the points of one constraint on its fine grid; otherwise the coarse grid is used.
-MOST_POINTS = 50
+MAX_POINTS = 50
 
 
 def timed(work: Callable[[], Any]) -> tuple[float, Any]:
@@ -62,9 +62,9 @@ def median(work: Callable[[], Any], times: int = 3) -> tuple[float, Any]:
 def joint_problem(recording: Recording) -> tuple[Problem, FloatArray, FloatArray, FloatArray]:
     """Return one problem for all coefficients of MF6.1, with scaled initial values and bounds."""
     truth = known_tire(MODEL)
-    book = truth.book
-    free = tuple(name for name in VALUES if name in book.coefficients and name not in NAMED)
-    declarations = [book.coefficients[name] for name in free]
+    model = truth.symbolic_model
+    free = tuple(name for name in VALUES if name in model.coefficients and name not in NAMED)
+    declarations = [model.coefficients[name] for name in free]
     tire = Tire(MODEL, {name: truth.values[name] for name in NAMED}, signs="adapted-sae")
     rows = Rows.of(recording.with_signs("adapted-sae").table, tire, CHANNELS)
     noise = np.array([SIZES.get(name, np.inf) for name in tire.outputs])
@@ -83,7 +83,7 @@ def constraints(problem: Problem, recording: Recording) -> list[Any]:
     every = [constraint for channel in CHANNELS for constraint in chosen_constraints(MODEL)[channel]]
     fine = [(constraint, grid(constraint, ranges, nominal, density=1)) for constraint in every]
     return [
-        (constraint, points if points.shape[1] <= MOST_POINTS else grid(constraint, ranges, nominal, density=0))
+        (constraint, points if points.shape[1] <= MAX_POINTS else grid(constraint, ranges, nominal, density=0))
         for constraint, points in fine
     ]
 

@@ -95,7 +95,7 @@ def bench(tire: Tire, seed: int) -> Recording:
 def generic_tire(truth: Tire) -> Tire:
     """Return a tire of this size with the declared initial values, at one pressure."""
     names = " ".join([*PURE.values(), *COMBINED.values()]).split()
-    values = {name: truth.book.coefficients[name].generic for name in names}
+    values = {name: truth.symbolic_model.coefficients[name].generic for name in names}
     pressure = truth.values["INFLPRES"]
     given = {"UNLOADED_RADIUS": truth.values["UNLOADED_RADIUS"], "FNOMIN": truth.values["FNOMIN"]}
     effects = truth.has - {"pressure_stiffness", "pressure_friction"}
@@ -106,7 +106,7 @@ def generic_tire(truth: Tire) -> Tire:
 def block(title: str, tire: Tire, table: pd.DataFrame, free: str, *, generic: bool = True) -> Block:
     """Return a problem. The first word of its title is its force."""
     names, channel = tuple(free.split()), title.split()[0]
-    declarations = [tire.book.coefficients[name] for name in names]
+    declarations = [tire.symbolic_model.coefficients[name] for name in names]
     first = np.array([declared.generic if generic else tire.values[declared.name] for declared in declarations])
     lower, upper = np.array([[declared.lower, declared.upper] for declared in declarations]).T
     scale = np.maximum(np.abs(first), 0.25 * (upper - lower))
@@ -163,7 +163,7 @@ def by_ipopt(given: Block, starts: int) -> tuple[Run, FloatArray]:
 def by_trf(given: Block) -> tuple[Run, FloatArray]:
     """Solve by scipy's bounded least squares with the exact Jacobian of the same compiled code."""
     problem, clock = given.problem, Clock()
-    code = fastest_code(problem.tire.book)
+    code = fastest_code(problem.tire.symbolic_model)
     inputs, root = problem.tire.effective_inputs(problem.rows.inputs), np.sqrt(problem.weights[0, given.output])
     force, coefficient = code.entries
     index = {int(column): i for i, column in enumerate(problem.columns)}

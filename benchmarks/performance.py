@@ -32,7 +32,7 @@ PARTS = ("startup", "fit", "evaluation", "memory")
 
 
 @dataclass(frozen=True)
-class Line:
+class Benchmark:
     """A figure with its target, its earlier value, and what limits it."""
 
     title: str
@@ -43,25 +43,25 @@ class Line:
 
 #: By name in `benchmarks/startup.py`. Targets in CPU s of the reference machine.
 STARTUP = {
-    "--help": Line("`tirefmu --help`", "2.1", 0.25),
-    "usage error": Line("a usage error", "2.1", 0.25),
-    "missing file": Line("a missing file", "2.1", 0.25),
-    "import tirefmu": Line("`import tirefmu`", "-", 0.15),
-    "info": Line("`tirefmu info TIRE`", "2.6", 0.6),
-    "evaluate, 1000 rows": Line(
+    "--help": Benchmark("`tirefmu --help`", "2.1", 0.25),
+    "usage error": Benchmark("a usage error", "2.1", 0.25),
+    "missing file": Benchmark("a missing file", "2.1", 0.25),
+    "import tirefmu": Benchmark("`import tirefmu`", "-", 0.15),
+    "info": Benchmark("`tirefmu info TIRE`", "2.6", 0.6),
+    "evaluate, 1000 rows": Benchmark(
         "`tirefmu evaluate`, 1,000 rows", "3", 0.8, "pandas and the structure of the model are loaded"
     ),
-    "export": Line("`tirefmu export`, warm", "6.7", 1.0, "the interpreter, NumPy and compressing the archive"),
-    "first fit beyond the second": Line(
+    "export": Benchmark("`tirefmu export`, warm", "6.7", 1.0, "the interpreter, NumPy and compressing the archive"),
+    "first fit beyond the second": Benchmark(
         "first fit beyond the second one", "3-4", 1.0, "pandas, CasADi and SciPy are loaded"
     ),
-    "first diagnosis beyond the second": Line(
+    "first diagnosis beyond the second": Benchmark(
         "first diagnosis beyond the second one",
         "many",
         1.0,
         "pandas, SciPy and the modules of the diagnosis are loaded",
     ),
-    "first diagnosis beyond the second, cold": Line(
+    "first diagnosis beyond the second, cold": Benchmark(
         "the same, cold cache", "many", 10.0, "gcc compiles the Jacobians of the model with the whole effect library"
     ),
 }
@@ -119,19 +119,19 @@ that, the C code of one row takes .57.
 """
 #: By candidate and number of points in `benchmarks/evaluation.py`. Targets relative to CasADi's C.
 EVALUATION = {
-    ("batch", MANY): Line(
+    ("batch", MANY): Benchmark(
         "forces, 1e6 points", ".14-.16", 0.10,
         "arithmetic: 25 arctangents, 19 sines, cosines and tangents, 42 divisions a row; spilled registers",
     ),
-    ("batch", "100"): Line("forces, 100 points through Python", "1.05-1.11", 0.40, "objects that a call makes"),
-    ("batch, by inputs", MANY): Line(
+    ("batch", "100"): Benchmark("forces, 100 points through Python", "1.05-1.11", 0.40, "objects that a call makes"),
+    ("batch, by inputs", MANY): Benchmark(
         "by inputs (6), 1e6 points", "1.25-1.99", 0.40, "the kernel .23, the transposition into 280 MB .05",
     ),
-    ("batch, by coefficients", MANY): Line(
+    ("batch, by coefficients", MANY): Benchmark(
         "by coefficients, 1e6 points", "2.46", 1.0, "215 derivatives a row are written out: 1.7 kB",
     ),
-    ("batch, by coefficients, 64 rows a call", MANY): Line("the same, 64 rows a call (as before)", "2.46", 1.0),
-    ("scalar C", MANY): Line(
+    ("batch, by coefficients, 64 rows a call", MANY): Benchmark("the same, 64 rows a call (as before)", "2.46", 1.0),
+    ("scalar C", MANY): Benchmark(
         "scalar C, forces", ".61", 0.60, "eight elementary functions and four divisions that follow each other",
     ),
 }  # fmt: skip
@@ -152,7 +152,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
 
-def verdict(value: float, line: Line) -> str:
+def verdict(value: float, line: Benchmark) -> str:
     """Return whether a figure reaches its target, or what limits it."""
     if value <= line.target:
         return "reached"

@@ -30,7 +30,7 @@ from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, read_recording
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 
 #: Every n-th sweep is held out. n is coprime to the number of camber angles (three) and of loads in the test program.
 EVERY = 4
@@ -40,7 +40,7 @@ PARTS = 15
 OTHER = "drivebrake.mat"
 #: Effects of camber in the public contract, and all effects of camber.
 CAMBER = ("camber_thrust", "camber_stiffness", "camber_friction")
-ALL_CAMBER = tuple(sorted(name for name in model("mf61").default_effects if name.startswith("camber")))
+ALL_CAMBER = tuple(sorted(name for name in model_named("mf61").default_effects if name.startswith("camber")))
 COMBINED = ("combined_Gxa", "combined_Gyk", "kappa_sideforce_SVyk")
 NOMINAL = {"Fz0": 1700.0, "R0": 0.23, "p0": 83e3, "V0": 11.2}
 
@@ -182,7 +182,7 @@ def print_carried_over(diagnosis: Diagnosis, file: Path, not_used: tuple[str, ..
     problem, without = fit_baseline(start, signals, known=True)
     print(f"  {file.name}, without: {errors_text(problem, without)}")
     found = diagnosis.in_signs(FORMULA_SIGNS).found
-    for one in (one for one in found if one.effect in start.book.effects):
+    for one in (one for one in found if one.effect in start.symbolic_model.effects):
         parameters = without.parameters.copy()
         for coefficient, interval in one.coefficients.items():
             parameters[problem.simulator.index[coefficient]] = interval.value

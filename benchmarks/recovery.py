@@ -37,7 +37,7 @@ from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
 from known_tires import CHANNELS, NOMINAL, SIZES, known_tire, moved, recorded
-from recovery_table import PREDICTED, Refit, Task, store, stored, write
+from recovery_table import PREDICTED, RecoveryTask, Refit, store, stored, write
 
 from tirefmu.fitting import FitResult, fit
 from tirefmu.fitting.resampling.bootstrap import bootstrap_of, replicate_tasks, replicates_of
@@ -107,7 +107,7 @@ def bootstrap_coverage_of(result: FitResult, truth: Tire) -> tuple[int, int]:
     return inside, counted
 
 
-def refitted(task: Task) -> Refit:
+def refitted(task: RecoveryTask) -> Refit:
     """Fit a recording of the known tire with the noise of a seed, from generic values."""
     truth = known_tire(task.model)
     recording = recorded(truth, task.rows, seed=task.seed, correlation_time=CORRELATIONS[task.noise])
@@ -164,7 +164,7 @@ def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
     }  # fmt: skip
 
 
-def all_refits(pool: ProcessPoolExecutor, tasks: Sequence[Task], path: Path | None) -> list[Refit]:
+def all_refits(pool: ProcessPoolExecutor, tasks: Sequence[RecoveryTask], path: Path | None) -> list[Refit]:
     """Return the results of tasks in their order; those of the file are not computed again."""
     known = {refit.task: refit for refit in stored(path)}
     for future in as_completed([pool.submit(refitted, task) for task in tasks if task not in known]):
@@ -213,7 +213,7 @@ def main() -> None:
                   f"{'intervals':>10}{'CPU s':>6}")  # fmt: skip
         for model in models if seeds else ():
             for kind in given.noise.split(","):
-                tasks = [Task(model, kind, given.rows, seed, given.bootstrap) for seed in range(seeds)]
+                tasks = [RecoveryTask(model, kind, given.rows, seed, given.bootstrap) for seed in range(seeds)]
                 refits.append(of_refits(f"{model}, {kind}", all_refits(pool, tasks, given.results)))
         if starts:
             print(f"\n{'':18}{'starts':>6}{'good':>6}{'farthest':>10}")

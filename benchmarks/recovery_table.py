@@ -17,7 +17,7 @@ TITLES = {"mf96": "MF96", "mf52": "MF5.2", "mf61": "MF6.1"}
 
 
 @dataclass(frozen=True)
-class Task:
+class RecoveryTask:
     """A fit to new noise: model, kind of noise, rows of the bench, seed, replicates of a bootstrap."""
 
     model: str
@@ -37,7 +37,7 @@ class Refit:
     - `bootstrap_covered`, `bootstrap_intervals`: the same of the percentile intervals.
     """
 
-    task: Task
+    task: RecoveryTask
     ok: bool
     missed: float
     covered: int
@@ -54,7 +54,7 @@ def stored(path: Path | None) -> Iterator[Refit]:
     if path is not None and path.exists():
         for line in path.read_text(encoding="utf-8").splitlines():
             found = json.loads(line)
-            yield Refit(**{**found, "task": Task(**found["task"])})
+            yield Refit(**{**found, "task": RecoveryTask(**found["task"])})
 
 
 def store(path: Path | None, refit: Refit) -> None:

@@ -144,14 +144,16 @@ def _characteristics(first: Tire, second: Tire) -> Iterator[Characteristic]:
     load = first.values["FNOMIN"]
     tables = [tire.evaluate(pd.DataFrame({"Fz": [load]}), signs="iso", steady=True) for tire in (first, second)]
     for role, title in ROLES.items():
-        names = [tire.book.quantity(role) for tire in (first, second)]
+        names = [tire.symbolic_model.quantity(role) for tire in (first, second)]
         if all(names):
             values = [float(table[name].iloc[0]) for table, name in zip(tables, names, strict=True)]
-            yield Characteristic(title, first.book.structure.quantities[names[0]][0], load, values[0], values[1])
+            yield Characteristic(
+                title, first.symbolic_model.structure.quantities[names[0]][0], load, values[0], values[1]
+            )
 
 
 def _differences(first: Tire, second: Tire) -> list[Difference]:
-    declared = {**second.book.coefficients, **first.book.coefficients}
+    declared = {**second.symbolic_model.coefficients, **first.symbolic_model.coefficients}
     found = []
     for name, coefficient in declared.items():
         values = (first.values.get(name), second.values.get(name))
@@ -174,7 +176,7 @@ def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ChannelError
         squares = [float(np.mean((each[channel].to_numpy()[rows] - measured[rows]) ** 2)) for each in predicted]
         variance = float(np.var(measured[rows]))
         r2 = [1.0 - square / variance if variance > 0.0 else np.nan for square in squares]
-        unit = next(quantity.unit for quantity in tires[0].book.outputs if quantity.name == channel)
+        unit = next(quantity.unit for quantity in tires[0].symbolic_model.outputs if quantity.name == channel)
         rmse = (squares[0] ** 0.5, squares[1] ** 0.5)
         found.append(ChannelErrors(recording.source, channel, unit, int(rows.sum()), rmse, (r2[0], r2[1])))
     return found

@@ -50,7 +50,7 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
         if channel != "Mz":
             figures.append(_family(comparison, found, channel, signs, slope=True))
     for role, title in ROLES.items():
-        if all(tire.book.quantity(role) for tire in comparison.tires):
+        if all(tire.symbolic_model.quantity(role) for tire in comparison.tires):
             figures.append(_over_load(comparison, role, title, signs))
     return figures
 
@@ -101,7 +101,7 @@ def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Fig
     ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
     series = []
     for tire, name, (low, high), (color, dashes) in zip(comparison.tires, comparison.names, ranges, LINES, strict=True):
-        quantity = tire.book.quantity(role)
+        quantity = tire.symbolic_model.quantity(role)
         loads = np.linspace(max(low, 0.01 * high), high, _POINTS)  # a formula may have no meaning at other loads
         signed = -loads if signs == "sae" else loads
         values = _evaluated(tire, {}, "Fz", signed, signs)[quantity].abs() / scale

@@ -15,7 +15,7 @@ from tirefmu.tires.drawing.tire_figures import WIDEST, default_loads
 #: Curves of a figure; of more sweeps, those with the most rows.
 MOST = 6
 #: Sweeps with fewer rows are not drawn.
-FEWEST_ROWS = 10
+MIN_ROWS = 10
 #: Inputs in addition to load and camber that a program may set to several levels: one of each is drawn.
 FURTHER = ("p", "V")
 
@@ -100,6 +100,6 @@ def _measured(recording: Recording, slip: str) -> list[Sweep]:
             for name, level in levels.items()
             if name in ("kappa", "alpha", "gamma", "phit")
         )
-        if moving == (slip,) and upright and "Fz" in levels and len(rows) >= FEWEST_ROWS:
+        if moving == (slip,) and upright and "Fz" in levels and len(rows) >= MIN_ROWS:
             found.append(Sweep(slip, levels, float(rows[slip].min()), float(rows[slip].max()), rows))
     return found

@@ -13,8 +13,7 @@ from tirefmu.measurements import Recording, TableLike, check_convention, recordi
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.added import AddedEffect
 from tirefmu.symbolic.errors import UnknownName, no_single_text
-from tirefmu.symbolic.models import model as book_of
-from tirefmu.symbolic.models import whole_library
+from tirefmu.symbolic.models import model_named, whole_library
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
@@ -31,7 +30,12 @@ from .verdict.composition import SearchOutcome, composed
 from .verdict.result import Diagnosis
 
 #: Options of --nominal and the coefficients that they set.
-NOMINAL = {"Fz0": ("FNOMIN",), "p0": ("NOMPRES", "INFLPRES"), "R0": ("UNLOADED_RADIUS",), "V0": ("LONGVL",)}
+NOMINAL_COEFFICIENTS = {
+    "Fz0": ("FNOMIN",),
+    "p0": ("NOMPRES", "INFLPRES"),
+    "R0": ("UNLOADED_RADIUS",),
+    "V0": ("LONGVL",),
+}
 
 
 #: The steps of a diagnosis, as reported to its progress callback, and their time relative to the first one. The search
@@ -93,7 +97,7 @@ def diagnose(
     recording = recording_from(table, signs=signs)
     check_convention(recording)
     if tire is None:
-        check_nominal(nominal or {}, book_of(model), [recording.table])
+        check_nominal(nominal or {}, model_named(model), [recording.table])
     began = time.perf_counter()
     report = progress or (lambda sentence: None)
     no_single_text("candidates", candidates)
@@ -176,7 +180,7 @@ def _start_model(
     if tire is None:
         values: dict[str, float] = {}
         for name, value in (nominal or {}).items():
-            values |= dict.fromkeys(set(NOMINAL[name]) & book_of(model).coefficients.keys(), value)
+            values |= dict.fromkeys(set(NOMINAL_COEFFICIENTS[name]) & model_named(model).coefficients.keys(), value)
         no_single_text("effects", effects)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
     return with_library(tire, user_defined)
@@ -196,7 +200,7 @@ def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire
     Tire
     """
     # The library first and in its order: the model with it alone is printed with the package.
-    added = {effect.name: effect for effect in (*whole_library(tire.book), *tire.added, *user_defined)}
+    added = {effect.name: effect for effect in (*whole_library(tire.symbolic_model), *tire.added, *user_defined)}
     return replace(tire.in_signs(FORMULA_SIGNS), added=tuple(added.values()), effects=tire.has)
 
 

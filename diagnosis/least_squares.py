@@ -74,7 +74,7 @@ class LeastSquares:
 
     def bounds(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper bounds of coefficients."""
-        declarations = self.simulator.book.coefficients
+        declarations = self.simulator.symbolic_model.coefficients
         lower = np.array([declarations[name].lower for name in free])
         upper = np.array([declarations[name].upper for name in free])
         factor = self._factors(free)
@@ -82,7 +82,7 @@ class LeastSquares:
 
     def at_bounds(self, parameters: FloatArray, free: Sequence[str]) -> tuple[str, ...]:
         """Return the coefficients that are at a bound, except at a neutral value, where the effect is absent."""
-        declarations, ends = self.simulator.book.coefficients, np.stack(self.bounds(free))
+        declarations, ends = self.simulator.symbolic_model.coefficients, np.stack(self.bounds(free))
         values = parameters[[self.simulator.index[name] for name in free]]
         neutral = np.array([np.nan if (one := declarations[name].neutral) is None else one for name in free])
         close = np.isclose(values, ends, rtol=0.0, atol=AT_BOUND * np.ptp(ends, axis=0)).any(axis=0)
@@ -90,10 +90,10 @@ class LeastSquares:
 
     def prior(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return means and standard deviations of the weak priors of coefficients."""
-        declarations, factors = self.simulator.book.coefficients, self._factors(free)
+        declarations, factors = self.simulator.symbolic_model.coefficients, self._factors(free)
         lower, upper = self.bounds(free)
         center = np.array([self.center.get(name, declarations[name].default) for name in free]) * factors
-        known = self.simulator.book.prior_spread
+        known = self.simulator.symbolic_model.prior_spread
         spread = np.array([known.get(name, np.inf) for name in free]) * np.abs(factors)
         return center, np.minimum((upper - lower) / RANGE_IN_DEVIATIONS, spread)
 
@@ -102,9 +102,9 @@ class LeastSquares:
 
         An absent effect rescales coefficients (`Effect.rescales`) unless one of its own coefficients is free.
         """
-        book, factors = self.simulator.book, dict[str, float]()
-        for name, effect in book.effects.items():
-            if effect.rescales and name not in self.simulator.tire.has and book.owned(name).isdisjoint(free):
+        model, factors = self.simulator.symbolic_model, dict[str, float]()
+        for name, effect in model.effects.items():
+            if effect.rescales and name not in self.simulator.tire.has and model.owned(name).isdisjoint(free):
                 factors |= dict(effect.rescales)
         return np.array([factors.get(name, 1.0) for name in free])
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[1]
 #: Number of equations that the entry of an effect lists for each model.
-MOST_LINES = 6
+MAX_LINES = 6
 #: Longest signature in one line.
 WIDEST = 90
 
@@ -54,7 +54,7 @@ def pages() -> dict[str, str]:
         "reference/models.md": models_page(),
         "reference/cli.md": cli_page(),
         "reference/python.md": python_page(),
-        **{f"reference/equations/{name}.md": equations_page(book) for name, book in MODELS.items()},
+        **{f"reference/equations/{name}.md": equations_page(model) for name, model in MODELS.items()},
         "changelog.md": (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"),
     }
 
@@ -119,8 +119,8 @@ def _formulas(effect: dict[str, Any]) -> list[str]:
         for model in effect["models"]:
             changed = [line for line in MODELS[model].structure.lines if effect["name"] in line.effects]
             numbers = {line.symbol.name: line.number for line in MODELS[model].equations}
-            named = ", ".join(f"{_plain(line.name)} ({_plain(numbers[line.name])})" for line in changed[:MOST_LINES])
-            more = f" and {len(changed) - MOST_LINES} more" if len(changed) > MOST_LINES else ""
+            named = ", ".join(f"{_plain(line.name)} ({_plain(numbers[line.name])})" for line in changed[:MAX_LINES])
+            more = f" and {len(changed) - MAX_LINES} more" if len(changed) > MAX_LINES else ""
             lines.append(f"- [equations of {model}](equations/{model}.md): {named}{more}")
         return lines
     lines = []
@@ -131,17 +131,17 @@ def _formulas(effect: dict[str, Any]) -> list[str]:
     return lines
 
 
-def equations_page(book: Model) -> str:
+def equations_page(model: Model) -> str:
     """Return the book of equations of a model: every line with number, description and unit."""
     lines = [
-        f"# Equations: {_plain(book.title)}",
+        f"# Equations: {_plain(model.title)}",
         "",
         "All effects of the model are on; options have their default. Coefficients are upright. In brackets: number",
         "in the source and unit. `tirefmu generate TIRE --language latex -o FOLDER` prints the equations of one tire.",
     ]
-    written = book.as_written(book.effects)
+    written = model.as_written(model.effects)
     chapter = ""
-    for line in book.equations:
+    for line in model.equations:
         if line.variant:
             continue
         if line.chapter != chapter:

@@ -25,9 +25,9 @@ from tirefmu.symbolic.errors import DataError
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 #: Batch sizes: numbers of rows that are summed before autocovariances are computed; fewest sums for a batch size.
-STRETCHES, FEWEST_SUMS = (1, 4, 16, 64), 200
+STRETCHES, MIN_SUMS = (1, 4, 16, 64), 200
 #: Numbers, with zeros appended to segments, that are transformed at a time.
-MOST_VALUES = 1_000_000
+MAX_VALUES = 1_000_000
 
 
 def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = None) -> float:
@@ -58,7 +58,7 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
     edges = np.concatenate([[0], np.flatnonzero(np.diff(numbers)) + 1, [len(values)]])
     longest = 1.0
     for stretch in STRETCHES:
-        if stretch > 1 and np.sum(np.diff(edges) // stretch) < FEWEST_SUMS:
+        if stretch > 1 and np.sum(np.diff(edges) // stretch) < MIN_SUMS:
             break
         sums, lengths = _summed(np.where(known, values, 0.0), edges, stretch)
         rows, _ = _summed(known.astype(np.float64), edges, stretch)
@@ -118,7 +118,7 @@ def _autocorrelation(values: FloatArray, lengths: IntArray) -> FloatArray:
     sizes = 2 ** np.ceil(np.log2(2 * np.maximum(lengths, 1))).astype(np.intp)
     for size in np.unique(sizes[lengths > 0]).tolist():
         members = np.flatnonzero((sizes == size) & (lengths > 0))
-        step = max(MOST_VALUES // size, 1)
+        step = max(MAX_VALUES // size, 1)
         for some in (members[first : first + step] for first in range(0, len(members), step)):
             padded = np.zeros((len(some), size))
             for row, start, length in zip(padded, starts[some], lengths[some], strict=True):

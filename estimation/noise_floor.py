@@ -28,11 +28,11 @@ SLIP_SCALE, SCALE = 0.2, 1.5
 SLIPS = ("kappa", "alpha")
 OTHERS = ("gamma", "Fz", "p", "V", "T", "phit")
 #: An input varies if its range exceeds this multiple of its noise, and this share of its largest magnitude.
-LEAST_RANGE_IN_NOISE, LEAST_SHARE = 8.0, 0.01
+MIN_RANGE_IN_NOISE, MIN_SHARE = 8.0, 0.01
 #: Number of features, largest number of rows, and number of parts for cross-validation.
-FEATURES, MOST_ROWS, PARTS = 240, 4000, 8
+FEATURES, MAX_ROWS, PARTS = 240, 4000, 8
 #: Length of a block of time, s, and its least number of rows.
-BLOCK, LEAST_ROWS = 0.5, 5
+BLOCK, MIN_ROWS = 0.5, 5
 #: Penalties of the ridge regression that are tried, relative to the mean square of a feature.
 PENALTIES = (1e-4, 1e-3, 1e-2, 1e-1)
 #: Time over which the direction of a slip's change is averaged, s.
@@ -72,8 +72,8 @@ def noise_floor(
     timed = "t" in table and n > 1
     t = table["t"].to_numpy(dtype=np.float64) if timed else np.arange(n, dtype=np.float64)
     step = float(np.median(np.diff(t))) if timed else 1.0
-    rows = np.arange(n)[:: max(1, -(-n // MOST_ROWS))]
-    length = max(LEAST_ROWS, round(BLOCK / (step * (rows[1] - rows[0])))) if timed and step > 0.0 else LEAST_ROWS
+    rows = np.arange(n)[:: max(1, -(-n // MAX_ROWS))]
+    length = max(MIN_ROWS, round(BLOCK / (step * (rows[1] - rows[0])))) if timed and step > 0.0 else MIN_ROWS
     part = (np.arange(len(rows)) // length) % PARTS
     inputs, scales = _inputs(table)
     columns = [(inputs, scales)]
@@ -107,8 +107,8 @@ def _inputs(table: pd.DataFrame) -> tuple[list[FloatArray], list[float]]:
         if not np.isfinite(values).all():  # not recorded here, but in another recording of the same fit
             continue
         lower, upper = np.quantile(values, [0.005, 0.995])
-        noise = noise_of(values)[0] if len(values) > 3 * LEAST_ROWS else 0.0
-        if upper - lower > max(LEAST_RANGE_IN_NOISE * noise, LEAST_SHARE * float(np.abs(values).max())):
+        noise = noise_of(values)[0] if len(values) > 3 * MIN_ROWS else 0.0
+        if upper - lower > max(MIN_RANGE_IN_NOISE * noise, MIN_SHARE * float(np.abs(values).max())):
             columns.append(2.0 * (values - lower) / (upper - lower) - 1.0)
             scales.append(SLIP_SCALE if name in SLIPS else SCALE)
     return columns, scales
@@ -145,7 +145,7 @@ def _cross_validated(features: FloatArray, targets: FloatArray, part: npt.NDArra
     masks = np.isfinite(targets)
     for mask in {mask.tobytes(): mask for mask in masks}.values():
         same = np.flatnonzero((masks == mask).all(axis=1))
-        if int(mask.sum()) >= PARTS * LEAST_ROWS and len(features):
+        if int(mask.sum()) >= PARTS * MIN_ROWS and len(features):
             errors[same] = _errors(features[mask], targets[np.ix_(same, np.flatnonzero(mask))].T, part[mask])
     return errors
 

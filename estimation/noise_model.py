@@ -24,7 +24,7 @@ SHORTEST, LONGEST = 0.3, 60.0
 #: Prior of the share of white noise: its value, and its weight (in log variances, relative to one row).
 WHITE_SHARE, WHITE_PRIOR = 0.05, 1e-3
 #: Lower limit of the mean square of a weighted residual.
-LEAST_POWER = 1e-6
+MIN_POWER = 1e-6
 #: Time before the first row, s: much longer than any correlation.
 BEFORE_START = 1e9
 #: Rows of a part of the recording. The filter passes all parts at the same time and then joins them.
@@ -62,7 +62,7 @@ def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseP
     rows = np.where(present, residual, 0.0)
     power = np.abs(fft.rfft(rows))[1:-1] ** 2 / max(int(present.sum()), 1)
     wave = np.cos(2.0 * np.pi * fft.rfftfreq(len(rows))[1:-1])
-    whole = max(float(np.sum(rows**2)) / max(int(present.sum()), 1), LEAST_POWER)
+    whole = max(float(np.sum(rows**2)) / max(int(present.sum()), 1), MIN_POWER)
 
     def parts(x: FloatArray) -> NoiseParts:
         white, short, drift, memory = (float(value) for value in np.exp(x[[0, 1, 2, 4]]))

@@ -26,8 +26,8 @@ def check_nominal(nominal: Mapping[str, float], model: Model, tables: Iterable[p
     SI units, in any sign convention. Raises `UnknownName` if there is no such nominal value. Raises `FitError` if a
     value is not positive, or far outside the tables.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> check_nominal({"Fz0": 0.22, "R0": 0.23}, model("mf96"), [pd.DataFrame({"Fz": [220.0, 700.0, 1120.0]})])
+    >>> from tirefmu.symbolic.models import model_named
+    >>> check_nominal({"Fz0": 0.22, "R0": 0.23}, model_named("mf96"), [pd.DataFrame({"Fz": [220.0, 700.0, 1120.0]})])
     Traceback (most recent call last):
     ...
     tirefmu.symbolic.errors.FitError: nominal Fz0 = 0.22 N is far from the median of Fz, 700 N: in another unit?

@@ -18,23 +18,23 @@ from scipy.ndimage import median_filter
 FloatArray = npt.NDArray[np.float64]
 
 #: Largest number of lines of a recording.
-MOST_LINES = 4
+MAX_LINES = 4
 #: Probability that the spectrum of noise has such a peak at any frequency.
 BY_CHANCE = 1e-6
 #: Least share of the mean squared residual of a channel.
-LEAST_SHARE = 0.03
+MIN_SHARE = 0.03
 #: Half width of the neighborhood of a peak, in independent frequencies.
 NEIGHBORHOOD = 20
 #: Zero padding: number of frequencies for each independent one.
 FINER = 4
 #: Fewest periods in the recording, and fewest samples per period.
-LEAST_PERIODS, LEAST_SAMPLES = 20.0, 2.5
+MIN_PERIODS, MIN_SAMPLES = 20.0, 2.5
 #: A peak of the simulated forces is one that exceeds its neighborhood by this factor.
 SIMULATED_PEAK = 8.0
 
 
 @dataclass(frozen=True)
-class Line:
+class PeriodicLine:
     """A periodic disturbance.
 
     - `over`: "t" or "distance".
@@ -55,7 +55,7 @@ class Line:
 
 def periodic_lines(
     axes: dict[str, FloatArray], residual: FloatArray, present: npt.NDArray[np.bool_], simulated: FloatArray
-) -> list[Line]:
+) -> list[PeriodicLine]:
     """Return the lines of residuals, the largest first.
 
     `axes`, shape (n,): time and distance rolled ("t", "distance"), ascending. `residual`, shape (n_channels, n).
@@ -70,8 +70,8 @@ def periodic_lines(
     [('t', 4.9)]
     """
     rest = np.where(present, residual, 0.0)
-    found: list[Line] = []
-    while len(found) < MOST_LINES:
+    found: list[PeriodicLine] = []
+    while len(found) < MAX_LINES:
         peaks = [peak for over, at in axes.items() if (peak := _largest_peak(over, at, rest, simulated)) is not None]
         if not peaks:
             break
@@ -80,14 +80,16 @@ def periodic_lines(
         amplitudes = np.linalg.lstsq(waves.T, rest.T, rcond=None)[0].T
         waved = np.where(present, amplitudes @ waves, 0.0)
         share = np.mean(waved**2, axis=1) / np.maximum(np.mean(rest**2, axis=1), 1e-300)
-        if share.max() < LEAST_SHARE:
+        if share.max() < MIN_SHARE:
             break
         found.append(line)
         rest = rest - waved
     return found
 
 
-def _largest_peak(over: str, at: FloatArray, rest: FloatArray, simulated: FloatArray) -> tuple[float, Line] | None:
+def _largest_peak(
+    over: str, at: FloatArray, rest: FloatArray, simulated: FloatArray
+) -> tuple[float, PeriodicLine] | None:
     """Return the largest significant peak and its ratio to the neighborhood, or None."""
     steps = np.diff(at)
     step = float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 0.0
@@ -100,14 +102,14 @@ def _largest_peak(over: str, at: FloatArray, rest: FloatArray, simulated: FloatA
     size = fft.next_fast_len(FINER * n)
     frequency = fft.rfftfreq(size, step)
     power, forced = (_ratios(_resampled(grid, at, rows), size) for rows in (rest, simulated))
-    usable = (frequency * (at[-1] - at[0]) > LEAST_PERIODS) & (frequency * step * LEAST_SAMPLES < 1.0)
+    usable = (frequency * (at[-1] - at[0]) > MIN_PERIODS) & (frequency * step * MIN_SAMPLES < 1.0)
     if not usable.any():
         return None
     unforced = np.all(_widest(forced) < SIMULATED_PEAK, axis=0)
     score = np.where(usable & unforced, power.max(axis=0), 0.0)
     best = int(np.argmax(score))
     threshold = np.log2(len(rest) * max(int(usable.sum()) / FINER, 1.0) / BY_CHANCE)
-    return (float(score[best]), Line(over, float(frequency[best]))) if score[best] > threshold else None
+    return (float(score[best]), PeriodicLine(over, float(frequency[best]))) if score[best] > threshold else None
 
 
 def _resampled(grid: FloatArray, at: FloatArray, rows: Sequence[FloatArray] | FloatArray) -> FloatArray:

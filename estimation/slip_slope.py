@@ -19,9 +19,9 @@ IntArray = npt.NDArray[np.int64]
 #: slip, narrow enough for a cubic.
 SLOPE_WINDOW = {"kappa": 0.04, "alpha": radians(2.0)}
 #: Fewest rows in a window, and in each of its quarters: without rows near zero, or on one side, no slope is read.
-FEWEST, FEWEST_IN_QUARTER = 12, 2
+FEWEST, MIN_IN_QUARTER = 12, 2
 #: Largest correlation of neighboring rows that is estimated: a correlation length of 200 rows, longer than a pass.
-MOST_CORRELATED = 0.99
+MAX_CORRELATED = 0.99
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     inside = np.flatnonzero(np.isfinite(slip) & np.isfinite(force) & (np.abs(slip) < window))
     x, y = slip[inside] / window, force[inside]
     quarters = np.bincount(np.clip((2.0 * (x + 1.0)).astype(int), 0, 3), minlength=4)
-    if len(x) < FEWEST or quarters.min() < FEWEST_IN_QUARTER:
+    if len(x) < FEWEST or quarters.min() < MIN_IN_QUARTER:
         return Slope(nan, nan)
     powers = x[:, None] ** np.arange(4)
     tricube: FloatArray = (1.0 - np.abs(x) ** 3) ** 3
@@ -115,10 +115,10 @@ def _autoregressive_variance(residual: FloatArray, powers: FloatArray, solve: Fl
 
     if excess(0.0) >= 0.0:
         rho = 0.0
-    elif excess(MOST_CORRELATED) <= 0.0:
-        rho = MOST_CORRELATED
+    elif excess(MAX_CORRELATED) <= 0.0:
+        rho = MAX_CORRELATED
     else:
-        rho = float(brentq(excess, 0.0, MOST_CORRELATED, xtol=1e-4))
+        rho = float(brentq(excess, 0.0, MAX_CORRELATED, xtol=1e-4))
     _, plain, variance = expected(rho)
     return power / plain * variance
 

@@ -84,7 +84,7 @@ def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] =
     `free`: coefficients that are estimated together with the starts, but not returned. Returns: with a column for each
     such state; its values count at the first row of each segment.
     """
-    names = [name for name in tire.states if tire.book.states[name].start_is_fitted]
+    names = [name for name in tire.states if tire.symbolic_model.states[name].start_is_fitted]
     table = recording.table.drop(columns=[name for name in names if name in recording.table])
     channels = [name for name in tire.outputs if name in table]
     if not names or "t" not in table or not channels:
@@ -116,6 +116,6 @@ def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] =
 
 
 def _size(tire: Tire, name: str) -> float:
-    declared = tire.book.coefficients[name]
+    declared = tire.symbolic_model.coefficients[name]
     span = declared.upper - declared.lower
     return AMPLITUDE * span if np.isfinite(span) else max(abs(tire.values[name]), AMPLITUDE)

@@ -18,13 +18,13 @@ from scipy.special import chdtri
 FloatArray = npt.NDArray[np.float64]
 
 #: Length of an interval, s, and largest number of intervals of a recording that are evaluated.
-STRETCH, MOST_STRETCHES = 2.5, 60
+STRETCH, MAX_STRETCHES = 2.5, 60
 #: Range of the tested radii, relative to the expected radius, and their number.
 RADII, TRIED = (0.5, 1.6), 160
 #: Fewest samples per revolution, and fewest revolutions per interval.
-FEWEST_SAMPLES, FEWEST_TURNS = 4.0, 4.0
+MIN_SAMPLES, MIN_TURNS = 4.0, 4.0
 #: Fewest rows of an interval, and least share of measured rows of each channel.
-FEWEST_ROWS, MEASURED = 16, 0.8
+MIN_ROWS, MEASURED = 16, 0.8
 #: A channel is significantly periodic if the ratio of its power to the median over all radii exceeds `SIGNIFICANT`, and
 #: noise exceeds the ratio at any radius with a probability of at most `BY_CHANCE`.
 SIGNIFICANT, BY_CHANCE = 5.0, 1e-3
@@ -69,7 +69,7 @@ def once_per_revolution(
     if not stretches:
         return None
     radii = radius * np.geomspace(*RADII, TRIED)
-    chosen = stretches[:: -(-len(stretches) // MOST_STRETCHES)]
+    chosen = stretches[:: -(-len(stretches) // MAX_STRETCHES)]
     power, square, advance = _spectra(chosen, radii)
     known = np.isfinite(power).all(axis=1)
     if not known.any():
@@ -94,7 +94,7 @@ def _stretches(
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Yield the rolled distance, shape (n,), and the residuals, shape (n, n_channels), of each interval."""
     length = int(STRETCH / step) if step > 0 else 0
-    if length < FEWEST_ROWS or not len(residual):
+    if length < MIN_ROWS or not len(residual):
         return
     for rows in np.split(np.arange(len(speed)), np.flatnonzero(np.diff(segment)) + 1):
         for start in range(0, len(rows) - length + 1, length):
@@ -114,8 +114,8 @@ def _spectra(stretches: list[tuple[FloatArray, FloatArray]], radii: FloatArray) 
     power, square, advances = np.zeros((len(radii), channels)), np.zeros(channels), 0.0
     for distance, residual in stretches:
         advance = float(distance[-1] - distance[0]) / (len(distance) - 1)
-        too_fast = tau * radii < FEWEST_SAMPLES * advance
-        too_slow = tau * radii * FEWEST_TURNS > distance[-1] - distance[0]
+        too_fast = tau * radii < MIN_SAMPLES * advance
+        too_slow = tau * radii * MIN_TURNS > distance[-1] - distance[0]
         window = np.hanning(len(distance))
         position = distance - distance.mean()
         slow = np.vander(position / position[-1], 3)

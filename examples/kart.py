@@ -72,7 +72,10 @@ def cosimulate(fmu: Path, manoeuvre: Manoeuvre, step: float) -> FloatArray:
 def monolithic(manoeuvre: Manoeuvre, times: FloatArray) -> FloatArray:
     """Return the same at given times, with all equations in one right-hand side."""
     model = tire()
-    code, parameters = numpy_module(model.book), dict(zip(model.book.parameters, model.parameters(), strict=True))
+    code, parameters = (
+        numpy_module(model.symbolic_model),
+        dict(zip(model.symbolic_model.parameters, model.parameters(), strict=True)),
+    )
     free, sigma = model.values["UNLOADED_RADIUS"], 0.5 * model.values["UNLOADED_RADIUS"]
 
     def slope(t: float, state: FloatArray) -> FloatArray:
@@ -85,7 +88,7 @@ def monolithic(manoeuvre: Manoeuvre, times: FloatArray) -> FloatArray:
         motion = wheel_motion(**given, omega=omega)
         load = PARAMETERS["VERTICAL_STIFFNESS"] * (free - motion["R_l"])
         load = np.where(load > 0.0, np.maximum(load - PARAMETERS["VERTICAL_DAMPING"] * motion["R_l_rate"], 0.0), 0.0)
-        scaled = parameters | {name: parameters[name] * friction for name in model.book.friction_scales}
+        scaled = parameters | {name: parameters[name] * friction for name in model.symbolic_model.friction_scales}
         Fx, Fy, Mz = code.forces([kappa, np.arctan(tangent), motion["gamma"], load], list(scaled.values()))
         placed = {name: value for name, value in given.items() if name.startswith(("R_", "road_n"))}
         hub = hub_wrench(Fx=Fx, Fy=Fy, Fz=load, Mz=Mz, R_l=motion["R_l"], **placed)

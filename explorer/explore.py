@@ -71,8 +71,8 @@ def page_text(
     tires = [(tire_from(each).in_signs("iso"), _name(each)) for each in given]
     first = tires[0][0]
     for name in intervals:
-        if name not in first.book.coefficients:
-            raise UnknownName(f"coefficient of {first.model}", name, first.book.coefficients)
+        if name not in first.symbolic_model.coefficients:
+            raise UnknownName(f"coefficient of {first.model}", name, first.symbolic_model.coefficients)
     programs = [program_for_page(switchable(each)) for each, _ in tires]
     data: dict[str, Any] = {
         "tires": [
@@ -105,7 +105,7 @@ def _coefficient_table(tire: Tire, name: str) -> str:
     rows = [
         f'<tr><th>{html_text(each.name)}</th><td class="n">{tire.values[each.name]:.6g}</td>'
         f"<td>{html_text('' if each.unit == '1' else each.unit)}</td><td>{html_text(each.description)}</td></tr>"
-        for each in tire.book.coefficients.values()
+        for each in tire.symbolic_model.coefficients.values()
     ]
     return f"<h2>{html_text(name)}</h2>\n<table>\n" + "\n".join(rows) + "\n</table>"
 

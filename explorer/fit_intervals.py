@@ -19,7 +19,7 @@ def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
     `path`: result of ``tirefmu fit --json``. `tire`: the fitted tire. Raises `TirefmuError` if the file is not the
     result of a fit of a tire of this model.
     """
-    declared = tire_from(tire).book.coefficients
+    declared = tire_from(tire).symbolic_model.coefficients
     intervals = {}
     try:
         content = json.loads(read_bounded(path, LARGEST))

@@ -16,9 +16,9 @@ from tirefmu.symbolic.escaping import excerpt
 from .tire_data import shown
 
 #: Rows that a page contains; of more, a random selection of each condition.
-MOST_ROWS = 20_000
+MAX_ROWS = 20_000
 #: Conditions with fewer rows are not listed.
-FEWEST_ROWS = 5
+MIN_ROWS = 5
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def measured_rows(recordings: Sequence[Recording], inputs: Collection[str]) -> l
         order = np.argsort(-grouping.counts, kind="stable")
         for label in order:
             rows = recording.table.loc[included & (grouping.labels == label), columns]
-            if len(rows) >= FEWEST_ROWS:
+            if len(rows) >= MIN_ROWS:
                 held = dict(grouping.conditions[label])
                 found.append(_condition(recording.source, held, grouping.moving[label], rows))
     return found
@@ -72,7 +72,7 @@ def _level(name: str, level: float) -> str:
     return f"{name} {level * scale:.3g} {unit}".strip()
 
 
-def rows_data(conditions: Sequence[MeasuredRows], most: int = MOST_ROWS) -> dict[str, Any]:
+def rows_data(conditions: Sequence[MeasuredRows], most: int = MAX_ROWS) -> dict[str, Any]:
     """Return conditions as JSON values; columns are base64 texts of little-endian 32-bit floats.
 
     `most`: upper limit of the rows. Returns: ``total``: number of all rows; ``conditions``: title, slip, levels, number

@@ -19,11 +19,11 @@ def program_for_page(tire: Tire) -> Program:
 
     `tire`: in ISO-W. Its effects are those that can be switched on the page.
     """
-    coefficients = dict(zip(tire.book.coefficients, tire.parameters().tolist(), strict=False))
+    coefficients = dict(zip(tire.symbolic_model.coefficients, tire.parameters().tolist(), strict=False))
     nominal = {name: tire.nominal(name) for name in tire.inputs}
     states = ("states",) if tire.lags or tire.states else ()
     selection = Selection(("forces", "quantities", *states), "struct")
-    return program(_NAME, tire.book, tire.has, coefficients, nominal, selection)
+    return program(_NAME, tire.symbolic_model, tire.has, coefficients, nominal, selection)
 
 
 def lagged_slips(found: Program) -> list[Quantity]:

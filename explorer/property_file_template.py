@@ -29,7 +29,7 @@ def property_file_template(tire: Tire) -> list[Any]:
     >>> next(line for line in lines if isinstance(line, dict))["coefficient"]
     'UNLOADED_RADIUS'
     """
-    sections = {name: declaration.section for name, declaration in tire.book.coefficients.items()}
+    sections = {name: declaration.section for name, declaration in tire.symbolic_model.coefficients.items()}
     lines: list[Any] = []
     section, has_about = "", False
     for line in tir_text(tire).splitlines():

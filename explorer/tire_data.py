@@ -45,8 +45,8 @@ def switchable(tire: Tire) -> Tire:
 
     `tire`: in ISO-W.
     """
-    effects = tire.book.default_effects | tire.has
-    absent = tire.book.owned(*sorted(tire.book.effects.keys() - tire.has))
+    effects = tire.symbolic_model.default_effects | tire.has
+    absent = tire.symbolic_model.owned(*sorted(tire.symbolic_model.effects.keys() - tire.has))
     given = {name: value for name, value in tire.values.items() if name not in tire.defaulted or name in absent}
     return replace(tire, values=given, effects=effects)
 
@@ -65,50 +65,54 @@ def tire_data(
     `lags`: the lagged slips of the page's code. Returns: JSON values.
     """
     whole = switchable(tire)
-    book = whole.book
-    effects = {name: each for name, each in book.effects.items() if name in whole.has}
+    model = whole.symbolic_model
+    effects = {name: each for name, each in model.effects.items() if name in whole.has}
     # The ends of a range are no property that a slider could change independently.
     ends = {name for pair in RANGE_KEYS.values() for name in pair}
     adjustable = read.keys() - ends
-    owners = {name: _owner(whole, name) for name in book.coefficients}
+    owners = {name: _owner(whole, name) for name in model.coefficients}
     return {
         "name": excerpt(tire.name or name, 80),
         "file_name": file_name(tire.name or name, "tire"),
-        "model": book.name,
-        "title": book.title,
-        "inputs": [_input(tire, quantity) for quantity in book.inputs if quantity.name not in book.states],
-        "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in book.outputs],
-        "roles": {role: _quantity(tire, book.quantity(role)) for role in ROLES if book.quantity(role)},
-        "states": [_state(whole, name) for name in book.states],
+        "model": model.name,
+        "title": model.title,
+        "inputs": [_input(tire, quantity) for quantity in model.inputs if quantity.name not in model.states],
+        "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in model.outputs],
+        "roles": {role: _quantity(tire, model.quantity(role)) for role in ROLES if model.quantity(role)},
+        "states": [_state(whole, name) for name in model.states],
         "lags": [{"name": each.name, "text": each.description, "unit": ""} for each in lags],
         "coefficients": [
             _coefficient(declared, whole.values[key], owners[key], key in adjustable, intervals.get(key))
-            for key, declared in book.coefficients.items()
+            for key, declared in model.coefficients.items()
         ],
         "effects": [
             {"name": key, "text": excerpt(each.physics), "on": key in tire.has, "rescales": list(each.rescales),
-             "added": key in {added.name for added in book.added},
-             "input": dict(book.on_demand).get(key, "")}
+             "added": key in {added.name for added in model.added},
+             "input": dict(model.on_demand).get(key, "")}
             for key, each in effects.items()
         ],
-        "targets": sorted({q.name for q in book.outputs} | set(book.results)),
+        "targets": sorted({q.name for q in model.outputs} | set(model.results)),
         "lines": [
             [line.name, line.effects, line.earlier, [[c.present, c.numbers, c.number, c.reads] for c in line.cases]]
-            for line in book.structure.lines
+            for line in model.structure.lines
         ],
         "file": property_file_template(whole),
     }  # fmt: skip
 
 
 def _quantity(tire: Tire, name: str) -> dict[str, str]:
-    unit, text = tire.book.structure.quantities[name]
+    unit, text = tire.symbolic_model.structure.quantities[name]
     return {"name": name, "unit": "" if unit == "1" else unit, "text": excerpt(text)}
 
 
 def _state(tire: Tire, name: str) -> dict[str, Any]:
-    state = tire.book.states[name]
+    state = tire.symbolic_model.states[name]
     target, _, start, _ = state.line_names
-    effects = [effect for effect in tire.book.effects if effect in tire.has and name in tire.book.states_of([effect])]
+    effects = [
+        effect
+        for effect in tire.symbolic_model.effects
+        if effect in tire.has and name in tire.symbolic_model.states_of([effect])
+    ]
     return {
         "name": name, "text": excerpt(state.description or name), "unit": "" if state.unit == "1" else state.unit,
         "settles": state.settles, "declares_start": state.has_start_value, "target": target, "start": start,
@@ -118,7 +122,7 @@ def _state(tire: Tire, name: str) -> dict[str, Any]:
 
 def _owner(tire: Tire, name: str) -> str:
     """Return the effect under which a coefficient is listed: of several owners the one with the fewest coefficients."""
-    owned = {effect: tire.book.owned(effect) for effect in tire.book.effects if effect in tire.has}
+    owned = {effect: tire.symbolic_model.owned(effect) for effect in tire.symbolic_model.effects if effect in tire.has}
     owners = [effect for effect, names in owned.items() if name in names]
     return min(owners, key=lambda effect: len(owned[effect]), default=CORE)
 

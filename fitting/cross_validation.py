@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from tirefmu.estimation.nominal_values import NOMINAL
 from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
-from tirefmu.measurements.operating_conditions.levels import MOST_LEVELS
+from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
@@ -137,7 +137,7 @@ def _training(
 
 def _folds(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:
     """Return the fold of each row: operating conditions in random order, distributed evenly over the folds."""
-    conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
+    conditions = group_by_condition(recording, most_levels=MAX_LEVELS).labels
     indices = random.permutation(int(conditions.max(initial=0)) + 1)
     return np.asarray(indices[conditions] % folds, dtype=np.int64)
 
@@ -146,7 +146,9 @@ def _computed(tire: Tire, recording: Recording) -> FloatArray:
     """Return forces in adapted SAE, shape (n, n_forces)."""
     converted = tire.in_signs("adapted-sae")
     rows = Rows.of(recording.with_signs("adapted-sae").table, converted, ())
-    return fastest_code(converted.book).forces(converted.effective_inputs(rows.inputs), converted.parameters()).T
+    return (
+        fastest_code(converted.symbolic_model).forces(converted.effective_inputs(rows.inputs), converted.parameters()).T
+    )
 
 
 def _errors(

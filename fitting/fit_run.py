@@ -27,7 +27,7 @@ from .problem.recipe import Freed, Stage
 from .problem.rows import Rows
 from .problem.weighted_residuals import Problem, coefficients_by_output
 from .problem.weights import emphasis, equal_weights, limits_of, noise_weights
-from .results.checkpoint import Checkpoint, Ended, Release, State
+from .results.checkpoint import Checkpoint, Ended, FitState, Release
 from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
 from .results.records import FittedCoefficient, StageFit
@@ -56,7 +56,7 @@ class FitRun:
         self._given = plan.start is not None  # generic values do not replace those of a start tire
         self._assumed = setup.assumed  # coefficients with assumed values, unless the fit determines them
         self._read = setup.read  # initial values read from the data; all others are generic
-        self._book, self._tire, self._plan = plan.book, tire, plan.recipe
+        self._book, self._tire, self._plan = plan.symbolic_model, tire, plan.recipe
         self._fit_data, self._data = data, data.fitted
         self._interruption = interruption
         self._notes = list(setup.notes)
@@ -66,10 +66,10 @@ class FitRun:
         self._stages: list[StageFit] = []
         self._ends: list[tuple[Ended, Problem]] = []
         self._freed: dict[str, Release] = {}
-        turning = [self._data[name].any() for _, name in plan.book.on_demand if name in self._data]
+        turning = [self._data[name].any() for _, name in plan.symbolic_model.on_demand if name in self._data]
         self._straight = not any(turning)  # no row has turn slip: its coefficients have no influence
         measured = self._data.notna().any()
-        self._fitted = [quantity.name for quantity in plan.book.outputs if measured.get(quantity.name, False)]
+        self._fitted = [quantity.name for quantity in plan.symbolic_model.outputs if measured.get(quantity.name, False)]
         self._every: tuple[pd.DataFrame, Rows] | None = None  # the data, and the rows of all of them
         if not tire.states:  # simulated states are inputs, which change
             rows = Rows.of(self._data, tire, self._fitted)
@@ -100,13 +100,13 @@ class FitRun:
     def _stop(self) -> bool:
         return self._interruption.requested
 
-    def state(self) -> State:
+    def state(self) -> FitState:
         """Return the state from which the next stage continues."""
         violated = [(constraint.name, points) for constraint, points in self._constraints.violated]
         ended = [end for end, _ in self._ends]
-        return State(self._done, dict(self._tire.values), self._freed, violated, self._stages, ended, self._notes)
+        return FitState(self._done, dict(self._tire.values), self._freed, violated, self._stages, ended, self._notes)
 
-    def restore(self, state: State, source: str) -> None:
+    def restore(self, state: FitState, source: str) -> None:
         """Continue from a state; raise FitError with its source if it does not belong to this fit."""
         known = {constraint.name: constraint for constraint, _ in self._constraints.of(self._fitted)}
         self._check_state(state, known.keys(), source)
@@ -120,7 +120,7 @@ class FitRun:
         self._tire = replace(self._tire, values=state.values)
         self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
 
-    def _check_state(self, state: State, constraints: Set[str], source: str) -> None:
+    def _check_state(self, state: FitState, constraints: Set[str], source: str) -> None:
         stages, inputs = len(self._plan.stages), len(self._tire.inputs)
         tires = [state.values, *(end.values for end in state.ended)]
         if (
@@ -304,7 +304,7 @@ class FitRun:
     def _stage_r2(self, rows: Rows) -> float:
         squares, present = np.zeros(rows.measured.shape[1]), np.isfinite(rows.measured).any(axis=0)
         for block in rows.blocks():
-            computed = fastest_code(self._tire.book).forces(block.inputs, self._tire.parameters()).T
+            computed = fastest_code(self._tire.symbolic_model).forces(block.inputs, self._tire.parameters()).T
             weighted = np.where(np.isfinite(block.measured), computed - block.measured, 0.0) ** 2
             squares += block.weight @ weighted
         return 1 - float(np.mean((squares * equal_weights(rows)[0])[present]))

@@ -13,8 +13,7 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import FitError, TirError, UnknownName, WrongType, no_single_text
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import model as book_of
-from tirefmu.symbolic.models import with_library
+from tirefmu.symbolic.models import model_named, with_library
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.code.printed import model_with
 from tirefmu.tires.property_file.names import not_given
@@ -36,14 +35,14 @@ FEATURES = "features"
 class Plan:
     """What is fitted, without the data: the arguments of a fit, checked.
 
-    - `book`: with the added effects of the start tire and the requested ones of the library.
+    - `model`: with the added effects of the start tire and the requested ones of the library.
     - `start`: the start tire.
     - `features`: whether initial values are read from the data.
     - `constraints`: constraints to enforce, by output.
     """
 
     options: FitOptions
-    book: Model
+    symbolic_model: Model
     start: Tire | None
     features: bool
     recipe: Recipe
@@ -52,7 +51,7 @@ class Plan:
     loss: Loss
 
     @classmethod
-    def of(cls, model: str | None, start: TireLike | None, options: FitOptions) -> Plan:
+    def of(cls, model_name: str | None, start: TireLike | None, options: FitOptions) -> Plan:
         """Check the arguments of a fit.
 
         `model`: by default the model of the start tire, or the default model. Raises `UnknownName, FitError, WrongType`
@@ -60,16 +59,18 @@ class Plan:
         """
         features = isinstance(start, str) and start == FEATURES and not Path(start).is_file()
         tire = None if start is None or features else _start_tire(start, (options.nominal or {}).get("R0"))
-        book = book_of(model if model is not None else tire.model if tire else DEFAULT_MODEL)
+        model = model_named(model_name if model_name is not None else tire.model if tire else DEFAULT_MODEL)
         no_single_text("effects", options.effects)
         requested = options.effects if options.effects is not None else tire.has if tire is not None else ()
-        book = model_with(book.name, with_library(book.name, tuple(requested), tire.added if tire is not None else ()))
-        recipe = load_recipe(options.recipe, book.name)
-        constraints = chosen_constraints(book.name, options.constraints, options.without_constraints)
+        model = model_with(
+            model.name, with_library(model.name, tuple(requested), tire.added if tire is not None else ())
+        )
+        recipe = load_recipe(options.recipe, model.name)
+        constraints = chosen_constraints(model.name, options.constraints, options.without_constraints)
         solver = solver_for(options.method, options.iterations, options.seed)
         if recipe.scales and tire is None:
             raise FitError(f"recipe {recipe.name} scales a given tire: a start tire is required (--start)")
-        return cls(options, book, tire, features, recipe, constraints, solver, loss_named(options.loss))
+        return cls(options, model, tire, features, recipe, constraints, solver, loss_named(options.loss))
 
 
 @dataclass(frozen=True)
@@ -94,20 +95,20 @@ class Setup:
         `recordings`: of any signs. Raises `UnknownName, DataError, FitError` if the data have no information on the
         tire, or contradict the nominal values.
         """
-        options, book, start = plan.options, plan.book, plan.start
-        check_nominal(options.nominal or {}, book, (recording.table for recording in recordings))
+        options, model, start = plan.options, plan.symbolic_model, plan.start
+        check_nominal(options.nominal or {}, model, (recording.table for recording in recordings))
         given = start.has if options.effects is None and start is not None else options.effects
-        effects = book.default_effects if given is None else book.known_effects(given)
-        effects -= book.known_effects(options.without)
-        data = prepare(recordings, book, screening=options.screening, rows=options.rows)
+        effects = model.default_effects if given is None else model.known_effects(given)
+        effects -= model.known_effects(options.without)
+        data = prepare(recordings, model, screening=options.screening, rows=options.rows)
         notes = list(data.notes)
         for name in options.nominal or {}:
-            if NOMINAL[name] not in book.coefficients:
-                notes.append(f"nominal {name} is not used by {book.name}")
+            if NOMINAL[name] not in model.coefficients:
+                notes.append(f"nominal {name} is not used by {model.name}")
         values = _initial_values(plan, data.fitted, notes)
         name, about = (start.name, start.about) if start is not None else ("", {})
         tire = Tire(
-            book.name, values, effects=effects, signs="adapted-sae", name=name, about=about, added=book.added,
+            model.name, values, effects=effects, signs="adapted-sae", name=name, about=about, added=model.added,
         )  # fmt: skip
         read = starting_values(tire, data.fitted) if plan.features else {}
         if plan.features:
@@ -140,14 +141,14 @@ def _start_tire(start: TireLike, radius: float | None) -> Tire:
 
 def _initial_values(plan: Plan, data: pd.DataFrame, notes: list[str]) -> dict[str, float]:
     """Return the known initial values: those of the start tire, or nominal values that are given or are medians."""
-    book, start = plan.book, plan.start
+    model, start = plan.symbolic_model, plan.start
     nominal = {NOMINAL[name]: value for name, value in (plan.options.nominal or {}).items()}
-    given = {name: value for name, value in nominal.items() if name in book.coefficients}
+    given = {name: value for name, value in nominal.items() if name in model.coefficients}
     if start is not None:
-        if start.model != book.name:
-            raise FitError(f"the start tire is {start.model}, not {book.name}")
+        if start.model != model.name:
+            raise FitError(f"the start tire is {start.model}, not {model.name}")
         return {**start.in_signs("adapted-sae").values, **given}
-    values = {"UNLOADED_RADIUS": 0.3, **_medians(book, data, given, notes), **given}
+    values = {"UNLOADED_RADIUS": 0.3, **_medians(model, data, given, notes), **given}
     if "UNLOADED_RADIUS" not in given:
         notes.append("radius R0 not given: 0.3 m (it only scales the moment coefficients)")
     if "FNOMIN" not in values:
@@ -155,7 +156,7 @@ def _initial_values(plan: Plan, data: pd.DataFrame, notes: list[str]) -> dict[st
     return values
 
 
-def _medians(book: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:
+def _medians(model: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:
     """Return the nominal values that the caller did not give: medians of the data with two digits, each with a note."""
     values = {}
     for name, coefficient, text, unit in (
@@ -163,13 +164,13 @@ def _medians(book: Model, data: pd.DataFrame, given: Mapping[str, float], notes:
         ("p", "NOMPRES", "pressure p0", "Pa"),
         ("V", "LONGVL", "speed V0", "m/s"),
     ):
-        if coefficient not in book.coefficients or coefficient in given or name not in data:
+        if coefficient not in model.coefficients or coefficient in given or name not in data:
             continue
         median = float(f"{data[name].median():.2g}")
         if median > 0:
             values[coefficient] = median
             notes.append(f"nominal {text} not given: the median, {median:g} {unit}")
-    if "INFLPRES" in book.coefficients and {"NOMPRES"} & {*values, *given.keys()}:
+    if "INFLPRES" in model.coefficients and {"NOMPRES"} & {*values, *given.keys()}:
         # The tire has nominal pressure if its user specifies none.
         values["INFLPRES"] = given.get("NOMPRES", values.get("NOMPRES", 0.0))
     return values

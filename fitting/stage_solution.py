@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
 from .problem.weighted_residuals import Problem
-from .solvers.ipopt import Progress, Solution
+from .solvers.ipopt import Progress, SolverResult
 from .solvers.selection import Solver
 from .stiffness_targets import solve_with_targets
 
@@ -25,7 +25,7 @@ FloatArray = npt.NDArray[np.float64]
 ROUNDS = 12
 #: Rows of the sample, and least number of rows from which one is taken. At the optimum of a sample the cost of all rows
 #: is greater by a share of about n / (2 rows of the sample), which one or two steps remove.
-SAMPLE, LEAST_ROWS = 30_000, 60_000
+SAMPLE, MIN_ROWS = 30_000, 60_000
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class StageSolver:
     report: Progress
     stop: Callable[[], bool]
 
-    def solve(self, start: FloatArray, *, continues: bool = False) -> Solution:
+    def solve(self, start: FloatArray, *, continues: bool = False) -> SolverResult:
         """Solve, verify the constraints on the dense grid, and solve again with the points that violate them.
 
         An intermediate stage is solved again once: if its values violated a constraint, their residuals would give the
@@ -80,7 +80,7 @@ class StageSolver:
             solution = replace(after, iterations=solution.iterations + after.iterations)
         return solution
 
-    def _first(self, start: FloatArray, solve: Callable[..., Solution], *, continues: bool) -> Solution:
+    def _first(self, start: FloatArray, solve: Callable[..., SolverResult], *, continues: bool) -> SolverResult:
         """Return the solution with the constraints that are known."""
         iterations = 0
         if continues:
@@ -91,9 +91,9 @@ class StageSolver:
         solution = solve_with_targets(self.problem, start, partial(solve, self.problem), self.stop)
         return replace(solution, iterations=iterations + solution.iterations)
 
-    def _continued(self, start: FloatArray, solve: Callable[..., Solution]) -> Solution:
+    def _continued(self, start: FloatArray, solve: Callable[..., SolverResult]) -> SolverResult:
         """Return the end of Gauss-Newton steps, at first with a sample of many rows."""
-        if len(self.problem.rows) < LEAST_ROWS:
+        if len(self.problem.rows) < MIN_ROWS:
             return solve(self.problem, start, local=True)
         first = solve(sampled(self.problem, SAMPLE), start, local=True)
         if self.stop():

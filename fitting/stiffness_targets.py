@@ -14,7 +14,7 @@ from .evidence.slip_stiffness import slope_targets
 from .problem.slope_targets import SlopeTarget
 from .problem.weighted_residuals import Problem
 from .solvers.convergence import noise_of
-from .solvers.ipopt import Solution
+from .solvers.ipopt import SolverResult
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -49,8 +49,8 @@ class StiffnessTargets:
 
 
 def solve_with_targets(
-    problem: Problem, start: FloatArray, solve: Callable[..., Solution], stop: Callable[[], bool]
-) -> Solution:
+    problem: Problem, start: FloatArray, solve: Callable[..., SolverResult], stop: Callable[[], bool]
+) -> SolverResult:
     """Solve a problem without its targets, and then with them.
 
     The targets change the solution a little, in a narrow valley: a few Gauss-Newton steps, many of IPOPT.

@@ -18,7 +18,7 @@ from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 
 from .dialects import Host
 from .lacking import acting, nearest
-from .lint import Finding, host_named, lint, lost_effects
+from .lint import LintMessage, host_named, lint, lost_effects
 
 #: Typical dimensions where a model has none, as shares of the unloaded radius; hosts draw the tire and do not compute
 #: forces with them.
@@ -47,7 +47,7 @@ class Conversion:
     model: str
     refitted: bool
     errors: Mapping[str, float]
-    findings: list[Finding]
+    findings: list[LintMessage]
 
 
 def convert(tire: TireLike, path: str | Path, host: str, model: str | None = None) -> Conversion:
@@ -83,13 +83,13 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     findings = lint(path, host)
     known = {finding.text for finding in findings}
     lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written)]
-    findings += [Finding("note", 0, text) for text in lost if text not in known]
+    findings += [LintMessage("note", 0, text) for text in lost if text not in known]
     return Conversion(Path(path), written, chosen, refitted, errors, findings)
 
 
 def without_added(tire: Tire) -> Tire:
     """Return a tire without its added effects and their coefficients: the tire itself if it has none."""
-    added = {effect.name for effect in tire.book.added}
+    added = {effect.name for effect in tire.symbolic_model.added}
     if not added:
         return tire
     declared = MODELS[tire.model].coefficients
@@ -103,7 +103,7 @@ def _for_host(tire: Tire, rules: Host, model: str) -> Tire:
     side = {"left": "'LEFT'", "right": "'RIGHT'", "": "'LEFT'"}[tire.side]
     entries["TYRESIDE"] = side
     values = {name: value for name, value in tire.values.items() if name not in tire.defaulted}
-    declared = tire.book.coefficients
+    declared = tire.symbolic_model.coefficients
     values |= {key: value for key, value in GENERAL.items() if key in declared and not values.get(key)}
     shape = {key: share * tire.values["UNLOADED_RADIUS"] for key, share in SHAPE.items()}
     values |= {key: value for key, value in shape.items() if key in declared and not values.get(key)}
@@ -122,7 +122,10 @@ def _changes(name: str, tire: Tire, table: pd.DataFrame, forces: pd.DataFrame) -
 
 
 def _lost_relaxation(tire: Tire, written: Tire) -> list[str]:
-    lost = tire.has & tire.book.relaxing_effects - {effect.name for effect in tire.book.added} - written.has
+    lost = (
+        tire.has
+        & tire.symbolic_model.relaxing_effects - {effect.name for effect in tire.symbolic_model.added} - written.has
+    )
     return [f"{name} is not converted: the file has no relaxation lengths of it" for name in sorted(lost)]
 
 

@@ -24,7 +24,7 @@ ENOUGH = 1e-4
 
 def acting(tire: Tire, lacking: Collection[str]) -> list[str]:
     """Return the coefficients among `lacking` that are not neutral in a tire."""
-    declared = tire.book.coefficients
+    declared = tire.symbolic_model.coefficients
     return [name for name in lacking if name in declared and tire.values[name] != declared[name].neutral]
 
 
@@ -44,14 +44,14 @@ def nearest(tire: Tire, forces: FloatArray, lacking: Collection[str], table: pd.
     >>> fitted.values["QDZ2"], round(fitted.values["QDZ1"], 3)
     (0.0, 0.105)
     """
-    declared, code = tire.book.coefficients, code_for(tire.book, "numpy")
+    declared, code = tire.symbolic_model.coefficients, code_for(tire.symbolic_model, "numpy")
     inputs = np.stack([np.broadcast_to(table.get(name, tire.nominal(name)), len(table)) for name in tire.inputs])
     inputs = tire.effective_inputs(inputs)
     sizes = np.sqrt(np.mean(forces**2, axis=1))
     sizes[sizes == 0.0] = 1.0
     neutral = {name: float(declared[name].neutral or 0.0) for name in acting(tire, lacking)}
     start = replace(tire, values={**tire.values, **neutral})
-    owned = tire.book.core.union(*(tire.book.owned(name) for name in tire.has)) - {*lacking}
+    owned = tire.symbolic_model.core.union(*(tire.symbolic_model.owned(name) for name in tire.has)) - {*lacking}
     names = [name for name in declared if name in owned and declared[name].fitted]
     places = [list(declared).index(name) for name in names]
     parameters = start.parameters()

@@ -20,7 +20,7 @@ OWN = "TIREFMU"
 
 
 @dataclass(frozen=True)
-class Finding:
+class LintMessage:
     """What a check found.
 
     Attributes
@@ -52,7 +52,7 @@ def host_named(name: str) -> Host:
     return HOSTS[name]
 
 
-def lint(path: str | Path, host: str) -> list[Finding]:
+def lint(path: str | Path, host: str) -> list[LintMessage]:
     """Check a property file for a host.
 
     `host`: one of `HOSTS`. Returns: errors first. Raises `UnknownName` if there is no such host. Raises `TirError` if
@@ -66,13 +66,13 @@ def lint(path: str | Path, host: str) -> list[Finding]:
     rules, tire = host_named(host), read_tir(path)
     if tire.model not in rules.dialects:
         model = next(iter(rules.dialects))
-        return [Finding("error", 0, f"{rules.title} has no {tire.model}: convert with --model {model}")]
+        return [LintMessage("error", 0, f"{rules.title} has no {tire.model}: convert with --model {model}")]
     text = Path(path).read_text(encoding="utf-8", errors="replace")
     entries = _entries(text)
     errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
     errors += [*_layout_errors(text, rules), *_number_errors(tire)]
     errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
-    return errors + [Finding("note", 0, note) for note in (*lost_effects(tire, rules), *rules.notes)]
+    return errors + [LintMessage("note", 0, note) for note in (*lost_effects(tire, rules), *rules.notes)]
 
 
 def lost_effects(tire: Tire, rules: Host, folded: Collection[str] = ()) -> list[str]:
@@ -80,15 +80,15 @@ def lost_effects(tire: Tire, rules: Host, folded: Collection[str] = ()) -> list[
 
     Added effects in `folded` change coefficients that it evaluates.
     """
-    added = {effect.name for effect in tire.book.added}
+    added = {effect.name for effect in tire.symbolic_model.added}
     lost = []
     for name in sorted(tire.has):
         if name in folded:
             lost.append(f"the added effect {name} is folded into the coefficients: its forces at nominal conditions")
         elif name in added:
             lost.append(f"the added effect {name} is not evaluated: the forces are those without it")
-        elif name in rules.ignored and any(tire.values[key] != tire.book.coefficients[key].neutral
-                                           for key in tire.book.owned(name)):  # fmt: skip
+        elif name in rules.ignored and any(tire.values[key] != tire.symbolic_model.coefficients[key].neutral
+                                           for key in tire.symbolic_model.owned(name)):  # fmt: skip
             lost.append(f"{name} is not evaluated")
     return lost
 
@@ -106,7 +106,7 @@ def _entries(text: str) -> list[_Entry]:
     return found
 
 
-def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[Finding]:
+def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[LintMessage]:
     """Check [MODEL] and the required keys."""
     by_key = {entry.key.upper(): entry for entry in entries}
     values = {
@@ -117,70 +117,74 @@ def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[Finding]:
     }
     expected = {key: f": {' or '.join(accepted)} expected" for key, accepted in values.items() if accepted}
     found = [
-        Finding("error", 0, f"{key} is missing{expected.get(key, '')}") for key in dialect.required if key not in by_key
+        LintMessage("error", 0, f"{key} is missing{expected.get(key, '')}")
+        for key in dialect.required
+        if key not in by_key
     ]
     for key in [key for key in expected if key in by_key]:
         entry = by_key[key]
         value = entry.value.strip("'\" ").upper()
         number = str(abs(int(float(value)))) if re.fullmatch(r"-?\d+(\.0*)?", value) else value
         if number not in values[key]:
-            found.append(Finding("error", entry.line, f"{key} is {quoted(value)}{expected[key]}"))
+            found.append(LintMessage("error", entry.line, f"{key} is {quoted(value)}{expected[key]}"))
     return found
 
 
-def _lacking_errors(entries: list[_Entry], tire: Tire, lacking: Collection[str]) -> list[Finding]:
+def _lacking_errors(entries: list[_Entry], tire: Tire, lacking: Collection[str]) -> list[LintMessage]:
     """Check coefficients that the host ignores."""
     lines = {entry.key.upper(): entry.line for entry in entries}
-    neutral = {key: tire.book.coefficients[key].neutral for key in acting(tire, lacking)}
+    neutral = {key: tire.symbolic_model.coefficients[key].neutral for key in acting(tire, lacking)}
     return [
-        Finding(
+        LintMessage(
             "error", lines.get(key, 0), f"{key} is {tire.values[key]:g}: the host lacks it, as if it were {value:g}"
         )
         for key, value in neutral.items()
     ]
 
 
-def _unit_errors(entries: list[_Entry], rules: Host) -> list[Finding]:
+def _unit_errors(entries: list[_Entry], rules: Host) -> list[LintMessage]:
     found = []
     for entry in entries:
         accepted = rules.units.get(entry.key.upper()) if entry.section == "UNITS" else None
         value = entry.value.strip("'\" ").upper()
         if accepted and value not in accepted:
             text = f"{entry.key} is {quoted(value)}: {' or '.join(accepted)} expected"
-            found.append(Finding("error", entry.line, text))
+            found.append(LintMessage("error", entry.line, text))
     return found
 
 
-def _layout_errors(text: str, rules: Host) -> list[Finding]:
+def _layout_errors(text: str, rules: Host) -> list[LintMessage]:
     """Check what simple readers stumble over: long lines, keys in lower case, several entries with one key."""
-    found: list[Finding] = []
+    found: list[LintMessage] = []
     seen: dict[tuple[str, str], int] = {}
     # A cut line of tirefmu's own sections, which are the last ones, is more lines in sections that the host skips.
     own = text.find(f"\n[{OWN}")
     for number, line in enumerate(text[: own if own >= 0 else None].splitlines(), 1):
         if rules.longest_line and len(line) > rules.longest_line:
-            found.append(Finding("error", number, f"the line has {len(line)} characters: {rules.longest_line} at most"))
+            found.append(
+                LintMessage("error", number, f"the line has {len(line)} characters: {rules.longest_line} at most")
+            )
         if re.search(r"[^\s=]\$", line) and not line.lstrip().startswith(("$", "!")):
-            found.append(Finding("error", number, "a comment needs a blank before $"))
+            found.append(LintMessage("error", number, "a comment needs a blank before $"))
     for entry in _entries(text):
         if entry.key != entry.key.upper():
-            found.append(Finding("error", entry.line, f"{quoted(entry.key)} is not in capital letters"))
+            found.append(LintMessage("error", entry.line, f"{quoted(entry.key)} is not in capital letters"))
         if not re.match(r"[A-Z_0-9]+$", entry.key.upper()):
-            found.append(Finding("error", entry.line, f"{quoted(entry.key)} is no key"))
+            found.append(LintMessage("error", entry.line, f"{quoted(entry.key)} is no key"))
         first = seen.setdefault((entry.section, entry.key), entry.line)
         if first != entry.line:
-            found.append(Finding("error", entry.line, f"{entry.key} is in line {first} already"))
+            found.append(LintMessage("error", entry.line, f"{entry.key} is in line {first} already"))
     return found
 
 
-def _number_errors(tire: Tire) -> list[Finding]:
+def _number_errors(tire: Tire) -> list[LintMessage]:
     """Check values that every host divides by or takes a range from."""
     found = [
-        Finding("error", 0, f"{key} is {tire.values[key]:g}: a positive value expected")
+        LintMessage("error", 0, f"{key} is {tire.values[key]:g}: a positive value expected")
         for key in ("FNOMIN", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "LONGVL", "NOMPRES")
         if key in tire.values and not tire.values[key] > 0
     ]
     for name, (low, high) in tire.ranges.items():
         if not low < high:
-            found.append(Finding("error", 0, f"the range of {name} is empty: {low:g} to {high:g}"))
+            found.append(LintMessage("error", 0, f"the range of {name} is empty: {low:g} to {high:g}"))
     return found

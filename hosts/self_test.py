@@ -76,10 +76,12 @@ def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
     table = tire.effective_inputs(table)
     if not tire.states:
         return table
-    settled = equilibrium(tire.book, code_for(tire.book, "numpy"), table, tire.parameters(), tire.states)
+    settled = equilibrium(
+        tire.symbolic_model, code_for(tire.symbolic_model, "numpy"), table, tire.parameters(), tire.states
+    )
     for i, name in enumerate(tire.inputs):
         if name in tire.states:
-            state = tire.book.states[name]
+            state = tire.symbolic_model.states[name]
             table[i] = settled[i] * rng.uniform(0.0, 1.5, rows) if state.settles else rng.uniform(-1.0, 1.0, rows)
     return table
 
@@ -130,7 +132,7 @@ def _results(
     tire: Tire, program: Program, name: str, labels: Sequence[str], inputs: FloatArray, parameters: FloatArray
 ) -> FloatArray:
     """Return the results of one function, shape (rows, n_results)."""
-    code = code_for(tire.book, "numpy")
+    code = code_for(tire.symbolic_model, "numpy")
     if name == "states":
         return state_rates(tire, code, inputs, parameters, labels)
     inputs = inputs[: len(tire.inputs)]
@@ -143,7 +145,7 @@ def _results(
         matrix = code.jacobian_inputs(inputs, parameters)[:, outputs]
         lagged = len(labels) - len(tire.inputs)  # the forces do not read them
         return np.pad(matrix, ((0, 0), (0, 0), (0, lagged))).reshape(inputs.shape[1], -1)
-    columns = [list(tire.book.coefficients).index(label) for label in labels]
+    columns = [list(tire.symbolic_model.coefficients).index(label) for label in labels]
     return code.jacobian_parameters(inputs, parameters)[:, outputs][:, :, columns].reshape(inputs.shape[1], -1)
 
 

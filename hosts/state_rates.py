@@ -32,24 +32,24 @@ def state_rates(
         quantities = dict(zip(code.quantities_names, code.quantities(given, parameters), strict=True))
     for name, lagged in zip(lagging, inputs[n:], strict=True):
         along = name == "kappa_lagged"
-        length = quantities[tire.book.quantity("relaxation_x" if along else "relaxation_y")]
+        length = quantities[tire.symbolic_model.quantity("relaxation_x" if along else "relaxation_y")]
         decay = np.abs(row["V"]) / np.maximum(length, AT_ONCE)
         target = row["kappa"] if along else np.tan(row["alpha"])
         found |= {f"{name}_decay": decay, f"{name}_dot": decay * (target - lagged)}
         acting[tire.inputs.index("kappa" if along else "alpha")] = lagged if along else np.arctan(lagged)
     at_given, at_acting = (
-        dict(zip(tire.book.drives, code.drives(rows, parameters), strict=True)) if tire.states else {}
+        dict(zip(tire.symbolic_model.drives, code.drives(rows, parameters), strict=True)) if tire.states else {}
         for rows in (given, acting)
     )
     for name in tire.states:
-        state, x = tire.book.states[name], row[name]
-        lines = at_given if tire.book.is_direct(state) or state.follows_a_path else at_acting
+        state, x = tire.symbolic_model.states[name], row[name]
+        lines = at_given if tire.symbolic_model.is_direct(state) or state.follows_a_path else at_acting
         target, rate, _, _ = state.line_names
         u, r = lines[target], lines[rate]
         if state.oscillates:
             decay, derivative = np.zeros_like(u), row[f"{name}{SPEED_ENDING}"]
         elif state.kind == SPEED:
-            position = tire.book.states[name.removesuffix(SPEED_ENDING)]
+            position = tire.symbolic_model.states[name.removesuffix(SPEED_ENDING)]
             target, frequency = (lines[line] for line in position.line_names[:2])
             decay, derivative = r, frequency**2 * (target - row[position.name]) - r * x
         elif state.settles:

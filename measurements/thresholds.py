@@ -20,12 +20,12 @@ LOGGING_GAP = 5.0
 #: of the tire and the control of the load actuator. Judgement; twice the noise of the test recordings (2 %).
 LOAD_TOLERANCE = 0.04
 #: Fraction of all rows. A density peak with fewer rows is a transition between two levels. Judgement.
-LEAST_LEVEL_SHARE = 0.01
+MIN_LEVEL_SHARE = 0.01
 #: Prominence of a density peak as a fraction of its height. A flatter peak is not a level: within the scatter of an
 #: evenly swept input no peak reaches half its height. Judgement.
-LEAST_LEVEL_PROMINENCE = 0.5
+MIN_LEVEL_PROMINENCE = 0.5
 #: Fraction of all rows. If fewer rows are near a level, the input was swept and has no levels. Judgement.
-LEAST_ROWS_AT_LEVELS = 0.7
+MIN_ROWS_AT_LEVELS = 0.7
 
 # ---------------------------------------------------------------- phases: `operating_conditions.phases`
 
@@ -42,21 +42,21 @@ SWEEP_TOLERANCES = 2.0
 SHORTEST_STAY = 0.5
 #: Rows that an input stays at a level, on average over the rows there. Fewer occur where a sweep of few samples
 #: returns to its own steps. Judgement.
-FEWEST_STAY_ROWS = 3
+MIN_STAY_ROWS = 3
 #: s. A slip that takes longer from one level to the next is swept: a bench moves an idle slip faster. Judgement.
 LONGEST_TRANSITION = 3.0
 #: Level tolerances. A row farther from every level is in transition. Judgement: a held load deviates from its level by
 #: more than one tolerance while the slip is swept.
 FAR_FROM_LEVELS = 4.0
 #: Rows. A shorter segment is not treated as a time series. Judgement.
-FEWEST_SERIES_ROWS = 25
+MIN_SERIES_ROWS = 25
 #: s. Rows farther apart are steady points: `SWEEP_WINDOW` has to contain four rows at least.
 LONGEST_SAMPLE_INTERVAL = SWEEP_WINDOW / 4.0
 #: Level tolerances. A larger step from one row to the next is a jump. Noise within one tolerance steps by two at most.
 JUMP_TOLERANCES = 3.0
 #: Fraction of the steps. Where more are jumps, the rows are steady points: those jump in every other row or more
 #: often, a time series only where a condition changes. Judgement.
-MOST_JUMPS = 0.1
+MAX_JUMPS = 0.1
 #: s, sample interval of a recording without a clock: 100 Hz, the rate of FSAE TTC files.
 DEFAULT_SAMPLE_INTERVAL = 0.01
 
@@ -76,18 +76,18 @@ SIGMA_PER_DEVIATION = 1.4826
 #: s, window of the running median. It covers 15 rows at 100 Hz, so that 7 consecutive bad values are found. Judgement.
 OUTLIER_WINDOW = 0.15
 #: Rows, least window of the running median: three consecutive bad values do not move it.
-FEWEST_WINDOW_ROWS = 7
+MIN_WINDOW_ROWS = 7
 #: s, window in which the scatter is estimated: near its limit a tire scatters more than at zero slip. Judgement.
 SCATTER_WINDOW = 1.0
-#: s. If `FEWEST_WINDOW_ROWS` span more time, the running median does not follow a sweep and no outlier is sought: at
+#: s. If `MIN_WINDOW_ROWS` span more time, the running median does not follow a sweep and no outlier is sought: at
 #: 4 deg/s the slip angle changes by 2 deg in it. Judgement.
 LONGEST_MEDIAN_SPAN = 0.5
 #: Fraction of the deviation from the running median. With slow sampling a value is an outlier only if it jumps from
 #: its neighbors by at least this part of its deviation; a smaller jump is curvature of the signal. Judgement.
-LEAST_JUMP = 0.7
+MIN_JUMP = 0.7
 #: Fraction of the range of the channel (5 to 95 %). A smaller deviation does not affect a fit, and the resolution of a
 #: coarse sensor reaches it regularly. Judgement.
-LEAST_DEVIATION = 0.1
+MIN_DEVIATION = 0.1
 
 # ---------------------------------------------------------------- excluded rows: `quality.row_exclusion`
 
@@ -120,15 +120,15 @@ LARGEST_BAR, LARGEST_PSI = 8.0, 50.0
 #: kappa of a wheel that turns backwards. A locked wheel has -1; the margin is for noise.
 BACKWARD_SLIP = -1.05
 #: Fraction of the rows with a measured Fx. A bench that brakes to lock overshoots -1 in a few rows. Judgement.
-MOST_BACKWARD_ROWS = 0.1
+MAX_BACKWARD_ROWS = 0.1
 #: Fraction of the rows. If more loads have the wrong sign, the sign convention is wrong: the majority decides.
-MOST_WRONG_LOADS = 0.5
+MAX_WRONG_LOADS = 0.5
 #: rad. At larger slip angles the pneumatic trail vanishes, and the aligning moment may change its sign. Judgement.
 SMALL_ANGLE = 0.05
 #: Correlation of a slip with its force from which a sign is judged. A sweep reaches 0.8 and more. Judgement.
 STRONG_CORRELATION = 0.5
 #: Standard deviation of a slip (rad or 1). Less is sensor noise (0.02 deg, 0.002 of slip) rather than a sweep.
-LEAST_SLIP_DEVIATION = 0.005
+MIN_SLIP_DEVIATION = 0.005
 
 #: The same correlation below which a force does not follow a slip. Judgement: noise of some hundred rows is below it.
 WEAK_CORRELATION = 0.3
@@ -143,14 +143,14 @@ SPIKE_QUANTILE = 0.02
 #: Rows. With fewer, a note is given: the pure side force alone has a dozen coefficients.
 FEW_ROWS = 50
 #: Fraction of the clock's steps. If more are negative, the rows are not in the order of time. Judgement.
-MOST_BACKWARD_STEPS = 0.1
+MAX_BACKWARD_STEPS = 0.1
 #: Quantile of the loads of a recording that is taken as its largest load, so that outliers do not matter. Judgement.
 LARGEST_LOAD_QUANTILE = 0.95
 #: Ratio of the largest loads of two recordings. Above it they are probably of two tires: the test program of one tire
 #: has similar largest loads in all files. Judgement.
 LARGEST_LOAD_RATIO = 4.0
 #: Parts with a clock of their own in one recording. With more, resets of the clock are not joined files. Judgement.
-MOST_JOINED_PARTS = 10
+MAX_JOINED_PARTS = 10
 
 # ---------------------------------------------------------------- files without units: `files.ttc_channels`
 
@@ -164,13 +164,13 @@ FREE_ROLLING_FORCE = 0.15
 
 #: Fraction of the rows. Rows without an input are excluded up to this share; with more, the file is refused: what
 #: remains is not the test that was run. Judgement.
-MOST_INCOMPLETE = 0.2
+MAX_INCOMPLETE = 0.2
 
 # ---------------------------------------------------------------- findings: `findings`
 
 #: Fraction of the rows. If more occur twice, the same data were joined or given twice. Judgement: rows of a recording
 #: differ by noise, so that chance repeats hardly any.
-MOST_REPEATED_ROWS = 0.01
+MAX_REPEATED_ROWS = 0.01
 #: Fraction of the rows. If more occur twice, the repetition changes the weights of a fit seriously. Judgement.
 SERIOUS_REPEATED_ROWS = 0.2
 #: Rows. A shorter stretch of equal rows is chance, or the turning point of a sweep without noise. Judgement.
@@ -205,6 +205,6 @@ COMPARED_ANGLE, COMPARED_WIDTH, FREE_ROLLING_SLIP = 0.02, 0.006, 0.01
 #: Rows over which the noise of a force is correlated: a tenth of a second at 100 Hz, about one wheel revolution.
 CORRELATED_ROWS = 10
 #: Fraction of the mean squared residual. A cause that explains less is not reported. Judgement.
-LEAST_EXPLAINED = 0.03
+MIN_EXPLAINED = 0.03
 #: K. If the tread temperature varies by less (5 to 95 %), its influence cannot be estimated. Judgement.
-LEAST_TEMPERATURE_RANGE = 3.0
+MIN_TEMPERATURE_RANGE = 3.0

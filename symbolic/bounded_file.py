@@ -17,7 +17,7 @@ from .errors import TirefmuError
 
 #: Upper limits of TOML: bytes of a file; parts of a key and levels of arrays and tables in each other. A job list of
 #: 10,000 tires has 1 MB; the keys and tables of effects, the deepest ones, have 4 levels.
-MOST_BYTES, DEEPEST = 2_000_000, 20
+MAX_BYTES, DEEPEST = 2_000_000, 20
 
 _CHUNK = 1 << 20  # bytes read at a time: a read reserves as many
 
@@ -85,18 +85,18 @@ def toml_file(path: Path, error: type[TirefmuError]) -> dict[str, Any]:
     """Return the content of a TOML file.
 
     `error`: raised if the file is invalid. Raises `TirefmuError`: as `toml_content`; also if the file cannot be read,
-    is no text, or has more than `MOST_BYTES`.
+    is no text, or has more than `MAX_BYTES`.
     """
     return toml_content(text_file(path, error), str(path), error)
 
 
 def text_file(path: Path, error: type[TirefmuError]) -> str:
-    """Return the text of a file of `MOST_BYTES` at most.
+    """Return the text of a file of `MAX_BYTES` at most.
 
     `error`: raised if the file cannot be read, is larger, or is no text.
     """
     try:
-        return read_bounded(path, MOST_BYTES).decode("utf-8")
+        return read_bounded(path, MAX_BYTES).decode("utf-8")
     except OSError as reason:
         raise error(f"{path}: cannot be read ({reason.strerror or reason})") from None
     except UnicodeDecodeError:

@@ -31,15 +31,15 @@ for _model in MODELS.values():
 _EXTENDED: dict[tuple[Model, tuple[str, ...]], Model] = {}
 
 
-def model(name: str, added: Sequence[AddedEffect] = (), find: FindStructure = lambda name, added: None) -> Model:
-    """Return a model of the book by its name on the command line.
+def model_named(name: str, added: Sequence[AddedEffect] = (), find: FindStructure = lambda name, added: None) -> Model:
+    """Return a model by its name on the command line.
 
     `added`: effects beyond the book to be put into its lines. `find`: of name and effects: the file with the structure
     of a model that has been printed before, or None. Returns: one object for one model and the same effects. Raises
     `UnknownName` if there is none; the message offers the nearest. Raises `EffectError` if an added effect does not fit
     the model.
 
-    >>> model("mf96").title
+    >>> model_named("mf96").title
     'Magic Formula 1996, Trento form'
     """
     if name not in tuple(MODELS):  # a value that has no hash is unknown, too
@@ -52,15 +52,15 @@ def model(name: str, added: Sequence[AddedEffect] = (), find: FindStructure = la
     return _EXTENDED[key]
 
 
-def whole_library(book: Model) -> tuple[AddedEffect, ...]:
+def whole_library(model: Model) -> tuple[AddedEffect, ...]:
     """Return the effects of the library that a diagnosis can find in a model, those with states among them.
 
     An installed wheel has the model with them (`generated/with_effects`).
 
-    >>> [effect.name for effect in whole_library(model("mf96")) if not effect.states]
+    >>> [effect.name for effect in whole_library(model_named("mf96")) if not effect.states]
     ['temp_friction', 'temp_stiffness', 'wear_drift']
     """
-    return tuple(effect for effect in library().values() if effect.detection and book.has_place_for(effect))
+    return tuple(effect for effect in library().values() if effect.detection and model.has_place_for(effect))
 
 
 def _stored_with_library(name: str, added: Sequence[AddedEffect]) -> Traversable | None:
@@ -88,13 +88,13 @@ def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffec
     >>> [effect.name for effect in with_library("mf96", ["camber_thrust", "temp_friction"])]
     ['temp_friction']
     """
-    book = model(name)
-    there = {effect.name for effect in added} | book.effects.keys()
+    model = model_named(name)
+    there = {effect.name for effect in added} | model.effects.keys()
     others = set(effects) - there
     named = [effect for effect in library() if effect in others] if others else []
     if not named:
         return tuple(added)
     plain = [effect for effect in library().values() if not effect.states]
-    whole = [effect.name for effect in plain] if all(map(book.has_place_for, plain)) else []
+    whole = [effect.name for effect in plain] if all(map(model.has_place_for, plain)) else []
     wanted = [*whole, *(effect for effect in named if effect not in whole)]
     return (*added, *(library()[effect] for effect in wanted if effect not in there))

@@ -85,7 +85,7 @@ SUBPACKAGES = {
 }
 
 #: Upper limit of the modules in a folder of a package.
-MOST_MODULES = 15
+MAX_MODULES = 15
 
 #: Exceptions and the escaping of texts are common to all packages except the generated code.
 COMMON = ("tirefmu.symbolic.errors", "tirefmu.symbolic.escaping")
@@ -191,7 +191,7 @@ def test_folders_are_small():
     for path in python_files():
         folder = (ROOT / path).parent
         if path.split("/")[0] in MAY_IMPORT and "generated" not in path:
-            assert len(list(folder.glob("*.py"))) <= MOST_MODULES, folder
+            assert len(list(folder.glob("*.py"))) <= MAX_MODULES, folder
 
 
 def module_name(path: str) -> str:

@@ -116,7 +116,7 @@ def _end_with_ctrl_c() -> None:
 def _compile_for_diagnosis() -> None:
     """Compile the code that the diagnosis of a tire of the bench uses, into the cache that all processes share."""
     tire = with_library(bench_tire())
-    code, parameters = fastest_code(tire.book), tire.parameters()
+    code, parameters = fastest_code(tire.symbolic_model), tire.parameters()
     rows = np.array([[tire.nominal(name)] for name in tire.inputs])
     chosen_derivatives(code, rows, parameters, np.array([0]))
     code.drives(rows, parameters)
@@ -182,7 +182,7 @@ def _stiffness_lines(truth: Tire, results: dict[str, FitResult]) -> list[str]:
     """Return the errors of the fitted stiffnesses at the smallest and the largest load."""
     loads = np.array([220.0, 1120.0])
     lines = []
-    for name in map(truth.book.quantity, ("stiffness_y", "stiffness_x")):
+    for name in map(truth.symbolic_model.quantity, ("stiffness_y", "stiffness_x")):
         true = _stiffness(truth, name, loads)
         parts = []
         for recipe, result in results.items():

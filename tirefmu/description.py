@@ -9,7 +9,7 @@ from typing import Any
 from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
-from tirefmu.tires.property_file.names import MOST_SEARCHED, OWN_SECTIONS, near_miss, not_given, unit_of
+from tirefmu.tires.property_file.names import MAX_SEARCHED, OWN_SECTIONS, near_miss, not_given, unit_of
 from tirefmu.tires.property_file.text import number_and_rest
 
 from .implausible import implausible
@@ -32,12 +32,12 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
     >>> summary["model"], summary["nominal"]["Fz"], [doubt["name"] for doubt in summary["implausible"]]
     ('mf96', 220.0, ['E_t'])
     """
-    book, plain = tire.book, tire.in_signs("adapted-sae")
-    declared = book.coefficients
+    model, plain = tire.symbolic_model, tire.in_signs("adapted-sae")
+    declared = model.coefficients
     at_neutral = [
         name for name, one in declared.items() if one.neutral is not None and plain.values[name] == one.neutral
     ]
-    idle = [name for name in book.effects if name in tire.has and book.owned(name) <= set(at_neutral)]
+    idle = [name for name in model.effects if name in tire.has and model.owned(name) <= set(at_neutral)]
     stored = tire.other_entries
     entries = [
         {"section": section, "key": key, "value": value}
@@ -46,20 +46,20 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
     ]
     unknown = [entry for entry in entries if unit_of(entry["key"]) is None]
     missing = {name: tire.values[name] for name in not_given(tire)}
-    near = {entry["key"]: near_miss(entry["key"], declared) for entry in unknown[:MOST_SEARCHED]}
+    near = {entry["key"]: near_miss(entry["key"], declared) for entry in unknown[:MAX_SEARCHED]}
     return {
         "ok": True,
         "name": tire.name,
         "model": tire.model,
-        "title": book.title,
+        "title": model.title,
         "signs": tire.signs,
         "side": tire.side,
         "about": dict(tire.about),
-        "nominal": {quantity.name: tire.nominal(quantity.name) for quantity in book.inputs},
+        "nominal": {quantity.name: tire.nominal(quantity.name) for quantity in model.inputs},
         "ranges": {name: list(bounds) for name, bounds in tire.ranges.items()},
-        "effects": [name for name in book.effects if name in tire.has and name not in idle],
+        "effects": [name for name in model.effects if name in tire.has and name not in idle],
         "effects_at_neutral": idle,
-        "effects_absent": [name for name in book.effects if name not in tire.has],
+        "effects_absent": [name for name in model.effects if name not in tire.has],
         "coefficients_at_neutral": at_neutral,
         "missing": missing,
         "assumed": {name: value for name, value in missing.items() if _is_property(declared[name], value)},
@@ -83,6 +83,6 @@ def _is_property(declared: Coefficient, value: float) -> bool:
 
 def _is_influential(key: str, value: str) -> bool:
     """Return whether a key is a fitted coefficient of some model with a value other than zero."""
-    declared = [book.coefficients[key] for book in MODELS.values() if key in book.coefficients]
+    declared = [model.coefficients[key] for model in MODELS.values() if key in model.coefficients]
     number, _ = number_and_rest(value)
     return any(one.fitted for one in declared) and isfinite(number) and number != 0.0

@@ -79,7 +79,7 @@ def loads(tire: Tire) -> npt.NDArray[np.float64]:
 def _beyond_bounds(tire: Tire) -> Iterator[Doubt]:
     plain = tire.in_signs("adapted-sae").values
     ends = {key for name in FAR_ENDS for key in RANGES[name]}
-    for name, declared in tire.book.coefficients.items():
+    for name, declared in tire.symbolic_model.coefficients.items():
         if name in ends or plain[name] == declared.neutral or declared.lower <= plain[name] <= declared.upper:
             continue
         hints = [hint for known, low, high, hint in MISTAKEN if known == name and low <= abs(plain[name]) < high]
@@ -105,16 +105,16 @@ def _behaviour(tire: Tire) -> Iterator[Doubt]:
               for Fz in loads(tire) for side in (-1.0, 1.0)]  # fmt: skip
     inputs = dict(zip(("Fz", "kappa", "alpha"), np.array(points).T, strict=True))
     found, load = quantities(tire.in_signs("adapted-sae"), inputs), inputs["Fz"]
-    book = tire.book
+    model = tire.symbolic_model
     for axis in ("x", "y"):
-        friction, stiffness = book.quantity(f"friction_{axis}"), book.quantity(f"stiffness_{axis}")
+        friction, stiffness = model.quantity(f"friction_{axis}"), model.quantity(f"stiffness_{axis}")
         yield from _sign(friction, found[friction], load)
         if stiffness:
             yield from _sign(stiffness, found[stiffness], load)
         first, last = found[friction][0], found[friction][-1]
         if found[friction].min() > 0 and last > first * (1 + 1e-9):
             yield Doubt(friction, float(last), f"increases with load, from {first:.3g} at {load[0]:g} N")
-    for name in filter(None, map(book.quantity, CURVATURES)):
+    for name in filter(None, map(model.quantity, CURVATURES)):
         curvature = np.nan_to_num(found[name], nan=-np.inf)
         row = int(curvature.argmax())
         if curvature[row] > 1:

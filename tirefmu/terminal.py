@@ -140,7 +140,7 @@ class Terminal:
 
 
 def _unit(tire: Tire, name: str) -> str:
-    return next(quantity.unit for quantity in tire.book.inputs if quantity.name == name)
+    return next(quantity.unit for quantity in tire.symbolic_model.inputs if quantity.name == name)
 
 
 def _about_the_file(summary: Mapping[str, Any], every: bool) -> list[str]:
@@ -171,7 +171,7 @@ def _doubts(summary: Mapping[str, Any]) -> Table:
 def _values(tire: Tire, summary: Mapping[str, Any], every: bool) -> Table:
     """Return the coefficients: those that are given and not neutral, or all."""
     table = plain_table("coefficient", "value", "unit", "", "description")
-    for name, declared in tire.book.coefficients.items():
+    for name, declared in tire.symbolic_model.coefficients.items():
         origin = "missing" if name in summary["missing"] else ""
         if name in summary["coefficients_at_neutral"]:
             origin = " ".join([origin, "neutral"]).strip()

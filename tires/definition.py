@@ -60,7 +60,7 @@ class TireDefinition:
             raise UnknownName("side of the vehicle", self.side, ("left", "right"))
         no_single_text("effects", self.effects)
         object.__setattr__(self, "added", with_library(self.model, self.effects or (), self.added))
-        declarations = self.book.coefficients
+        declarations = self.symbolic_model.coefficients
         present = self._present()
         given = {**self._range_values(), **self.values}
         for name in given:
@@ -69,8 +69,8 @@ class TireDefinition:
         for name in INDISPENSABLE:
             if name not in given:
                 raise TireError(f"a tire needs {name} ({declarations[name].description}, {declarations[name].unit})")
-        absent = self.book.owned(*sorted(self.book.effects.keys() - present))
-        defaults = _defaults(self.book)
+        absent = self.symbolic_model.owned(*sorted(self.symbolic_model.effects.keys() - present))
+        defaults = _defaults(self.symbolic_model)
         values = dict(defaults) if self.signs == "adapted-sae" else _mirrored(declarations, defaults)
         neutral = {name: declarations[name].neutral for name in absent}
         values |= {name: value for name, value in neutral.items() if value is not None}
@@ -85,32 +85,34 @@ class TireDefinition:
 
     def _present(self) -> frozenset[str]:
         if self.effects is None:
-            return self.book.default_effects | {effect.name for effect in self.added if effect.name not in library()}
+            return self.symbolic_model.default_effects | {
+                effect.name for effect in self.added if effect.name not in library()
+            }
         for name in self.effects:
-            if name not in self.book.effects:
-                raise UnknownName(f"effect of {self.model}", name, [*self.book.effects, *library()])
+            if name not in self.symbolic_model.effects:
+                raise UnknownName(f"effect of {self.model}", name, [*self.symbolic_model.effects, *library()])
         return frozenset(self.effects)
 
     def _range_values(self) -> dict[str, float]:
         """Return the given ranges as coefficients of the model, where it has them."""
-        declarations = self.book.coefficients
+        declarations = self.symbolic_model.coefficients
         pairs = ((RANGES[name], ends) for name, ends in self.ranges.items() if name in RANGES)
         return {key: end for keys, ends in pairs for key, end in zip(keys, ends, strict=True) if key in declarations}
 
     @cached_property
-    def book(self) -> Model:
-        """The model of the book, the added effects in its lines."""
+    def symbolic_model(self) -> Model:
+        """The symbolic model, the added effects in its lines."""
         return model_with(self.model, self.added)
 
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs that the model reads."""
-        return tuple(quantity.name for quantity in self.book.inputs)
+        return tuple(quantity.name for quantity in self.symbolic_model.inputs)
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the forces and moments that the model gives."""
-        return tuple(quantity.name for quantity in self.book.outputs)
+        return tuple(quantity.name for quantity in self.symbolic_model.outputs)
 
     @property
     def has(self) -> frozenset[str]:
@@ -125,7 +127,7 @@ class TireDefinition:
         >>> core.rescaled
         {'PKY1': 500000.0}
         """
-        absent = (effect for name, effect in self.book.effects.items() if name not in self.has)
+        absent = (effect for name, effect in self.symbolic_model.effects.items() if name not in self.has)
         return {name: factor for effect in absent for name, factor in effect.rescales}
 
     def parameters(self, **options: str) -> FloatArray:
@@ -136,14 +138,16 @@ class TireDefinition:
         modules. Raises `UnknownName` if an option or its value does not exist.
         """
         factors = self.rescaled
-        values = [self.values[name] * factors.get(name, 1.0) for name in self.book.coefficients]
+        values = [self.values[name] * factors.get(name, 1.0) for name in self.symbolic_model.coefficients]
         chosen = {"signs": self.signs, **options}
         for name, value in chosen.items():
             if name not in OPTIONS:
                 raise UnknownName("option", name, OPTIONS)
             if value not in OPTIONS[name].values:
                 raise UnknownName(f"value of {name}", value, OPTIONS[name].values)
-        indices = [option.values.index(chosen.get(option.name, option.values[0])) for option in self.book.options]
+        indices = [
+            option.values.index(chosen.get(option.name, option.values[0])) for option in self.symbolic_model.options
+        ]
         return np.array([*values, *indices], dtype=np.float64)
 
     def in_signs(self, signs: str) -> Self:
@@ -155,7 +159,7 @@ class TireDefinition:
         if signs == self.signs:
             return self
         given = {name: value for name, value in self.values.items() if name not in self.defaulted}
-        return replace(self, values=_mirrored(self.book.coefficients, given), signs=signs)
+        return replace(self, values=_mirrored(self.symbolic_model.coefficients, given), signs=signs)
 
     def with_values(self, **coefficients: float) -> Self:
         """Return the same tire with other values of some coefficients.
@@ -173,13 +177,15 @@ class TireDefinition:
         changed = replace(self, values={**given, **coefficients})
         for name, value in coefficients.items():
             if changed.values[name] != float(value):
-                effects = [effect for effect in self.book.effects if name in self.book.owned(effect)]
+                effects = [
+                    effect for effect in self.symbolic_model.effects if name in self.symbolic_model.owned(effect)
+                ]
                 raise TireError(f"{name} has no influence: the tire does not have {' or '.join(effects)}")
         return changed
 
     def nominal(self, name: str) -> float:
         """Return the value of an input that is not given."""
-        (quantity,) = (quantity for quantity in self.book.inputs if quantity.name == name)
+        (quantity,) = (quantity for quantity in self.symbolic_model.inputs if quantity.name == name)
         if isinstance(quantity.nominal, str):  # a formula may read T without a coefficient for its reference
             return self.values.get(quantity.nominal, quantity.typical)
         return quantity.nominal
@@ -187,22 +193,24 @@ class TireDefinition:
     @property
     def lags(self) -> bool:
         """True if slips lag behind their inputs: the tire has an effect of relaxation, such as relax_lat."""
-        return bool(self.has & self.book.relaxing_effects)
+        return bool(self.has & self.symbolic_model.relaxing_effects)
 
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states of its added effects; the lagged slips and the distance are not among them."""
-        return self.book.states_of(self.has)
+        return self.symbolic_model.states_of(self.has)
 
     def effective_inputs(self, rows: FloatArray) -> FloatArray:
         """Return the rows of inputs, those inputs 0 that would request an effect that the tire does not have."""
-        silent = np.isin(self.inputs, [name for effect, name in self.book.on_demand if effect not in self.has])
+        silent = np.isin(
+            self.inputs, [name for effect, name in self.symbolic_model.on_demand if effect not in self.has]
+        )
         return np.where(silent[:, None], 0.0, rows) if rows[silent].any() else rows
 
 
 @lru_cache(maxsize=16)
-def _defaults(book: Model) -> dict[str, float]:
-    return {name: declaration.default for name, declaration in book.coefficients.items()}
+def _defaults(model: Model) -> dict[str, float]:
+    return {name: declaration.default for name, declaration in model.coefficients.items()}
 
 
 def _number(name: str, value: float) -> float:

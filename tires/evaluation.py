@@ -16,7 +16,7 @@ from .code import Code, code_for, fastest_code
 from .definition import TireDefinition
 from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
-from .states import Simulation, equilibrium
+from .states import StateSimulation, equilibrium
 from .transient import lagged_course, rolled_distance
 
 if TYPE_CHECKING:
@@ -62,8 +62,8 @@ def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str 
         If an input is none of the public tables.
     """
     rows, shape = _broadcast(tire, inputs)
-    chosen, parameters = _code(tire.book, code, rows.shape[1]), tire.parameters()
-    results = chosen.forces(equilibrium(tire.book, chosen, rows, parameters, tire.states), parameters)
+    chosen, parameters = _code(tire.symbolic_model, code, rows.shape[1]), tire.parameters()
+    results = chosen.forces(equilibrium(tire.symbolic_model, chosen, rows, parameters, tire.states), parameters)
     return Forces({name: row.reshape(shape) for name, row in zip(tire.outputs, results, strict=True)})
 
 
@@ -75,8 +75,8 @@ def quantities(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> dic
     array([2.61, 2.42])
     """
     rows, shape = _broadcast(tire, inputs)
-    code, parameters = _code(tire.book, "auto", rows.shape[1]), tire.parameters()
-    results = code.quantities(equilibrium(tire.book, code, rows, parameters, tire.states), parameters)
+    code, parameters = _code(tire.symbolic_model, "auto", rows.shape[1]), tire.parameters()
+    results = code.quantities(equilibrium(tire.symbolic_model, code, rows, parameters, tire.states), parameters)
     return {name: row.reshape(shape) for name, row in zip(code.quantities_names, results, strict=True)}
 
 
@@ -118,17 +118,17 @@ def evaluate(
     import pandas as pd  # here, because `forces` does without
 
     tire = tire.in_signs(conventions.formula)
-    code = _code(tire.book, language, len(table))
+    code = _code(tire.symbolic_model, language, len(table))
     parameters = tire.parameters(**conventions.options)
     columns, rows = _inputs(tire, table, conventions)
     rows = _turned(rows, tire.inputs, conventions.mirror)
     seen, lags = _acting(tire, table, rows, parameters, conventions, code)
     outputs = _turned(code.forces(seen, parameters), tire.outputs, conventions.mirror)
     back = dict(zip(tire.inputs, _turned(seen, tire.inputs, conventions.mirror), strict=True))
-    columns |= {name: pd.Series(back[name], table.index) for name in tire.book.states}
+    columns |= {name: pd.Series(back[name], table.index) for name in tire.symbolic_model.states}
     quantities = dict(zip(code.quantities_names, code.quantities(seen, parameters), strict=True))
     given = table[[name for name in TABLE_INPUTS if name in table]]
-    absent = {name: columns[name] for name in tire.inputs if name not in table or name in tire.book.states}
+    absent = {name: columns[name] for name in tire.inputs if name not in table or name in tire.symbolic_model.states}
     lag = {f"{name}_lagged": convert_signs(pd.DataFrame({name: back[name]}), conventions.formula, conventions.signs)
            [name].to_numpy() for name in lags}  # fmt: skip
     computed = {**absent, **dict(zip(tire.outputs, outputs, strict=True))}
@@ -136,8 +136,8 @@ def evaluate(
     return pd.concat([given, written, pd.DataFrame({**lag, **quantities}, table.index)], axis=1)
 
 
-def _code(book: Model, language: str, n_rows: int) -> Code:
-    return fastest_code(book, n_rows) if language == "auto" else code_for(book, language)
+def _code(model: Model, language: str, n_rows: int) -> Code:
+    return fastest_code(model, n_rows) if language == "auto" else code_for(model, language)
 
 
 def _inputs(
@@ -152,7 +152,7 @@ def _inputs(
         given = given.assign(distance=rolled_distance(t, speed, hold=conventions.hold))
     columns = {name: given.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs}
     rows = tire.effective_inputs(np.stack([_finite(column, name) for name, column in columns.items()]))
-    in_the_lines = any(option.name == "limits" for option in tire.book.options)
+    in_the_lines = any(option.name == "limits" for option in tire.symbolic_model.options)
     if conventions.limits and not in_the_lines:
         bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])
         load = tire.inputs.index("Fz")
@@ -172,7 +172,7 @@ def _acting(
 ) -> tuple[FloatArray, tuple[str, ...]]:
     """Return the acting inputs, with states and lagged slips, and the names of the slips that lag."""
     if "t" not in table or conventions.steady:
-        return equilibrium(tire.book, code, rows, parameters, tire.states), ()
+        return equilibrium(tire.symbolic_model, code, rows, parameters, tire.states), ()
     if not tire.lags and not tire.states:
         return rows, ()
     t, hold = _finite(table["t"], "t"), conventions.hold
@@ -180,14 +180,14 @@ def _acting(
     if tire.lags:
         named = dict(zip(tire.inputs, rows, strict=True))
         sigma = dict(zip(code.quantities_names, code.quantities(rows, parameters), strict=True))
-        along, across = (sigma[tire.book.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
+        along, across = (sigma[tire.symbolic_model.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
         slips = {
             "kappa": lagged_course(t, named["kappa"], named["V"], along, hold=hold),
             "alpha": lagged_course(t, np.tan(named["alpha"]), named["V"], across, hold=hold),
         }
-    fitted = [name for name in tire.states if tire.book.states[name].start_is_fitted and name in table]
+    fitted = [name for name in tire.states if tire.symbolic_model.states[name].start_is_fitted and name in table]
     starts = {name: rows[tire.inputs.index(name)] for name in fitted}
-    simulation = Simulation(tire.book, code, t, rows, parameters, hold, slips, tire.states, starts)
+    simulation = StateSimulation(tire.symbolic_model, code, t, rows, parameters, hold, slips, tire.states, starts)
     return simulation.acting(), tuple(slips)
 
 

@@ -37,7 +37,7 @@ IntArray = npt.NDArray[np.intp]
 FIRST_STEP, GROWTH = 0.3, 1.2
 #: The largest number of iterations; a change of the values that is accepted then; how often a step is halved that has a
 #: larger one (more would take hours). The values of a step that still has a larger one are NaN.
-MOST_ITERATIONS, ACCEPTED, MOST_HALVINGS = 50, 1e-9, 10
+MAX_ITERATIONS, ACCEPTED, MAX_HALVINGS = 50, 1e-9, 10
 #: Iterations end when no value changes by more than this share.
 CONVERGED = 1e-13
 #: Steps that are solved together at first.
@@ -45,7 +45,7 @@ WINDOW = 4096
 
 
 @dataclass
-class Simulation:
+class StateSimulation:
     """A recording over which states are simulated.
 
     - `code`: of the same model.
@@ -59,7 +59,7 @@ class Simulation:
       (`transient.segment_starts`), by name.
     """
 
-    book: Model
+    symbolic_model: Model
     code: Code
     t: FloatArray
     rows: FloatArray
@@ -71,16 +71,16 @@ class Simulation:
     _courses: dict[str, _Course] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.index = {quantity.name: i for i, quantity in enumerate(self.book.inputs)}
+        self.index = {quantity.name: i for i, quantity in enumerate(self.symbolic_model.inputs)}
         self.rows = self.rows.copy()
-        self.rows[[self.index[name] for name in self.book.states]] = 0.0
-        self.states = [state for name, state in self.book.states.items() if name in self.names]
+        self.rows[[self.index[name] for name in self.symbolic_model.states]] = 0.0
+        self.states = [state for name, state in self.symbolic_model.states.items() if name in self.names]
         self.h = np.diff(self.t)
         self._begins = segment_starts(self.t) if self.starts else np.zeros(len(self.t), dtype=bool)
         for state in self.states:
             if state.oscillates:
                 self._courses |= self._oscillation(state)
-            elif self.book.is_direct(state) and state.name not in self._courses:
+            elif self.symbolic_model.is_direct(state) and state.name not in self._courses:
                 self._courses[state.name] = self._course(state, self._given)
         for state in self.states:
             if state.follows_a_path:
@@ -111,7 +111,7 @@ class Simulation:
         for state in driven:
             rows[self.index[state.name]] = guess.get(state.name, 0.0)
         indices = [self.index[state.name] for state in driven]
-        for _ in range(MOST_ITERATIONS if driven else 0):
+        for _ in range(MAX_ITERATIONS if driven else 0):
             before, lines = rows[indices], self._lines(rows)
             for state in driven:
                 rows[self.index[state.name]] = self._course(state, lines).value
@@ -131,7 +131,7 @@ class Simulation:
         return self._lines(self.rows)
 
     def _lines(self, rows: FloatArray) -> dict[str, FloatArray]:
-        return dict(zip(self.book.drives, self.code.drives(rows, self.parameters), strict=True))
+        return dict(zip(self.symbolic_model.drives, self.code.drives(rows, self.parameters), strict=True))
 
     def _of(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return target, rate and start of a state at the given inputs."""
@@ -153,7 +153,7 @@ class Simulation:
     def _oscillation(self, state: State) -> dict[str, Part]:
         """Return the courses of position and speed of an oscillator."""
         target, frequency, start = self._of(state)
-        speed = self.book.states[state.speed_name]
+        speed = self.symbolic_model.states[state.speed_name]
         _, damping, _ = self._of(speed)
         start = start if state.has_start_value else target
         whole = Oscillation(target, frequency, damping, self.h, start, self.hold)
@@ -171,7 +171,7 @@ class Simulation:
         starts = [0, *(np.flatnonzero(self.h < 0.0) + 1).tolist(), len(self.t)]
         given = {name: values[starts[:-1]] for name, values in self.starts.items()}
         at_start = equilibrium(
-            self.book, self.code, rows[:, starts[:-1]], self.parameters, self.names, given, start=True
+            self.symbolic_model, self.code, rows[:, starts[:-1]], self.parameters, self.names, given, start=True
         )
         indices = [self.index[state.name] for state in driven]
         for k, (first, end) in enumerate(pairwise(starts)):
@@ -217,7 +217,7 @@ class Simulation:
         nodes = self._nodes(steps)
         indices, m = [self.index[state.name] for state in driven], len(steps.h)
         values = np.repeat(x[:, None], 3 * m, axis=1)
-        for _ in range(MOST_ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             nodes[indices] = values
             lines = self._lines(nodes)
             found = np.concatenate([self._integrated(*each, lines, steps.h) for each in zip(driven, x, strict=True)])
@@ -228,7 +228,7 @@ class Simulation:
                 break
         else:
             if not (change <= ACCEPTED * np.abs(values).max(axis=1)).all():
-                if np.isfinite(x).all() and (m > 1 or steps.halvings < MOST_HALVINGS):
+                if np.isfinite(x).all() and (m > 1 or steps.halvings < MAX_HALVINGS):
                     for part in steps.halves():
                         x = self._solve(part, driven, x, rows)
                     return x
@@ -331,7 +331,7 @@ def _integrated(state: State, drive: FloatArray, rate: FloatArray, h: FloatArray
 
 
 def equilibrium(
-    book: Model,
+    model: Model,
     code: Code,
     rows: FloatArray,
     parameters: FloatArray,
@@ -347,15 +347,15 @@ def equilibrium(
     has that value, as at the begin of a recording. Returns shape (n_inputs, n).
     """
     rows = rows.copy()
-    inputs = [quantity.name for quantity in book.inputs]
-    rows[[inputs.index(name) for name in book.states]] = 0.0
-    states = [state for name, state in book.states.items() if name in names]
+    inputs = [quantity.name for quantity in model.inputs]
+    rows[[inputs.index(name) for name in model.states]] = 0.0
+    states = [state for name, state in model.states.items() if name in names]
     indices = [inputs.index(state.name) for state in states]
     if not states:
         return rows
     moving = np.arange(rows.shape[1])  # the rows that have not converged
-    for i in range(2 * MOST_ITERATIONS):
-        lines = dict(zip(book.drives, code.drives(rows[:, moving], parameters), strict=True))
+    for i in range(2 * MAX_ITERATIONS):
+        lines = dict(zip(model.drives, code.drives(rows[:, moving], parameters), strict=True))
         at = np.ix_(np.array(indices), moving)
         before = rows[at]
         after = before.copy()

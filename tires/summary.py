@@ -23,10 +23,14 @@ def tire_text(tire: TireDefinition) -> str:
     """
     name = f" {excerpt(tire.name, LONGEST_NAME)!r}" if tire.name else ""
     side = f", {tire.side} side" if tire.side else ""
-    absent = [effect for effect in tire.book.effects if effect not in tire.has and effect in tire.book.default_effects]
+    absent = [
+        effect
+        for effect in tire.symbolic_model.effects
+        if effect not in tire.has and effect in tire.symbolic_model.default_effects
+    ]
     given = len(tire.values) - len(tire.defaulted)
     lines = [
-        f"Tire{name}: {tire.model} ({tire.book.title}), {tire.signs} signs{side}",
+        f"Tire{name}: {tire.model} ({tire.symbolic_model.title}), {tire.signs} signs{side}",
         f"  nominal: {', '.join(f'{name} {value:.4g} {unit}'.rstrip() for name, value, unit in _nominal(tire))}",
     ]
     if tire.ranges:
@@ -45,7 +49,7 @@ def tire_html(tire: TireDefinition) -> str:
     >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
     True
     """
-    given = [each for name, each in tire.book.coefficients.items() if name not in tire.defaulted]
+    given = [each for name, each in tire.symbolic_model.coefficients.items() if name not in tire.defaulted]
     rows = [(each.name, tire.values[each.name], each.unit, each.description) for each in given]
     table = html_table(["coefficient", "value", "unit", "description"], rows)
     return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
@@ -53,7 +57,7 @@ def tire_html(tire: TireDefinition) -> str:
 
 def _nominal(tire: TireDefinition) -> list[tuple[str, float, str]]:
     """Return name, value and unit of the nominal inputs that are not 0."""
-    values = [(q.name, tire.nominal(q.name), "" if q.unit == "1" else q.unit) for q in tire.book.inputs]
+    values = [(q.name, tire.nominal(q.name), "" if q.unit == "1" else q.unit) for q in tire.symbolic_model.inputs]
     return [each for each in values if each[1] != 0.0]
 
 

@@ -27,9 +27,9 @@ FloatArray = npt.NDArray[np.float64]
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 
 
-def readable(names: tuple[str, ...], signals: Signals, book: Model) -> tuple[str, ...]:
+def readable(names: tuple[str, ...], signals: Signals, model: Model) -> tuple[str, ...]:
     """Return the coefficients of a model that influence a measured channel."""
-    declarations, measured = book.coefficients, set(signals.channels)
+    declarations, measured = model.coefficients, set(signals.channels)
     return tuple(name for name in names if name in declarations and measured & set(declarations[name].channels))
 
 
@@ -59,16 +59,16 @@ def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
     tuple of str
         In the order of the model.
     """
-    book = tire.book
-    declarations = book.coefficients
-    free = {name for name in book.baseline if name in declarations and _in_baseline(declarations[name], tire, signals)}
+    model = tire.symbolic_model
+    declarations = model.coefficients
+    free = {name for name in model.baseline if name in declarations and _in_baseline(declarations[name], tire, signals)}
     for effect in tire.has:
-        candidate = declared_candidate(effect, book)
+        candidate = declared_candidate(effect, model)
         if candidate:
             free |= set(candidate.forms[0].free)
-        elif effect in book.effects and effect not in book.relaxing_effects:
-            free |= {name for name in book.owned(effect) if declarations[name].neutral is not None}
-    return tuple(name for name in readable(tuple(declarations), signals, book) if name in free)
+        elif effect in model.effects and effect not in model.relaxing_effects:
+            free |= {name for name in model.owned(effect) if declarations[name].neutral is not None}
+    return tuple(name for name in readable(tuple(declarations), signals, model) if name in free)
 
 
 def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares, Solution]:
@@ -93,7 +93,7 @@ def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSqu
     training = signals.present & ~signals.holdout
     noise = np.array([0.02 * np.std(row[used]) + 1e-9 for row, used in zip(signals.measured, training, strict=True)])
     inverse_noise = np.where(training, 1.0 / noise[:, None], 0.0)
-    center = tire.book.prior_center | ({name: tire.values[name] for name in free} if known else {})
+    center = tire.symbolic_model.prior_center | ({name: tire.values[name] for name in free} if known else {})
     problem = LeastSquares(
         simulator, inverse_noise, disturbances_of(signals, noise, tire.values["UNLOADED_RADIUS"]), center
     )
@@ -160,9 +160,9 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
     inputs = signals.named()
     measured = dict(zip(signals.channels, signals.measured, strict=True))
     starts = []
-    book = tire.book
-    for shape in book.starts:
-        values = {**book.prior_center, **shape}
+    model = tire.symbolic_model
+    for shape in model.starts:
+        values = {**model.prior_center, **shape}
         for channel, slip in OWN_SLIP.items():
             axis = channel[1]
             if channel not in measured:
@@ -173,7 +173,7 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
             slope = float(over @ measured[channel][small] / max(over @ over, 1e-12))
             stiffness = min(max(slope, 5.0), 60.0) * 1.1 * tire.values["FNOMIN"]
             for role, target in ((f"friction_{axis}", peak), (f"stiffness_{axis}", stiffness)):
-                leading = book.leading(role)
+                leading = model.leading(role)
                 if leading in free:
                     values[leading] = target / _per_unit(tire, role, {n: v for n, v in values.items() if n in free})
         parameters = own.copy()
@@ -186,11 +186,11 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
 
 def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
     """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 if not positive."""
-    book = tire.book
-    one = replace(tire, values={**tire.values, **values, book.leading(role): 1.0})
-    code = code_for(book, "numpy")
+    model = tire.symbolic_model
+    one = replace(tire, values={**tire.values, **values, model.leading(role): 1.0})
+    code = code_for(model, "numpy")
     point = np.array([[one.nominal(name)] for name in one.inputs])
-    found = float(code.quantities(point, one.parameters())[code.quantities_names.index(book.quantity(role)), 0])
+    found = float(code.quantities(point, one.parameters())[code.quantities_names.index(model.quantity(role)), 0])
     return found if np.isfinite(found) and found > 0.0 else 1.0
 
 

@@ -66,20 +66,20 @@ def candidates_for(tire: Tire) -> dict[str, Candidate]:
     dict of str to Candidate
         In alphabetical order.
     """
-    book = tire.book
-    present = [detection for name, detection in book.detections.items() if name in tire.has]
-    names = sorted(book.effects.keys() - tire.has - {detection.contains for detection in present})
-    found = {name: declared_candidate(name, book, tire.has) or _undeclared(name, book) for name in names}
+    model = tire.symbolic_model
+    present = [detection for name, detection in model.detections.items() if name in tire.has]
+    names = sorted(model.effects.keys() - tire.has - {detection.contains for detection in present})
+    found = {name: declared_candidate(name, model, tire.has) or _undeclared(name, model) for name in names}
     return {name: candidate for name, candidate in found.items() if candidate}
 
 
-def declared_candidate(name: str, book: Model, present: frozenset[str] = frozenset()) -> Candidate | None:
+def declared_candidate(name: str, model: Model, present: frozenset[str] = frozenset()) -> Candidate | None:
     """Return the candidate that an effect file or the model declares, or None.
 
     Parameters
     ----------
     name : str
-    book : Model
+    model : Model
     present : frozenset of str
         The effects that a tire has.
 
@@ -89,28 +89,28 @@ def declared_candidate(name: str, book: Model, present: frozenset[str] = frozens
         If the model has none of the declared coefficients, its own coefficients of the effect are probed by their
         bounds.
     """
-    detection, declarations = book.detections.get(name), book.coefficients
+    detection, declarations = model.detections.get(name), model.coefficients
     if detection and any(set(form.free) & declarations.keys() for form in detection.forms):
         forms = tuple(form for form in detection.forms if form.given in present)
         forms = forms or tuple(form for form in detection.forms if not form.given)
-        stateful = any(effect.states for effect in book.added if effect.name == name)
+        stateful = any(effect.states for effect in model.added if effect.name == name)
         channels = detection.channels or CHANNELS
         return Candidate(name, forms, detection.requires, channels, detection.contains, stateful, detection.rate)
-    own = name in {effect.name for effect in book.own_effects}
-    if name not in book.effects or name in {effect.name for effect in book.added} or not (detection or own):
+    own = name in {effect.name for effect in model.own_effects}
+    if name not in model.effects or name in {effect.name for effect in model.added} or not (detection or own):
         return None
     owned = [
         declaration
         for key, declaration in declarations.items()
-        if key in book.owned(name) and declaration.neutral is not None
+        if key in model.owned(name) and declaration.neutral is not None
     ]
     channels = tuple(dict.fromkeys(channel for declaration in owned for channel in declaration.channels))
     return Candidate(name, (_by_bounds(owned),), detection.requires if detection else (), channels) if owned else None
 
 
-def _undeclared(name: str, book: Model) -> Candidate | None:
+def _undeclared(name: str, model: Model) -> Candidate | None:
     """Return the candidate of a user-defined effect without declared forms."""
-    for effect in book.added:
+    for effect in model.added:
         if effect.name == name:
             detection = effect.detection or Detection()
             channels = detection.channels or CHANNELS
@@ -148,10 +148,10 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
     found : frozenset of str
         The identified effects.
     """
-    forms = [("core", Form.each(sizes)) for sizes in tire.book.refinements]
+    forms = [("core", Form.each(sizes)) for sizes in tire.symbolic_model.refinements]
     return forms + [
         (name, form)
-        for name, detection in sorted(tire.book.detections.items())
+        for name, detection in sorted(tire.symbolic_model.detections.items())
         if name in tire.has | found
         for declared in detection.refinements
         for form in declared.points()

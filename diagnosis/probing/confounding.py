@@ -47,7 +47,7 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
     changes = {name: forces - at for name, forces in moved.items()}
     simulator, named = problem.simulator, problem.simulator.signals.named()
     for name, (role, slip) in FRICTION_ALIASES.items():
-        leading = simulator.book.leading(role)
+        leading = simulator.symbolic_model.leading(role)
         if slip in named and leading in simulator.index:
             response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
             changes[name] = response * np.tanh(named[slip] / FRICTION_ALIAS_SLIP)
@@ -81,7 +81,7 @@ def correlations(
     solution = screen.solution
     own = np.array([name in coefficients for name in solution.free] + [False] * len(screen.problem.disturbances.names))
     parameters = solution.parameters.copy()
-    declarations = screen.problem.simulator.book.coefficients
+    declarations = screen.problem.simulator.symbolic_model.coefficients
     index = screen.problem.simulator.index
     values = np.array(
         [
@@ -130,8 +130,8 @@ def separating_measurement(first: str, second: str, detections: Mapping[str, Det
 
     Examples
     --------
-    >>> from tirefmu.symbolic.models import model
-    >>> separating_measurement("plysteer", "slip_angle_zero_offset", model("mf61").detections)
+    >>> from tirefmu.symbolic.models import model_named
+    >>> separating_measurement("plysteer", "slip_angle_zero_offset", model_named("mf61").detections)
     'turn the tire on the rim and repeat one alpha sweep'
     """
     declared = [(detections[one], other) for one, other in ((first, second), (second, first)) if one in detections]

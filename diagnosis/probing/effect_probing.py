@@ -118,7 +118,7 @@ class Screen:
         Coefficients that are already fitted are shifted by the probe, and their values on the grid are ignored.
         """
         simulator, parameters = self.problem.simulator, self.solution.parameters.copy()
-        declarations = simulator.book.coefficients
+        declarations = simulator.symbolic_model.coefficients
         for name, values in form.grid.items():
             if name not in self.solution.free:
                 parameters[simulator.index[name]] = values[0]
@@ -133,7 +133,7 @@ class Screen:
     def _hold(self, role: str, parameters: FloatArray) -> None:
         """Rescale the leading coefficient of a role so that its quantity at nominal inputs is the solution's."""
         simulator = self.problem.simulator
-        leading = simulator.book.leading(role)
+        leading = simulator.symbolic_model.leading(role)
         if leading in simulator.index:
             before, after = (simulator.at_nominal(role, each) for each in (self.solution.parameters, parameters))
             parameters[simulator.index[leading]] *= before / after if before * after > 0.0 else 1.0

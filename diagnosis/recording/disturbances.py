@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.periodic_lines import Line
+from tirefmu.estimation.periodic_lines import PeriodicLine
 
 from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, MAX_CROSS_TALK, OFFSET_PRIOR
 from .signals import Signals
@@ -34,7 +34,7 @@ class Disturbances:
         Standard deviation of the zero-mean prior of each.
     added : frozenset of str
         Names of columns that are no disturbances of a recording: errors of the functional form of a model.
-    lines : tuple of Line
+    lines : tuple of PeriodicLine
         Periodic disturbances; the columns of the first one are wave1_cosine_Fx, wave1_sine_Fx, ...
     """
 
@@ -42,7 +42,7 @@ class Disturbances:
     columns: FloatArray
     deviation: FloatArray
     added: frozenset[str] = frozenset()
-    lines: tuple[Line, ...] = ()
+    lines: tuple[PeriodicLine, ...] = ()
 
     def subsampled(self, rows: slice) -> Disturbances:
         """Return the disturbances at a subset of the rows."""
@@ -68,12 +68,14 @@ class Disturbances:
             self.added.difference(names), self.lines,
         )  # fmt: skip
 
-    def with_waves(self, line: Line, at: FloatArray, noise: FloatArray, channels: Sequence[str]) -> Disturbances:
+    def with_waves(
+        self, line: PeriodicLine, at: FloatArray, noise: FloatArray, channels: Sequence[str]
+    ) -> Disturbances:
         """Return the disturbances with a periodic disturbance of all channels.
 
         Parameters
         ----------
-        line : Line
+        line : PeriodicLine
         at : ndarray, shape (n,)
             Time or distance at the compared rows.
         noise : ndarray, shape (n_channels,)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from tirefmu.estimation.state_starts import estimated_starts
 from tirefmu.symbolic.added.effect import owners_of
 from tirefmu.tires.code import Code, chosen_derivatives, fastest_code
-from tirefmu.tires.states import Simulation, equilibrium
+from tirefmu.tires.states import StateSimulation, equilibrium
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import Course, lagged_course, segment_starts
 
@@ -51,31 +51,31 @@ class Simulator:
     _courses_at: FloatArray | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
-        self.book, self.rescaled = self.tire.book, self.tire.rescaled
-        self._code = fastest_code(self.book)
-        self.names = list(self.book.coefficients)
-        self.index = {name: i for i, name in enumerate(self.book.parameters)}
+        self.symbolic_model, self.rescaled = self.tire.symbolic_model, self.tire.rescaled
+        self._code = fastest_code(self.symbolic_model)
+        self.names = list(self.symbolic_model.coefficients)
+        self.index = {name: i for i, name in enumerate(self.symbolic_model.parameters)}
         self._off = self.tire.parameters()
         self._inactive = self._inactive_inputs()
         known = self._code.quantities_names
-        quantities = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
+        quantities = map(self.symbolic_model.quantity, ("relaxation_x", "relaxation_y"))
         self._sigma = [known.index(name) for name in quantities if name]
-        reached = self.book.reached(known[i] for i in self._sigma)
-        self._determines_lag = np.array([name in reached for name in self.book.parameters])
-        added = [effect for effect in self.book.added if effect.name in self.book.relaxing_effects]
+        reached = self.symbolic_model.reached(known[i] for i in self._sigma)
+        self._determines_lag = np.array([name in reached for name in self.symbolic_model.parameters])
+        added = [effect for effect in self.symbolic_model.added if effect.name in self.symbolic_model.relaxing_effects]
         own = [each for effect in added for each in effect.declarations]
-        lengths = (*self.book.relaxation, *(each.name for each in own if each.neutral == 0.0))
+        lengths = (*self.symbolic_model.relaxation, *(each.name for each in own if each.neutral == 0.0))
         self._relaxation = np.array([self.index[name] for name in lengths], dtype=int)
         #: Coefficients that act through time, and the steps of their differences.
         self._by_difference = {name: self._step(name) for name in (*lengths, *(each.name for each in own))}
         self._sizes_of_states = dict(self._amplitudes())
-        shapes = {name for effect in self.book.added for state in effect.states for name in state.reads}
-        self._by_difference |= {name: self._step(name) for name in self.book.coefficients.keys() & shapes}
+        shapes = {name for effect in self.symbolic_model.added for state in effect.states for name in state.reads}
+        self._by_difference |= {name: self._step(name) for name in self.symbolic_model.coefficients.keys() & shapes}
         self._remember()
 
     def _amplitudes(self) -> Iterator[tuple[str, IntArray]]:
         """Yield each state of an effect that the tire lacks, with the coefficients without which it does not act."""
-        for name, owners in owners_of(self.book.added).items():
+        for name, owners in owners_of(self.symbolic_model.added).items():
             if not self.tire.has.isdisjoint(effect.name for effect, _ in owners):
                 continue
             read = {one for effect, _ in owners for state in effect.states for one in state.reads}
@@ -85,8 +85,8 @@ class Simulator:
             yield name, np.array([self.index[one] for one in own])
 
     def _step(self, name: str) -> float:
-        declaration = self.book.coefficients[name]
-        if name in self.book.relaxation or declaration.unit == "m":
+        declaration = self.symbolic_model.coefficients[name]
+        if name in self.symbolic_model.relaxation or declaration.unit == "m":
             return 0.01 if declaration.unit == "m" else 0.02
         span = declaration.upper - declaration.lower
         return 1e-4 * span if np.isfinite(span) else 1e-4
@@ -108,9 +108,11 @@ class Simulator:
         """Return input row, coefficient indices and their values for each on-demand effect that the tire lacks."""
         values, inputs = self.tire.parameters(), list(self.tire.inputs)
         inactive = []
-        for effect, name in self.book.on_demand:
+        for effect, name in self.symbolic_model.on_demand:
             if effect not in self.tire.has:
-                indices = np.array([self.index[owned] for owned in self.book.owned(effect) if owned in self.index])
+                indices = np.array(
+                    [self.index[owned] for owned in self.symbolic_model.owned(effect) if owned in self.index]
+                )
                 inactive.append((inputs.index(name), indices, values[indices]))
         return inactive
 
@@ -147,27 +149,32 @@ class Simulator:
         """Return the names of the states whose effects are not switched off."""
         return tuple(
             name
-            for name in self.book.states
+            for name in self.symbolic_model.states
             if name not in self._sizes_of_states
             or not np.array_equal(parameters[self._sizes_of_states[name]], self._off[self._sizes_of_states[name]])
         )
 
     def _with_states(self, parameters: bytes, unused: tuple[int, ...], states: tuple[str, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips and states."""
-        signals, book, values, inputs = self.signals, self.book, np.frombuffer(parameters), self._active(unused)
+        signals, model, values, inputs = (
+            self.signals,
+            self.symbolic_model,
+            np.frombuffer(parameters),
+            self._active(unused),
+        )
         if not signals.timed:
-            return equilibrium(book, self._code, inputs[:, signals.rows], values, states)
+            return equilibrium(model, self._code, inputs[:, signals.rows], values, states)
         slips = self._lagged(inputs, values)
 
         def simulated(starts: Mapping[str, FloatArray]) -> FloatArray:
-            simulation = Simulation(book, self._code, signals.t, inputs, values, False, slips, states, starts)
+            simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, slips, states, starts)
             guess = self._courses if signals.t is self._courses_at else {}
             rows = simulation.acting_with_linear_drives(guess, STATE_TOLERANCE)
             self._courses, self._courses_at = {name: rows[signals.names.index(name)] for name in states}, signals.t
             return rows
 
         rows = simulated({})
-        fitted = [name for name in states if book.states[name].start_is_fitted]
+        fitted = [name for name in states if model.states[name].start_is_fitted]
         return (self._with_fitted_starts(fitted, rows, values, simulated) if fitted else rows)[:, signals.rows]
 
     def _with_fitted_starts(
@@ -240,7 +247,7 @@ class Simulator:
     def at_nominal(self, role: str, parameters: FloatArray) -> float:
         """Return the quantity of a role at nominal inputs."""
         point = np.array([[self.tire.nominal(name)] for name in self.tire.inputs])
-        quantity = self._code.quantities_names.index(self.book.quantity(role))
+        quantity = self._code.quantities_names.index(self.symbolic_model.quantity(role))
         return float(self._code.quantities(point, parameters)[quantity, 0])
 
     def jacobian(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:

@@ -60,7 +60,7 @@ def memory_figure(diagnosis: Diagnosis, channel: str) -> Figure:
 
 
 def _unit(tire: Tire, state: str) -> str:
-    unit = tire.book.states[state].unit
+    unit = tire.symbolic_model.states[state].unit
     return "-" if unit == "1" else unit
 
 

@@ -132,11 +132,11 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     from tirefmu.symbolic.printers.pages.mathml import equation_mathml  # loads SymPy
 
     gained = after.has - before.has
-    old = after.book.as_written(before.has & after.book.effects.keys())
-    new = after.book.as_written(after.has)
-    effects = {line.name: line.effects for line in after.book.structure.lines}
+    old = after.symbolic_model.as_written(before.has & after.symbolic_model.effects.keys())
+    new = after.symbolic_model.as_written(after.has)
+    effects = {line.name: line.effects for line in after.symbolic_model.structure.lines}
     changed = []
-    for line in after.book.equations:
+    for line in after.symbolic_model.equations:
         name = line.symbol.name
         if gained.intersection(effects[name]) and old[name] != new[name] and not line.variant:
             written = line.acts_for or name

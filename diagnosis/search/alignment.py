@@ -53,7 +53,7 @@ def searched(search: Search) -> tuple[Screen, Search]:
     problem, solution = search.problem, search.solution
     skew = _skew(search, problem, solution)
     before, done = _run(search, problem, solution, skew)
-    relaxing = problem.simulator.book.relaxing_effects
+    relaxing = problem.simulator.symbolic_model.relaxing_effects
     lagging = {name for refit in done.found if refit.name in relaxing for name in refit.form.free}
     if not lagging or skew:
         return before, done
@@ -155,7 +155,7 @@ def _has_skew(problem: LeastSquares) -> bool:
 
 def _relaxed(search: Search, problem: LeastSquares, solution: Solution) -> Search | None:
     """Return a search that has accepted the relaxation effects that pass the criteria, or None."""
-    relaxing = problem.simulator.book.relaxing_effects
+    relaxing = problem.simulator.symbolic_model.relaxing_effects
     candidates = {name: one for name, one in search.candidates.items() if name in relaxing}
     trial = Search(problem, solution, candidates, lambda sentence: None)
     for _ in range(RELAXATIONS):

@@ -19,7 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 #: Probability below which the estimate over its standard error is used as it is: quantiles end at 1e-308.
-LEAST_P = 1e-260
+MIN_P = 1e-260
 #: Iterations of the fit without an effect.
 ITERATIONS = 6
 
@@ -178,4 +178,4 @@ def joint_z(size: float, coefficients: int) -> float:
     if size <= 0.0:
         return 0.0
     p = float(chdtrc(coefficients, size**2))
-    return float(-ndtri(p / 2.0)) if p > LEAST_P else size
+    return float(-ndtri(p / 2.0)) if p > MIN_P else size

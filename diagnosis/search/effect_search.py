@@ -234,7 +234,7 @@ class Search:
         follows the sliding, too: the error of its effect resembles an effect with states.
         """
         candidate = self.candidates.get(refit.name)
-        lags = refit.name in self.problem.simulator.book.relaxing_effects
+        lags = refit.name in self.problem.simulator.symbolic_model.relaxing_effects
         if candidate is None or not (lags or candidate.has_states or PAST.intersection(candidate.requires)):
             return False
         resembled = [
@@ -272,7 +272,7 @@ class Search:
     def _readable(self, form: Form) -> Form | None:
         """Return a form with the coefficients that influence a channel and are not yet free."""
         already_free, simulator = self.solution.free, self.problem.simulator
-        names = [n for n in readable(form.free, simulator.signals, simulator.book) if n not in already_free]
+        names = [n for n in readable(form.free, simulator.signals, simulator.symbolic_model) if n not in already_free]
         probes = tuple(probe for probe in form.probes if set(probe) & set(names))
         return replace(form, free=tuple(names), probes=probes) if names and probes else None
 

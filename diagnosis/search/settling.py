@@ -167,8 +167,8 @@ def _undetermined_refinements(search: Search, whitened: Screen) -> list[Refit]:
 
 def _coefficients(refit: Refit, search: Search) -> tuple[str, ...]:
     """Return the free coefficients that belong to an effect, also those of its refinements."""
-    book = search.problem.simulator.book
-    owned = book.owned(refit.name) if refit.name in book.effects else frozenset()
+    model = search.problem.simulator.symbolic_model
+    owned = model.owned(refit.name) if refit.name in model.effects else frozenset()
     return tuple(name for name in search.solution.free if name in refit.form.free or name in owned)
 
 

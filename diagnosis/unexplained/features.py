@@ -139,19 +139,19 @@ SLIP_OF_ROLE = {
 }
 
 
-def locations_of(book: Model) -> list[Location]:
+def locations_of(model: Model) -> list[Location]:
     """Return the locations of a model in which structure can act: those whose roles it declares.
 
     Examples
     --------
-    >>> from tirefmu.symbolic.models import model
-    >>> locations_of(model("mf96"))[0].coefficients
+    >>> from tirefmu.symbolic.models import model_named
+    >>> locations_of(model_named("mf96"))[0].coefficients
     ('PDX1', 'PDY1')
     """
-    declarations, found = book.coefficients, []
+    declarations, found = model.coefficients, []
     for name, (how, roles) in LOCATIONS.items():
-        acting = [role for role in roles if book.leading(role) in declarations]
-        available = [book.roles[role] for role in acting]
+        acting = [role for role in roles if model.leading(role) in declarations]
+        available = [model.roles[role] for role in acting]
         if available:
             quantities = tuple(dict.fromkeys(role.quantity for role in available))
             leading = tuple(dict.fromkeys(role.leading for role in available))
@@ -187,7 +187,7 @@ def directions(screen: Screen) -> dict[str, FloatArray]:
     screen : Screen
     """
     simulator, parameters = screen.problem.simulator, screen.solution.parameters
-    locations = locations_of(simulator.book)
+    locations = locations_of(simulator.symbolic_model)
     names = [name for location in locations for name in location.coefficients]
     jacobian = simulator.jacobian(parameters, names)
     responses = {}

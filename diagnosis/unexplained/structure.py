@@ -246,7 +246,7 @@ def _dictionary(screen: Screen) -> tuple[FloatArray, list[tuple[Location, Featur
     odd_pairs = [a * b for a in odd for b in expressible]
     at = {name: screen.problem.inverse_noise * acts for name, acts in directions(screen).items()}
     candidates: list[tuple[Location, Feature]] = []
-    for location in locations_of(screen.problem.simulator.book):
+    for location in locations_of(screen.problem.simulator.symbolic_model):
         if not np.any(at[location.name]):
             continue
         allowed = [*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even]

@@ -129,7 +129,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     next_measurement = tuple(
         dict.fromkeys(
             [
-                separating_measurement(name, other, outcome.start.book.detections)
+                separating_measurement(name, other, outcome.start.symbolic_model.detections)
                 for name, others in confounded.items()
                 for other in others
             ]
@@ -234,7 +234,7 @@ def _shown(response: Response, signals: Signals) -> tuple[str, ...]:
 def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Finding:
     solution = outcome.search.solution
     quantile = float(stdtrit(outcome.search.screen.n_blocks - 1, 0.975))
-    declarations, coefficients = outcome.start.book.coefficients, {}
+    declarations, coefficients = outcome.start.symbolic_model.coefficients, {}
     for name in refit.form.free:
         i = solution.free.index(name)
         value = float(solution.parameters[outcome.search.problem.simulator.index[name]])

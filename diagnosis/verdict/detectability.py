@@ -52,7 +52,7 @@ def detectable_sizes(
         elif lacking:
             not_identifiable[name] = f"{' and '.join(lacking)} does not vary or was not recorded"
         elif (rate := rows_per_second(signals)) < candidate.rate:
-            others = [pair.other for pair in start.book.detections[name].confounded]
+            others = [pair.other for pair in start.symbolic_model.detections[name].confounded]
             similar = f" to separate it from {' and '.join(others)}" if others else ""
             not_identifiable[name] = f"it requires {candidate.rate:g} rows per second{similar}, not {rate:.0f}"
         elif not excited(signals, start, candidate.requires):

@@ -110,7 +110,9 @@ def _change(
         return complete, complete - simulator.forces(tires[1])
 
     worst = np.zeros(len(signals.channels))
-    for edge, value in zip((lower, upper), outside(problem.simulator.book.inputs, name, lower, upper), strict=True):
+    for edge, value in zip(
+        (lower, upper), outside(problem.simulator.symbolic_model.inputs, name, lower, upper), strict=True
+    ):
         (complete, part), (_, beyond) = forces(edge), forces(value)
         size, moved = (np.sqrt(np.mean(values**2, axis=1)) for values in (complete, beyond - part))
         worst = np.maximum(worst, np.nan_to_num(moved / np.maximum(size, 1e-12)))

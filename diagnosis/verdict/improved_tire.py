@@ -30,7 +30,7 @@ def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Colle
     if "relax_load" in present:
         present.discard("relax_lat")
     read = {name for effect in start.added if effect.name in present for name in effect.reads}
-    nominal = {str(quantity.nominal) for quantity in start.book.inputs if quantity.name in read}
+    nominal = {str(quantity.nominal) for quantity in start.symbolic_model.inputs if quantity.name in read}
     used = tuple(  # also effects that are off but declare the nominal value of an input
         e for e in start.added if e.name in present or nominal & {declaration.name for declaration in e.declarations}
     )
@@ -38,7 +38,10 @@ def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Colle
     values = {name: value for name, value in start.values.items() if name not in unused}
     tire = replace(start, effects=tuple(present), added=used, values=values)
     index, factors = problem.simulator.index, tire.rescaled
-    values = {name: float(solution.parameters[index[name]]) / factors.get(name, 1.0) for name in tire.book.coefficients}
+    values = {
+        name: float(solution.parameters[index[name]]) / factors.get(name, 1.0)
+        for name in tire.symbolic_model.coefficients
+    }
     inputs = problem.simulator.signals.named()
     varied = [name for name in RANGES if name in inputs and np.ptp(inputs[name]) > 0.0]
     ranges = {name: (float(inputs[name].min()), float(inputs[name].max())) for name in varied}

@@ -21,7 +21,7 @@ ALONG, COMBINED = 13, 5
 #: Number of random tires.
 TIRES = 16
 #: Spread among tires, as a share of a force, below which an effect is taken not to act on it.
-LEAST_SHARE = 0.002
+MIN_SHARE = 0.002
 
 
 def operating_points(signals: Signals) -> FloatArray:
@@ -96,7 +96,7 @@ def undetermined_change(whitened: Screen, effects: Mapping[str, Collection[str]]
         without = solution.parameters.copy()
         without[indices] = absent[indices]
         change = _rms(np.nan_to_num(forces - simulator.forces(without)))
-        undetermined = (prior > LEAST_SHARE * _rms(forces)) & (posterior > MAX_UNCERTAINTY * prior)
+        undetermined = (prior > MIN_SHARE * _rms(forces)) & (posterior > MAX_UNCERTAINTY * prior)
         if undetermined.any():
             ratios[effect] = float((change[undetermined] / prior[undetermined]).max())
     return ratios

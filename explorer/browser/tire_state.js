@@ -24,7 +24,7 @@ function reached(lines, targets, effects) {
 
 /** Iterations of an equilibrium end when no state changes by more than this share; their largest number. */
 const CONVERGED = 1e-13;
-const MOST_ITERATIONS = 100;
+const MAX_ITERATIONS = 100;
 
 /** A tire whose coefficients and effects can be changed. */
 class TireState {
@@ -116,7 +116,7 @@ class TireState {
   acting(inputs, start = false) {
     const acting = this.silent(inputs);
     if (!this.states.length) return acting;
-    for (let i = 0; i < MOST_ITERATIONS; i += 1) {
+    for (let i = 0; i < MAX_ITERATIONS; i += 1) {
       const lines = this.code.quantities(acting, this.vector);
       let converged = true;
       for (const state of this.states) {

@@ -136,8 +136,8 @@ class _Block:
     """
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
-        self.value, _, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
-        each = _at_points(problem.tire.book, constraint.quantity, constraint.measure, points.shape[1])
+        self.value, _, reached = _functions(problem.tire.symbolic_model, constraint.quantity, constraint.measure)
+        each = _at_points(problem.tire.symbolic_model, constraint.quantity, constraint.measure, points.shape[1])
         self._values, self._with_gradients = (BufferedFunction(function) for function in each)
         for function in (self._values, self._with_gradients):
             function.arguments[0][:] = points.ravel(order="F")
@@ -190,37 +190,37 @@ def _joined(arrays: Iterable[npt.NDArray[Any]], kind: type = float) -> npt.NDArr
     return np.concatenate([np.zeros(0, dtype=kind), *arrays])
 
 
-def measured_values(book: Model, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
+def measured_values(model: Model, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
     """Return the values that a constraint bounds, at points.
 
     `points`, shape (n_inputs, n). `parameters`, shape (n_parameters,). Returns shape (n,): in the quantity's unit.
     """
-    value = BufferedFunction(_at_points(book, constraint.quantity, constraint.measure, points.shape[1])[0])
+    value = BufferedFunction(_at_points(model, constraint.quantity, constraint.measure, points.shape[1])[0])
     value.arguments[0][:] = points.ravel(order="F")
     value.arguments[1][:] = parameters
     return value()[0]
 
 
 @lru_cache(maxsize=256)
-def value_with_slopes(book: Model, quantity: str, measure: str) -> Any:
+def value_with_slopes(model: Model, quantity: str, measure: str) -> Any:
     """Return a function of inputs and parameters: the bounded value and its derivatives by the inputs."""
-    inputs, parameters, value = _expression(book, quantity, measure)
+    inputs, parameters, value = _expression(model, quantity, measure)
     slopes = ca.densify(ca.gradient(value, inputs))
     return ca.Function(f"{quantity}_{measure}_slopes", [inputs, parameters], [value, slopes])
 
 
 @lru_cache(maxsize=1024)
-def _at_points(book: Model, quantity: str, measure: str, n: int) -> tuple[Any, Any]:
+def _at_points(model: Model, quantity: str, measure: str, n: int) -> tuple[Any, Any]:
     """Return the bounded value, and the value with its nonzero derivatives, at n points with equal parameters."""
-    value, with_gradient, _ = _functions(book, quantity, measure)
+    value, with_gradient, _ = _functions(model, quantity, measure)
     parameters = 1  # index of the argument that all points share
     return tuple(each.map(f"{each.name()}_{n}", "serial", n, [parameters], []) for each in (value, with_gradient))
 
 
 @lru_cache(maxsize=256)
-def _functions(book: Model, quantity: str, measure: str) -> tuple[Any, Any, tuple[int, ...]]:
+def _functions(model: Model, quantity: str, measure: str) -> tuple[Any, Any, tuple[int, ...]]:
     """Return the bounded value, the value with its nonzero derivatives, and the parameters of these derivatives."""
-    inputs, parameters, value = _expression(book, quantity, measure)
+    inputs, parameters, value = _expression(model, quantity, measure)
     gradient = ca.jacobian(value, parameters)
     reached = tuple(int(column) for column in gradient.sparsity().get_triplet()[1])
     nonzeros = ca.vertcat(*gradient.nonzeros()) if reached else ca.SX(0, 1)
@@ -232,10 +232,10 @@ def _functions(book: Model, quantity: str, measure: str) -> tuple[Any, Any, tupl
     )
 
 
-def _expression(book: Model, quantity: str, measure: str) -> tuple[Any, Any, Any]:
+def _expression(model: Model, quantity: str, measure: str) -> tuple[Any, Any, Any]:
     """Return symbols of inputs and parameters, and the bounded value."""
-    module = numpy_module(book)
-    inputs, parameters, quantities = _quantities(book)
+    module = numpy_module(model)
+    inputs, parameters, quantities = _quantities(model)
     value = quantities[module.QUANTITIES.index(quantity)]
     if measure != "value":
         load = inputs[module.INPUTS.index("Fz")]
@@ -245,7 +245,7 @@ def _expression(book: Model, quantity: str, measure: str) -> tuple[Any, Any, Any
 
 
 @lru_cache(maxsize=16)
-def _quantities(book: Model) -> tuple[Any, Any, Any]:
+def _quantities(model: Model) -> tuple[Any, Any, Any]:
     """Return symbols of inputs and parameters, and all named quantities as expressions of them."""
-    inputs, parameters = ca.SX.sym("inputs", len(book.inputs)), ca.SX.sym("parameters", len(book.parameters))
-    return inputs, parameters, casadi_expression(book, "quantities", inputs, parameters)
+    inputs, parameters = ca.SX.sym("inputs", len(model.inputs)), ca.SX.sym("parameters", len(model.parameters))
+    return inputs, parameters, casadi_expression(model, "quantities", inputs, parameters)

@@ -19,11 +19,11 @@ FloatArray = npt.NDArray[np.float64]
 #: input. A quantity has few extrema, and one on each side of a jump at zero slip.
 STARTS, APART = 4, 0.15
 #: Slope of a minimum, in sizes of the constraint over the range of an input, not counting slopes out of the range.
-LEAST_SLOPE = 1e-9
+MIN_SLOPE = 1e-9
 
 
 def local_extrema(
-    book: Model,
+    model: Model,
     constraint: Constraint,
     points: FloatArray,
     distance: FloatArray,
@@ -41,7 +41,7 @@ def local_extrema(
     if not varied:
         return points[:, :0], np.zeros(0)
     low, high = np.array(list(within.values()))[varied].T
-    function = BufferedFunction(value_with_slopes(book, constraint.quantity, constraint.measure))
+    function = BufferedFunction(value_with_slopes(model, constraint.quantity, constraint.measure))
     function.arguments[1][:] = parameters
     found = [
         _descend(function, constraint, points[:, start], varied, low, high - low)
@@ -90,7 +90,7 @@ def _descend(
     def downhill(scaled: FloatArray, slopes: FloatArray) -> FloatArray:
         """Return the descent within the range; 0 at a minimum."""
         descent = np.clip(scaled - sign * slopes / constraint.size, 0.0, 1.0) - scaled
-        return np.where(np.abs(descent) > LEAST_SLOPE, descent, 0.0)
+        return np.where(np.abs(descent) > MIN_SLOPE, descent, 0.0)
 
     descent = downhill(start, slopes)
     if not descent.any():
@@ -107,7 +107,7 @@ def _descend(
 
     end = minimize(
         objective, start, jac=True, method="L-BFGS-B", bounds=[(0.0, 1.0)] * len(varied),
-        options={"ftol": 1e-13, "gtol": LEAST_SLOPE, "maxiter": 50},
+        options={"ftol": 1e-13, "gtol": MIN_SLOPE, "maxiter": 50},
     )  # fmt: skip
     if end.fun < sign * value / constraint.size:
         return at(end.x), sign * constraint.size * float(end.fun)

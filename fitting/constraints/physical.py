@@ -31,7 +31,7 @@ import pandas as pd
 
 from tirefmu.symbolic.contract import PhysicalConstraint
 from tirefmu.symbolic.errors import UnknownName
-from tirefmu.symbolic.models import model as model_of
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
@@ -97,7 +97,7 @@ def declared_constraints(model: str) -> dict[str, tuple[Constraint, ...]]:
     >>> declared_constraints("mf96")["Mz"][0].text
     'C_t > 0'
     """
-    declared = model_of(model).constraints
+    declared = model_named(model).constraints
     return {output: tuple(Constraint(**vars(each)) for each in own) for output, own in declared.items()}
 
 

@@ -19,7 +19,7 @@ from .physical import TOLERANCE, Constraint, grid
 FloatArray = npt.NDArray[np.float64]
 #: Densities of the grid for verification in final and intermediate stages; largest number of points that are added at
 #: a time for a violated constraint.
-VERIFIED, APPROACHED, MOST_ADDED = 4, 2, 12
+VERIFIED, APPROACHED, MAX_ADDED = 4, 2, 12
 #: Decimal digits of the margin to which the points of one extremum agree.
 EQUAL_DIGITS = 9
 #: Margin on the grid, in sizes of the constraint, below which a violation is sought between the grid points after each
@@ -63,7 +63,7 @@ class VerifiedConstraints:
         ranges: Mapping[str, tuple[float, float]],
     ) -> None:
         self.violated: list[ConstraintPoints] = []
-        self._book, self._inputs, self._ranges = tire.book, tire.inputs, dict(ranges)
+        self._book, self._inputs, self._ranges = tire.symbolic_model, tire.inputs, dict(ranges)
         self._nominal = {name: tire.nominal(name) for name in tire.inputs}
         self._by_output = {
             output: [each for each in own if not each.effect or each.effect in tire.has]
@@ -94,7 +94,7 @@ class VerifiedConstraints:
             outside = outside[np.unique(np.round(distance[outside], EQUAL_DIGITS), return_index=True)[1]]
             if outside.size:
                 order = outside[np.argsort(distance[outside], kind="stable")]
-                some = np.unique(np.linspace(0, len(order) - 1, MOST_ADDED).astype(int))
+                some = np.unique(np.linspace(0, len(order) - 1, MAX_ADDED).astype(int))
                 found.append((constraint, points[:, order[some]]))
         self.violated += found
         return found

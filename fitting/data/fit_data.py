@@ -22,15 +22,15 @@ from tirefmu.measurements.quality.row_exclusion import check_inputs
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
-#: The inputs of which at least one has to vary by `LEAST_VARIATION` for a channel to be fitted; none for My.
+#: The inputs of which at least one has to vary by `MIN_VARIATION` for a channel to be fitted; none for My.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
-LEAST_VARIATION = 0.01
+MIN_VARIATION = 0.01
 #: Weights of rows: equal for each operating condition of a recording, equal for each row, equal for each operating
 #: condition with each channel of a recording weighted by its effective sample size, or as for conditions with errors
 #: relative to the load.
 ROWS = ("condition", "equal", "independent", "load")
 #: Smallest load, relative to the largest, to which errors are relative. Judgement: a row near lift-off is all noise.
-LEAST_LOAD = 0.1
+MIN_LOAD = 0.1
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class FitData:
 
 def prepare(
     recordings: Sequence[Recording],
-    book: Model,
+    model: Model,
     *,
     screening: bool = True,
     rows: str = "condition",
@@ -105,13 +105,13 @@ def prepare(
         weight = _weights(recording, included, rows)
         segment = recording.segment_numbers() + segments
         segments = int(segment[-1]) + 1
-        table, unfitted_here = _without_information(recording.with_signs("adapted-sae").table, included, book)
+        table, unfitted_here = _without_information(recording.with_signs("adapted-sae").table, included, model)
         unfitted += [f"{recording.source}: {note}" for note in unfitted_here]
         tables.append(table.assign(recording=number, segment=segment, included=included, weight=weight))
     data = pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0].reset_index(drop=True)
     if not data["included"].any():
         raise DataError(f"all rows are excluded (--all-rows includes them): {'; '.join(map(str, excluded_rows))}")
-    outputs = [quantity.name for quantity in book.outputs]
+    outputs = [quantity.name for quantity in model.outputs]
     if not any(name in data and data.loc[data["included"], name].notna().any() for name in outputs):
         raise FitError(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
@@ -126,7 +126,7 @@ def _weights(recording: Recording, included: npt.NDArray[np.bool_], rows: str) -
     weight = group_by_condition(recording).weights(included)
     if rows == "load" and "Fz" in recording.table and included.any():
         load = np.abs(_levelled(recording.table["Fz"]))
-        weight = weight / np.maximum(load, LEAST_LOAD * load[included].max()) ** 2
+        weight = weight / np.maximum(load, MIN_LOAD * load[included].max()) ** 2
         weight = weight / weight[included].mean()
     return weight
 
@@ -152,7 +152,7 @@ def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[Exclud
 
 
 def _without_information(
-    table: pd.DataFrame, included: npt.NDArray[np.bool_], book: Model
+    table: pd.DataFrame, included: npt.NDArray[np.bool_], model: Model
 ) -> tuple[pd.DataFrame, list[str]]:
     """Set channels to NaN that have no information in a recording: the slip or the channel does not vary.
 
@@ -161,9 +161,9 @@ def _without_information(
     """
     notes = []
     fitted = table if included.all() else table[included]
-    for channel in (quantity.name for quantity in book.outputs if quantity.name in table):
+    for channel in (quantity.name for quantity in model.outputs if quantity.name in table):
         by = EXCITED_BY[channel]
-        if by and not any(slip in table and _width(fitted[slip]) >= LEAST_VARIATION for slip in by):
+        if by and not any(slip in table and _width(fitted[slip]) >= MIN_VARIATION for slip in by):
             table = table.assign(**{channel: np.nan})
             notes.append(f"{channel} is not fitted, {' or '.join(by)} does not vary there")
             continue

@@ -25,9 +25,9 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Largest magnitude of the other slip and of the inclination that counts as zero.
 PURE = {"kappa": 0.01, "alpha": radians(1.0), "gamma": radians(1.0)}
-FEWEST_ROWS = 12
+MIN_ROWS = 12
 #: Largest number of rows for a curve with four parameters; more rows do not improve it.
-MOST_ROWS = 2000
+MAX_ROWS = 2000
 #: A curve has reached its peak if it exceeds this share of its height.
 FLATTENED = 0.9
 #: Quantile of the magnitude that is the size of a force; single outliers do not affect it.
@@ -85,10 +85,10 @@ def starting_values(tire: Tire, table: pd.DataFrame) -> dict[str, float]:
     `tire`: in adapted SAE; its effects determine the coefficients. `table`: measured rows in adapted SAE. Returns:
     within the bounds of the coefficients' declarations, in adapted SAE.
     """
-    live = tire.book.live(tire.has)
+    live = tire.symbolic_model.live(tire.has)
     values: dict[str, float] = {}
     for name, reading in readings(table).items():
-        role = tire.book.roles.get(name, Role(""))
+        role = tire.symbolic_model.roles.get(name, Role(""))
         names = [name for name in role.coefficients if name in live][: len(reading.loads)]
         if names:
             values.update(_solved(tire, role.quantity, reading, names))
@@ -106,7 +106,7 @@ def _pure(table: pd.DataFrame, force: str, slip: str, other: str) -> list[pd.Dat
         inclined = np.abs(table["gamma"].to_numpy())
         chosen &= inclined <= inclined[chosen].min() + PURE["gamma"]
     rows = table[chosen]
-    if len(rows) < FEWEST_ROWS:
+    if len(rows) < MIN_ROWS:
         return []
     load = rows["Fz"].to_numpy()
     held = np.array(levels(rows["Fz"]))
@@ -115,12 +115,12 @@ def _pure(table: pd.DataFrame, force: str, slip: str, other: str) -> list[pd.Dat
     else:
         nearest = np.searchsorted(np.quantile(load, np.linspace(0, 1, PARTS + 1)[1:-1]), load)
     parts = (rows[nearest == number] for number in np.unique(nearest))
-    return [part.sample(MOST_ROWS, random_state=0) if len(part) > MOST_ROWS else part for part in parts]
+    return [part.sample(MAX_ROWS, random_state=0) if len(part) > MAX_ROWS else part for part in parts]
 
 
 def _curve(slip: FloatArray, force: FloatArray) -> dict[str, float]:
     """Return slope at zero, shift, and height if the sweep reaches the peak; empty without a slope."""
-    if len(slip) < FEWEST_ROWS or not slip.min() < 0 < slip.max():
+    if len(slip) < MIN_ROWS or not slip.min() < 0 < slip.max():
         return {}
     size, reach = float(np.quantile(np.abs(force), SIZE_QUANTILE)), float(np.abs(slip).max())
     if not size > 0:
@@ -144,7 +144,7 @@ def _curve(slip: FloatArray, force: FloatArray) -> dict[str, float]:
 def _trail(part: pd.DataFrame) -> dict[str, float]:
     """Return the trail at zero slip and its rate of decrease, from aligning moment and side force."""
     part = part[part["Mz"].notna()] if "Mz" in part else part[:0]
-    if len(part) < FEWEST_ROWS:
+    if len(part) < MIN_ROWS:
         return {}
     alpha, force, moment = (part[name].to_numpy(dtype=float) for name in ("alpha", "Fy", "Mz"))
     size, reach = float(np.quantile(np.abs(moment), SIZE_QUANTILE)), float(np.abs(alpha).max())
@@ -164,14 +164,14 @@ def _trail(part: pd.DataFrame) -> dict[str, float]:
 
 def _solved(tire: Tire, quantity: str, reading: Reading, names: list[str]) -> dict[str, float]:
     """Return the coefficients by least squares between a quantity and its reading."""
-    book, code = tire.book, fastest_code(tire.book, len(reading.loads))
+    model, code = tire.symbolic_model, fastest_code(tire.symbolic_model, len(reading.loads))
     index = code.quantities_names.index(quantity)
-    order = list(book.parameters)
+    order = list(model.parameters)
     columns = [order.index(name) for name in names]
     points = np.array([np.full(len(reading.loads), tire.nominal(name)) for name in tire.inputs])
     for name, row in zip(tire.inputs, points, strict=True):
         row[:] = reading.loads if name == "Fz" else 0.0 if name in ("kappa", "alpha", "gamma", "phit") else row
-    declarations = [book.coefficients[name] for name in names]
+    declarations = [model.coefficients[name] for name in names]
     factors = np.array([tire.rescaled.get(name, 1.0) for name in names])
     size = float(np.abs(reading.values).max()) or 1.0
 

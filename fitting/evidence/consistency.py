@@ -25,9 +25,9 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 #: Fewest rows of each side of a comparison, and of each side in a cell.
-FEWEST_ROWS, FEWEST_IN_CELL = 50, 3
+MIN_ROWS, MIN_IN_CELL = 50, 3
 #: Least range of a swept slip.
-LEAST_SWEEP = 0.05
+MIN_SWEEP = 0.05
 #: Least rate of a changing slip, relative to the 90 % quantile of its rate.
 MOVES = 0.25
 #: Number of rows over which a slip is averaged before its rate is computed.
@@ -123,7 +123,7 @@ def _swept(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> bool
     if slip not in residuals.table:
         return False
     values = residuals.table[slip].iloc[rows_of_recording]
-    return bool(np.ptp(values.to_numpy()) >= LEAST_SWEEP) and not held_levels(values)
+    return bool(np.ptp(values.to_numpy()) >= MIN_SWEEP) and not held_levels(values)
 
 
 def _direction(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> FloatArray:
@@ -150,7 +150,7 @@ def _compared(
     chosen = [side[np.isfinite(values[side])] for side in sides]
     shared = _shared_cells(residuals.cell, chosen)
     rows = [side[np.isin(residuals.cell[side], shared)] for side in chosen]
-    if min(len(side) for side in rows) < FEWEST_ROWS:
+    if min(len(side) for side in rows) < MIN_ROWS:
         return None
     sums = [_by_cell(shared, residuals.cell[side], values[side]) for side in rows]
     (n1, mean1, var1), (n2, mean2, var2) = sums
@@ -170,7 +170,7 @@ def _compared(
     worst = max(by_condition, key=lambda c: abs(by_condition[c]))
     typical = float(weight @ difference**2 - weight @ noise) / total
     sign = residuals.sign(channel)
-    unit = next(output.unit for output in residuals.tire.book.outputs if output.name == channel)
+    unit = next(output.unit for output in residuals.tire.symbolic_model.outputs if output.name == channel)
     return Disagreement(
         channel, unit, *names, sign * mean, max(typical, 0.0) ** 0.5, sign * mean / sd if sd > 0 else 0.0,
         min(len(side) for side in rows), residuals.at(int(worst)), sign * float(by_condition[worst]),
@@ -180,7 +180,7 @@ def _compared(
 def _shared_cells(cell: IntArray, sides: Sequence[IntArray]) -> IntArray:
     """Return the cells in which both sides have enough rows."""
     (first, n1), (second, n2) = (np.unique(cell[side], return_counts=True) for side in sides)
-    return np.intersect1d(first[n1 >= FEWEST_IN_CELL], second[n2 >= FEWEST_IN_CELL])
+    return np.intersect1d(first[n1 >= MIN_IN_CELL], second[n2 >= MIN_IN_CELL])
 
 
 def _by_cell(shared: IntArray, cell: IntArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

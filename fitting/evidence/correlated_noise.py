@@ -18,7 +18,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 #: Largest correlation phi of neighboring rows: a memory of 500 rows. Chunks of rows are much longer.
-MOST_CORRELATED = 0.998
+MAX_CORRELATED = 0.998
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class NoiseCorrelation:
         neighbors = max(float((residual[1:] * residual[:-1])[together].sum()) / power, 0.0)
         # length = 1 + 2 share decay / (1 - decay), neighbors = share decay, and the share is 1 at most.
         decay = max(1.0 - 2.0 * neighbors / (length - 1.0), (length - 1.0) / (length + 1.0))
-        decay = min(decay, MOST_CORRELATED)
+        decay = min(decay, MAX_CORRELATED)
         return cls(min(0.5 * (length - 1.0) * (1.0 - decay) / decay, 1.0), decay)
 
     def covariance(self, weights: FloatArray, segment: IntArray) -> FloatArray:

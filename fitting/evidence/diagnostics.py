@@ -17,7 +17,7 @@ from .slip_stiffness import SlipStiffness, slip_stiffnesses
 from .undetermined import Undetermined, at_bounds, undetermined
 
 #: Fewest rows of an operating condition that is reported.
-FEWEST_ROWS = 20
+MIN_ROWS = 20
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
     """
     if not residuals.levels:
         return ()
-    units = {output.name: output.unit for output in residuals.tire.book.outputs}
+    units = {output.name: output.unit for output in residuals.tire.symbolic_model.outputs}
     records = []
     for number, source in enumerate(residuals.sources):
         for channel in residuals.channels:
@@ -101,7 +101,7 @@ def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
             conditions, index = np.unique(residuals.condition[here], return_inverse=True)
             rows = np.bincount(index, minlength=len(conditions))
             squares, sums = (np.bincount(index, each, len(conditions)) for each in (values[here] ** 2, values[here]))
-            for k in np.flatnonzero(rows >= FEWEST_ROWS):
+            for k in np.flatnonzero(rows >= MIN_ROWS):
                 rmse, mean = float(np.sqrt(squares[k] / rows[k])), residuals.sign(channel) * float(sums[k] / rows[k])
                 at = residuals.at(int(conditions[k]))
                 records.append(ConditionFit(source, channel, units[channel], at, int(rows[k]), rmse, mean))

@@ -28,11 +28,11 @@ def standard_errors(
     `covariance`: of coefficients by name, in their units and the signs of the tire. All others are known. Returns shape
     (n,): in the unit of the quantity. Raises `UnknownName` if the model has no such output or quantity.
     """
-    function, reached = _with_derivatives(tire.book, name)
+    function, reached = _with_derivatives(tire.symbolic_model, name)
     n = inputs.shape[1]
     rows, parameters = tire.effective_inputs(inputs), tire.parameters()
     values, slopes = function.map(n)(rows, np.repeat(parameters[:, None], n, axis=1))
-    names = [list(tire.book.parameters)[column] for column in reached]
+    names = [list(tire.symbolic_model.parameters)[column] for column in reached]
     shared = [i for i, each in enumerate(names) if each in covariance.index]
     factors = np.array([tire.rescaled.get(names[i], 1.0) for i in shared])
     jacobian = np.array(slopes).reshape(len(reached), n)[shared] * factors[:, None]
@@ -42,17 +42,17 @@ def standard_errors(
 
 
 @lru_cache(maxsize=64)
-def _with_derivatives(book: Model, name: str) -> tuple[Any, tuple[int, ...]]:
+def _with_derivatives(model: Model, name: str) -> tuple[Any, tuple[int, ...]]:
     """Return an output or a quantity with its nonzero derivatives by parameters, and these parameters."""
-    outputs = [quantity.name for quantity in book.outputs]
-    quantities = numpy_module(book).QUANTITIES
+    outputs = [quantity.name for quantity in model.outputs]
+    quantities = numpy_module(model).QUANTITIES
     if name not in (*outputs, *quantities):
-        raise UnknownName(f"output or quantity of {book.name}", name, [*outputs, *quantities])
-    inputs, parameters = ca.SX.sym("inputs", len(book.inputs)), ca.SX.sym("parameters", len(book.parameters))
+        raise UnknownName(f"output or quantity of {model.name}", name, [*outputs, *quantities])
+    inputs, parameters = ca.SX.sym("inputs", len(model.inputs)), ca.SX.sym("parameters", len(model.parameters))
     if name in outputs:
-        value = casadi_expression(book, "forces", inputs, parameters)[outputs.index(name)]
+        value = casadi_expression(model, "forces", inputs, parameters)[outputs.index(name)]
     else:
-        value = casadi_expression(book, "quantities", inputs, parameters)[quantities.index(name)]
+        value = casadi_expression(model, "quantities", inputs, parameters)[quantities.index(name)]
     gradient = ca.jacobian(value, parameters)
     reached = tuple(int(column) for column in gradient.sparsity().get_triplet()[1])
     slopes = ca.vertcat(*gradient.nonzeros()) if reached else ca.SX(0, 1)

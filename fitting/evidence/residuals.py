@@ -58,7 +58,7 @@ class Residuals:
     def computed(self) -> Mapping[str, FloatArray]:
         """The tire's channels at every row, each of shape (n,)."""
         found = {name: np.empty(len(self.table)) for name in self.channels}
-        code, parameters = fastest_code(self.tire.book), self.tire.parameters()
+        code, parameters = fastest_code(self.tire.symbolic_model), self.tire.parameters()
         for start in range(0, len(self.table), BLOCK):  # few rows at a time: all inputs and outputs are much memory
             rows = slice(start, start + BLOCK)
             inputs = Rows.of(self.table.iloc[rows], self.tire, ()).inputs

@@ -58,7 +58,7 @@ def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[
     found = once_per_revolution(t, speed, values, residuals.segment[rows], radius)
     if found is None:
         return
-    units = {output.name: output.unit for output in residuals.tire.book.outputs}
+    units = {output.name: output.unit for output in residuals.tire.symbolic_model.outputs}
     for i, channel in enumerate(channels):
         yield Ripple(
             residuals.sources[number], channel, units[channel], float(found.amplitude[i]), float(found.share[i]),

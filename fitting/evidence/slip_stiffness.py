@@ -21,7 +21,7 @@ IntArray = npt.NDArray[np.int64]
 #: The force of each slip.
 FORCES = {"kappa": "Fx", "alpha": "Fy"}
 #: Standard errors that a slope has to exceed: 20 %, twice as much as the errors of interest. Judgement.
-LEAST_SIGNIFICANT = 5.0
+MIN_SIGNIFICANT = 5.0
 #: Relative deviation of the slope of a formula from that of a tire: no Magic Formula follows the slip stiffness of a
 #: measured tire over five loads within 3 %. Judgement.
 MODEL_ERROR = 0.05
@@ -147,7 +147,7 @@ def slope_targets(residuals: Residuals) -> tuple[SlopeTarget, ...]:
 def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> Iterator[tuple[float, Slope]]:
     """Yield load and slope of each operating condition with rows near zero slip, in rows of the table.
 
-    A slope within `LEAST_SIGNIFICANT` of its standard errors is not one.
+    A slope within `MIN_SIGNIFICANT` of its standard errors is not one.
     """
     table = residuals.table
     measured = table[channel].to_numpy(dtype=float)
@@ -160,6 +160,6 @@ def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> Itera
     for condition in np.unique(residuals.condition[near]):
         rows = np.flatnonzero(near & (residuals.condition == condition))
         slope = read_slope(x[rows], measured[rows], SLOPE_WINDOW[slip])
-        if abs(slope.value) > LEAST_SIGNIFICANT * slope.error:
+        if abs(slope.value) > MIN_SIGNIFICANT * slope.error:
             load = float(table["Fz"].to_numpy()[rows].mean())
             yield load, replace(slope, rows=rows[slope.rows])

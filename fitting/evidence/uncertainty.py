@@ -34,9 +34,9 @@ FloatArray = npt.NDArray[np.float64]
 QUANTILE = 1.959964
 #: A direction is not identifiable if its standard deviation exceeds one typical size of its coefficients (a quarter of
 #: their plausible range), or if its curvature is less than this share of the largest curvature.
-LARGEST_SD, LEAST_CURVATURE = 1.0, 1e-13
+LARGEST_SD, MIN_CURVATURE = 1.0, 1e-13
 #: Least squared component of a coefficient that belongs to a direction.
-LEAST_PART = 0.1
+MIN_PART = 0.1
 #: Rows of the Jacobian at a time: they stay in the processor's cache. With a multiple of 64 the derivatives of a row
 #: would share a few lines of it.
 CHUNK = 2040
@@ -142,7 +142,7 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncer
     if not unfixed.size:
         return Uncertainty({}, (), effective, pd.DataFrame(dtype=np.float64), pd.DataFrame(dtype=np.float64))
     values, vectors = np.linalg.eigh(curvature[np.ix_(unfixed, unfixed)])
-    identified = values > LEAST_CURVATURE * max(float(values[-1]), 0.0)
+    identified = values > MIN_CURVATURE * max(float(values[-1]), 0.0)
     inverse = np.where(identified, 1.0 / np.where(identified, values, 1.0), 0.0)
     # Covariance in the basis of the eigenvectors.
     spread = vectors.T @ middle[np.ix_(unfixed, unfixed)] @ vectors * np.outer(inverse, inverse)
@@ -156,7 +156,7 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncer
     spread[unidentified, :] = spread[:, unidentified] = 0.0
     spread[unidentified, unidentified] = LARGEST_SD**2
     variance = np.einsum("ik,kl,il->i", vectors, spread, vectors)
-    undetermined = np.sum(vectors[:, unidentified] ** 2, axis=1) > LEAST_PART
+    undetermined = np.sum(vectors[:, unidentified] ** 2, axis=1) > MIN_PART
     scale = problem.scale[unfixed]
     half = np.where(undetermined, np.inf, QUANTILE * np.sqrt(np.maximum(variance, 0.0)) * scale)
     covariance = vectors @ spread @ vectors.T * np.outer(scale, scale)
@@ -226,4 +226,4 @@ def _add_scores(
 
 def _members(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:
     order = np.argsort(-np.abs(vector), kind="stable")
-    return tuple(names[i] for i in order if vector[i] ** 2 > LEAST_PART)
+    return tuple(names[i] for i in order if vector[i] ** 2 > MIN_PART)

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
-from ..problem.weights import LEAST_NOISE, OWN_SLIP
+from ..problem.weights import MIN_NOISE, OWN_SLIP
 from .residuals import Residuals
 from .uncertainty import LARGEST_SD
 
@@ -123,12 +123,12 @@ class _Identifiability:
 
     @cached_property
     def _sigma(self) -> Mapping[str, float]:
-        """The noise of each channel, at least `LEAST_NOISE` of its signal."""
+        """The noise of each channel, at least `MIN_NOISE` of its signal."""
         residual_values, table = self.residuals.measured_minus_computed, self.residuals.table
         return {
             name: max(
                 _root_mean_square(residual_values[name]),
-                LEAST_NOISE * _root_mean_square(table[name].to_numpy(dtype=float)),
+                MIN_NOISE * _root_mean_square(table[name].to_numpy(dtype=float)),
             )
             for name in self.residuals.channels
         }
@@ -167,10 +167,12 @@ class _Identifiability:
     ) -> FloatArray:
         """Return the information matrix of rows, for the measured channels or for one channel."""
         tire = self._tire
-        order = list(tire.book.parameters)
+        order = list(tire.symbolic_model.parameters)
         columns = np.array([order.index(name) for name in self.free])
         reach = self._sizes * np.array([tire.rescaled.get(name, 1.0) for name in self.free])
-        jacobian = fastest_code(tire.book).jacobian_parameters(tire.effective_inputs(inputs), tire.parameters())
+        jacobian = fastest_code(tire.symbolic_model).jacobian_parameters(
+            tire.effective_inputs(inputs), tire.parameters()
+        )
         matrix = np.zeros((len(self.free), len(self.free)))
         for name, sigma in self._sigma.items():
             part = np.nan_to_num(jacobian[:, tire.outputs.index(name), columns]) * reach
@@ -181,7 +183,7 @@ class _Identifiability:
 
     @cached_property
     def _sizes(self) -> FloatArray:
-        declarations = [self._tire.book.coefficients[name] for name in self.free]
+        declarations = [self._tire.symbolic_model.coefficients[name] for name in self.free]
         spans = [0.25 * (declaration.upper - declaration.lower) for declaration in declarations]
         return np.array([span if np.isfinite(span) else 1.0 for span in spans])
 

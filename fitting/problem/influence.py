@@ -33,9 +33,9 @@ def influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
     The Jacobian is evaluated at the present values and at two random points nearby: if a factor is 0, the coefficients
     that it multiplies have no influence at the present values.
     """
-    book, code = tire.book, fastest_code(tire.book)
-    order = list(book.parameters)
-    declarations = [book.coefficients[name] for name in names]
+    model, code = tire.symbolic_model, fastest_code(tire.symbolic_model)
+    order = list(model.parameters)
+    declarations = [model.coefficients[name] for name in names]
     columns, factors = np.array([order.index(name) for name in names], dtype=int), tire.rescaled
     sizes = np.array(
         [typical_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in declarations]

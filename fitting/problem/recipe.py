@@ -20,7 +20,7 @@ from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS
-from tirefmu.symbolic.models import model as model_of
+from tirefmu.symbolic.models import model_named
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling")
@@ -110,7 +110,7 @@ class Recipe:
     scales: bool = False
 
 
-def load_recipe(name: str | None, model: str) -> Recipe:
+def load_recipe(name: str | None, model_name: str) -> Recipe:
     """Return a recipe by name or from a TOML file.
 
     Parameters
@@ -136,32 +136,32 @@ def load_recipe(name: str | None, model: str) -> Recipe:
     >>> len(load_recipe("trento", "mf96").stages)
     13
     """
-    book = model_of(model)
-    name = book.recipe if name is None else name
-    if name in book.recipes or name in RECIPES:
-        folder = files(book.folder) if name in book.recipes else files("tirefmu.fitting") / "recipes"
+    model = model_named(model_name)
+    name = model.recipe if name is None else name
+    if name in model.recipes or name in RECIPES:
+        folder = files(model.folder) if name in model.recipes else files("tirefmu.fitting") / "recipes"
         where = f"recipe {name}"
         content = toml_content((folder / f"{name}.toml").read_text(encoding="utf-8"), where, FitError)
     elif name.endswith(".toml"):
         where, content = name, toml_file(Path(name), FitError)
     else:
-        raise UnknownName("recipe", name, (*RECIPES, *book.recipes))
+        raise UnknownName("recipe", name, (*RECIPES, *model.recipes))
     _check_keys(content, RECIPE_KEYS, where)
     models = content.get("models", list(MODELS))
-    if model not in models:
+    if model_name not in models:
         raise FitError(f"{where} is for {', '.join(models)}, not for {model}")
-    stages = tuple(_stage(item, book, where) for item in content.get("stage", []))
+    stages = tuple(_stage(item, model, where) for item in content.get("stage", []))
     if not stages:
         raise FitError(f"{where}: no [[stage]]")
     own = content.get("name", Path(name).stem), content.get("description", "")
     return Recipe(*own, stages, content.get("scales", False))
 
 
-def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
+def _stage(item: dict[str, Any], model: Model, where: str) -> Stage:
     _check_kind(item, dict, f"{where}, stage")
     location = f"{where}, stage {item.get('name', '?')!r}"
     _check_keys(item, STAGE_KEYS, location)
-    inputs = [quantity.name for quantity in book.inputs]
+    inputs = [quantity.name for quantity in model.inputs]
     channels, effects, rows = item.get("channels", []), item.get("effects"), item.get("rows")
     sections = item.get("sections", [])
     for channel in channels:
@@ -171,11 +171,11 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
             f"section in {location}", section, {s.title: s for known in MODELS.values() for s in known.sections}
         )
     for coefficient in item.get("free", {}):
-        _check_name(f"coefficient in {location}", coefficient, book.coefficients)
+        _check_name(f"coefficient in {location}", coefficient, model.coefficients)
     for channel in item.get("where", {}):
         _check_name(f"input in {location}", channel, inputs)
     for effect in effects or ():
-        _check_name(f"effect in {location}", effect, {**EFFECTS, **book.effects})
+        _check_name(f"effect in {location}", effect, {**EFFECTS, **model.effects})
     for channel in item.get("hold", []):
         _check_name(f"held input without a condition in {location}", channel, item.get("where", {}))
     weights = item.get("weights", "equal")
@@ -194,7 +194,7 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
         hold=tuple(item.get("hold", [])),
         free={name: _freed(given, f"{location}, {name}") for name, given in item.get("free", {}).items()},
         sections=tuple(sections),
-        effects=None if effects is None else tuple(sorted(set(effects) & book.effects.keys())),
+        effects=None if effects is None else tuple(sorted(set(effects) & model.effects.keys())),
         rows=rows,
         weights=weights,
         again=tuple(_values(given, f"{location}, again") for given in item.get("again", [])),
@@ -205,7 +205,7 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
 def _values(given: dict[str, float], location: str) -> dict[str, float]:
     """Return initial values; a stage ignores those of coefficients that the model does not have."""
     _check_kind(given, dict, location)
-    known = {name: declaration for book in MODELS.values() for name, declaration in book.coefficients.items()}
+    known = {name: declaration for model in MODELS.values() for name, declaration in model.coefficients.items()}
     for name, value in given.items():
         _check_name(f"coefficient in {location}", name, known)
         _check_kind(value, float, f"{location}, {name}")

@@ -74,8 +74,8 @@ class Problem:
     _code: Code = field(init=False)
 
     def __post_init__(self) -> None:
-        self._code = fastest_code(self.tire.book)
-        names = list(self.tire.book.parameters)
+        self._code = fastest_code(self.tire.symbolic_model)
+        names = list(self.tire.symbolic_model.parameters)
         factors = self.tire.rescaled
         self.columns = np.array([names.index(name) for name in self.free])
         self.reach = self.scale * np.array([factors.get(name, 1.0) for name in self.free])
@@ -285,8 +285,8 @@ class Problem:
 
 
 @lru_cache(maxsize=16)
-def coefficients_by_output(book: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
+def coefficients_by_output(model: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
     """Return the coefficients on which each output of a model depends, or depends without turn slip."""
-    names = [output.name for output in book.outputs]
-    read = {name: book.structure.straight[name] if straight else book.reached([name]) for name in names}
-    return {name: frozenset(read[name]) & book.coefficients.keys() for name in names}
+    names = [output.name for output in model.outputs]
+    read = {name: model.structure.straight[name] if straight else model.reached([name]) for name in names}
+    return {name: frozenset(read[name]) & model.coefficients.keys() for name in names}

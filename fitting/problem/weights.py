@@ -17,7 +17,7 @@ from .weighted_residuals import Problem
 FloatArray = npt.NDArray[np.float64]
 
 #: Least noise of a channel, relative to its root mean square.
-LEAST_NOISE = 1e-4
+MIN_NOISE = 1e-4
 #: The slip of each channel, and the weight factor of recordings that sweep it.
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha"}
 SWEPT = 1.75
@@ -61,7 +61,7 @@ def limits_of(problem: Problem, x: FloatArray) -> FloatArray | None:
 def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = None) -> FloatArray:
     """Return weights by the residual variance of each channel of a recording at x.
 
-    The noise is assumed to be at least `LEAST_NOISE` of the signal: residuals of exact data are rounding errors. For
+    The noise is assumed to be at least `MIN_NOISE` of the signal: residuals of exact data are rounding errors. For
     robust losses the variance is estimated without outliers. The factors, shape (n_groups, n_forces), multiply the
     weights.
     """
@@ -82,6 +82,6 @@ def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, Flo
     residual, measured = problem.residual(x), problem.rows.measured.T
     for group, channel in np.argwhere(problem.weights > 0):
         present = (problem.rows.group == group) & np.isfinite(measured[channel])
-        least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, present] ** 2))) if present.any() else 0.0
+        least = MIN_NOISE * float(np.sqrt(np.mean(measured[channel, present] ** 2))) if present.any() else 0.0
         if least > 0.0:
             yield int(group), int(channel), residual[channel, present], least

@@ -158,8 +158,8 @@ def _family_panel(comparison: Comparison, family: Family, fitted: FitResult | No
 
 def _weighting(comparison: Comparison) -> Figure | None:
     """Weighting functions of combined slip over each slip, for levels of the other: figures 13 and 15 of the report."""
-    book = comparison.tire.book
-    names = {"Fx": (book.quantity("weighting_x"), "Gxα"), "Fy": (book.quantity("weighting_y"), "Gyκ")}
+    model = comparison.tire.symbolic_model
+    names = {"Fx": (model.quantity("weighting_x"), "Gxα"), "Fy": (model.quantity("weighting_y"), "Gyκ")}
     panels = []
     for family in comparison.combined():
         name, symbol = names[family.channel]

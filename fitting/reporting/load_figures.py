@@ -21,7 +21,7 @@ from ..results.fit_result import FitResult
 from ..results.intervals import band as confidence_band
 
 #: Recordings listed below a figure.
-MOST_SOURCES = 30
+MAX_SOURCES = 30
 BANDS = "; bands: 95 % confidence intervals under noise that is correlated in time"
 #: Most parts of the slip range of a measured friction, and the smallest number of rows of a part.
 FRICTION_PARTS, FRICTION_ROWS = 25, 5
@@ -37,9 +37,9 @@ def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
     """Return the recordings of the rows and their inflation pressures as a text."""
     numbers = sorted(set(rows["recording"].tolist()))
     sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
-    text = f"data: {', '.join(sources[:MOST_SOURCES])}"
-    if len(sources) > MOST_SOURCES:
-        text += f" and {len(sources) - MOST_SOURCES} more"
+    text = f"data: {', '.join(sources[:MAX_SOURCES])}"
+    if len(sources) > MAX_SOURCES:
+        text += f" and {len(sources) - MAX_SOURCES} more"
     if "p" not in rows or rows["p"].isna().all():
         return text
     held = [f"{level / 1000.0:.0f}" for level in levels(rows["p"])]
@@ -49,13 +49,13 @@ def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
 
 def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
     """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
-    book = comparison.tire.book
+    model = comparison.tire.symbolic_model
     panels: list[Panel] = []
     rows: list[pd.DataFrame] = []
     held_constant = False
     for channel, slip in (("Fx", "kappa"), ("Fy", "alpha")):
         for family in comparison.pure(channel, slip)[:1]:
-            stiffness, slope = (book.quantity(f"{kind}_{channel[1]}") for kind in ("stiffness", "slope"))
+            stiffness, slope = (model.quantity(f"{kind}_{channel[1]}") for kind in ("stiffness", "slope"))
             known = comparison.curve(family.groups[0], slip)
             if stiffness in known:
                 panels.append(_stiffness_panel(comparison, family, stiffness, truth, fitted))

@@ -32,7 +32,7 @@ from .report_text import (
 )
 
 #: Magnitude from which a correlation of two coefficients is listed, and the largest number of listed pairs.
-CORRELATED, MOST_PAIRS = 0.9, 20
+CORRELATED, MAX_PAIRS = 0.9, 20
 
 
 def write_report(
@@ -116,4 +116,4 @@ def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:
         for i, j in zip(*np.triu_indices(len(names), 1), strict=True)
         if abs(values[i, j]) >= CORRELATED
     ]
-    return sorted(pairs, key=lambda pair: -abs(pair[2]))[:MOST_PAIRS]
+    return sorted(pairs, key=lambda pair: -abs(pair[2]))[:MAX_PAIRS]

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.measurements import Recording, group_by_condition, phases
-from tirefmu.measurements.operating_conditions.levels import MOST_LEVELS
+from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
 from tirefmu.symbolic.errors import FitError
 
 from ..constraints.constraint_functions import ConstraintFunctions
@@ -36,7 +36,7 @@ from .near_solution import cost_of_a_row, solve_near
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 #: Fewest sweeps, and fewest replicates: with fewer, percentiles 2.5 and 97.5 are the extremes or beyond.
-FEWEST_SWEEPS, FEWEST_REPLICATES = 10, 40
+MIN_SWEEPS, MIN_REPLICATES = 10, 40
 #: Replicates of a task: starting it takes less time than they do.
 REPLICATES_OF_TASK = 10
 
@@ -69,7 +69,7 @@ def sweeps_of(recordings: Sequence[Recording]) -> IntArray:
         found = phases(recording)
         starts[[phase.rows.start for phase in found]] = 1
         if any(phase.kind == "points" for phase in found):
-            changes = np.diff(group_by_condition(recording, most_levels=MOST_LEVELS).labels) != 0
+            changes = np.diff(group_by_condition(recording, most_levels=MAX_LEVELS).labels) != 0
             for phase in found:
                 if phase.kind == "points":
                     own = np.arange(phase.rows.start + 1, phase.rows.stop)
@@ -104,8 +104,8 @@ def replicate_tasks(
 
 def check_replicates(replicates: int, recordings: Sequence[Recording] = ()) -> None:
     """Raise FitError for too few replicates, or too few sweeps in all rows of recordings, before a fit."""
-    if replicates < FEWEST_REPLICATES:
-        raise FitError(f"{replicates} bootstrap replicates: at least {FEWEST_REPLICATES} are required")
+    if replicates < MIN_REPLICATES:
+        raise FitError(f"{replicates} bootstrap replicates: at least {MIN_REPLICATES} are required")
     if recordings:
         _check_sweeps(int(sweeps_of(recordings)[-1]) + 1, "the recordings")
 
@@ -146,7 +146,7 @@ def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: 
     replicates converged.
     """
     converged = replicates[np.isfinite(replicates).all(axis=1)]
-    if len(converged) < FEWEST_REPLICATES:
+    if len(converged) < MIN_REPLICATES:
         raise FitError(f"bootstrap: {len(converged)} of {len(replicates)} replicates converged: too few for intervals")
     stages, sweeps = tasks[0].stages, tasks[0].sweeps
     names = coefficient_names(stages)
@@ -183,8 +183,8 @@ def _weighted(stages: Sequence[SolvedStage], sweeps: IntArray) -> int:
 
 
 def _check_sweeps(count: int, where: str) -> None:
-    if count < FEWEST_SWEEPS:
-        raise FitError(f"bootstrap: {count} sweeps in {where}, at least {FEWEST_SWEEPS} are required")
+    if count < MIN_SWEEPS:
+        raise FitError(f"bootstrap: {count} sweeps in {where}, at least {MIN_SWEEPS} are required")
 
 
 def _replicate(

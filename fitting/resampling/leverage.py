@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import stdtrit
 
-from ..evidence.uncertainty import LEAST_CURVATURE, QUANTILE
+from ..evidence.uncertainty import MIN_CURVATURE, QUANTILE
 from ..problem.regularization import Ridge
 from ..results.solved_stage import SolvedStage
 
@@ -84,7 +84,7 @@ def corrections_of(whole: FloatArray, sweeps: Sequence[FloatArray]) -> tuple[Flo
     (2.0, 2.0)
     """
     values, vectors = np.linalg.eigh(whole)
-    known = values > LEAST_CURVATURE * max(float(values[-1]), 0.0)
+    known = values > MIN_CURVATURE * max(float(values[-1]), 0.0)
     inverse = (vectors[:, known] / values[known]) @ vectors[:, known].T
     total = np.sum(sweeps, axis=0)
     followed = inverse @ total @ inverse

@@ -31,7 +31,7 @@ from .near_solution import solve_near
 FloatArray = npt.NDArray[np.float64]
 #: Distance between two points of a curve and its end, in standard errors; upper limit of the solutions of a side.
 STEP, END = 0.5, 2.5
-MOST_POINTS = 16
+MAX_POINTS = 16
 #: Predicted reduction of the deviance at which a point of the curve is an optimum.
 TOLERANCE = 1e-3
 
@@ -79,7 +79,7 @@ def side_of(task: SideTask) -> Side:
     x = stage.x if best is None else best
     least = problem.cost(x)
     step, found, end = STEP * float(np.sqrt(mean * along[j])), [(float(x[j]), 0.0)], "flat"
-    for _ in range(MOST_POINTS):
+    for _ in range(MAX_POINTS):
         following = float(np.clip(x[j] + task.direction * step, stage.lower[j], stage.upper[j]))
         if abs(following - x[j]) <= 1e-9 * step:
             end = "bound"

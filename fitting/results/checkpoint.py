@@ -55,7 +55,7 @@ class Ended:
 
 
 @dataclass
-class State:
+class FitState:
     """A fit between two stages.
 
     - `done`: number of completed stages.
@@ -82,7 +82,7 @@ class Checkpoint:
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     checkpoint = Checkpoint(Path(folder) / "tire.progress.json", {"model": "mf96"})
-    ...     checkpoint.save(State(done=2, values={"PDY1": 0.1 + 0.2}))
+    ...     checkpoint.save(FitState(done=2, values={"PDY1": 0.1 + 0.2}))
     ...     checkpoint.load().values
     {'PDY1': 0.30000000000000004}
     """
@@ -90,7 +90,7 @@ class Checkpoint:
     path: Path
     identity: Mapping[str, str]
 
-    def save(self, state: State) -> None:
+    def save(self, state: FitState) -> None:
         """Write the state; the file is complete or not written.
 
         Raises `FitError` if the file cannot be written.
@@ -111,7 +111,7 @@ class Checkpoint:
         bare = {key: value for key, value in content.items() if key != "digest"}
         return json.dumps({**bare, "digest": _digest(bare)})
 
-    def load(self) -> State:
+    def load(self) -> FitState:
         """Return the saved state.
 
         Raises `FitError` if the file does not exist, is invalid, or belongs to a fit of other data or options. The
@@ -159,9 +159,9 @@ def _digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def _state(content: Mapping[str, Any]) -> State:
+def _state(content: Mapping[str, Any]) -> FitState:
     """Return the state from JSON; raise KeyError, TypeError or ValueError if it is invalid."""
-    return State(
+    return FitState(
         done=_count(content["done"]),
         values=_values(content["values"]),
         freed={name: _release(_of(dict, item)) for name, item in _of(dict, content["freed"]).items()},

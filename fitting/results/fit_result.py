@@ -128,7 +128,7 @@ class FitResult:
             raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
         if signs == self.signs:
             return self
-        declarations = self.tire.book.coefficients
+        declarations = self.tire.symbolic_model.coefficients
         flips = np.array([-1.0 if declarations[name].flips else 1.0 for name in self.covariance.index])
         return replace(
             self,

@@ -27,7 +27,7 @@ def channel_fits(
     `tire`: in the signs of the data. `sources`: name of each recording. `fitted`: the channels that were fitted.
     `effective`, shape (n_recordings, n_outputs): effective sample size.
     """
-    units = {quantity.name: quantity.unit for quantity in tire.book.outputs}
+    units = {quantity.name: quantity.unit for quantity in tire.symbolic_model.outputs}
     found = []
     for number, name in enumerate(sources):
         table = data.table if len(sources) == 1 else data.table[data.table["recording"] == number]
@@ -53,7 +53,7 @@ def _compared(
     for start in range(0, len(table), BLOCK):
         part = table.iloc[start : start + BLOCK]
         rows, own = Rows.of(part, tire, fitted), part["included"].to_numpy()
-        computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
+        computed = fastest_code(tire.symbolic_model).forces(rows.inputs, tire.parameters())
         for index, (channel, measured) in enumerate(zip(tire.outputs, rows.measured.T, strict=True)):
             every[index] += Moments.of(measured, computed[index])
             included[index] += Moments.of(measured[own], computed[index][own])

@@ -74,7 +74,7 @@ def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, lev
     inputs = np.stack(
         [rows[n].to_numpy(dtype=float) if n in rows else np.full(len(rows), tire.nominal(n)) for n in tire.inputs]
     )
-    declarations = tire.book.coefficients
+    declarations = tire.symbolic_model.coefficients
     covariance = result.prediction_covariance
     flips = np.array([-1.0 if formula != result.signs and declarations[n].flips else 1.0 for n in covariance.index])
     value, error = standard_errors(tire, quantity, inputs, covariance * np.outer(flips, flips))
@@ -92,14 +92,14 @@ def listed_intervals(result: Predicting) -> Iterator[dict[str, Any]]:
     """
     if result.evidence is None or not len(result.prediction_covariance):
         return
-    evidence, book = result.evidence, result.tire.book
+    evidence, model = result.evidence, result.tire.symbolic_model
     table = convert_signs(evidence.table, "adapted-sae", "iso")
     loads = np.linspace(table["Fz"].min(), table["Fz"].max(), LOADS)
     held = {n: float(table[n].median()) for n in result.tire.inputs if n in table and n not in ("kappa", "alpha", "Fz")}
     for role in OVER_LOAD:
-        if role in book.roles and f"F{role[-1]}" in evidence.channels:
+        if role in model.roles and f"F{role[-1]}" in evidence.channels:
             rows = pd.DataFrame({"Fz": loads}).assign(**held)
-            yield from _records(result, book.quantity(role), rows, ("Fz",))
+            yield from _records(result, model.quantity(role), rows, ("Fz",))
     for force, slip in OVER_SLIP.items():
         if force in evidence.channels:
             slips = np.linspace(table[slip].min(), table[slip].max(), SLIPS)

@@ -13,7 +13,7 @@ from .records import ChannelFit, FittedCoefficient
 from .verdict import Verdict
 
 #: Longest name of a recording, in characters, and largest number of channels that are listed.
-LONGEST_NAME, MOST_CHANNELS = 40, 12
+LONGEST_NAME, MAX_CHANNELS = 40, 12
 
 
 class Summarized(Protocol):
@@ -62,11 +62,11 @@ def fit_text(result: Summarized) -> str:
         f"  {result.verdict.word}{''.join(f'; {visible(reason)}' for reason in result.verdict.reasons[:1])}",
         f"  {len(result.coefficients)} coefficients fitted, in {result.signs} signs; {result.seconds:.1f} s",
     ]
-    for c in result.channels[:MOST_CHANNELS]:
+    for c in result.channels[:MAX_CHANNELS]:
         source = excerpt(c.recording, LONGEST_NAME)
         lines.append(f"  {source} {c.channel}: RMSE {c.rmse:.4g} {c.unit}, R2 {c.r2:.4f}, {c.rows} rows")
-    if len(result.channels) > MOST_CHANNELS:
-        lines.append(f"  and {len(result.channels) - MOST_CHANNELS} more channels")
+    if len(result.channels) > MAX_CHANNELS:
+        lines.append(f"  and {len(result.channels) - MAX_CHANNELS} more channels")
     for title, names in (
         ("at a bound", [c.name for c in result.coefficients if c.at_bound]),
         ("not determined by the data", [c.name for c in result.coefficients if not c.determined]),

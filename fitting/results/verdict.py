@@ -33,7 +33,7 @@ MANY_EXCLUDED = 0.1
 #: has to reach. Judgement.
 COMBINED_KAPPA, COMBINED_ALPHA = 0.25, 0.8
 #: Largest number of names that a reason lists.
-MOST_NAMES = 8
+MAX_NAMES = 8
 
 
 @dataclass(frozen=True)
@@ -188,5 +188,5 @@ def _extrapolated(evidence: Residuals) -> Iterator[str]:
 
 
 def _listed(names: Sequence[str]) -> str:
-    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-    return ", ".join(names[:MOST_NAMES]) + more
+    more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
+    return ", ".join(names[:MAX_NAMES]) + more

@@ -4,7 +4,7 @@ r"""The convergence criterion of a fit: the predicted reduction of the cost; and
 cost F = N sigma^2 / 2, the estimation error of n coefficients has the squared length n sigma^2 in the norm of J^T W J:
 fitting noise reduces the cost by n F / N. A predicted reduction of `STEP_TOLERANCE`^2 times this value is a step of a
 tenth of a standard error, root mean square over the coefficients. N is the effective sample size, because noise is
-correlated in time. The noise is assumed to be at least `LEAST_NOISE` of the signal: below it, the cost is rounding
+correlated in time. The noise is assumed to be at least `MIN_NOISE` of the signal: below it, the cost is rounding
 error.
 """
 
@@ -22,7 +22,7 @@ from tirefmu.estimation.gauss_newton import Damping, minimize, restore
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
-from ..problem.weights import LEAST_NOISE
+from ..problem.weights import MIN_NOISE
 
 FloatArray = npt.NDArray[np.float64]
 #: Largest step of a converged fit, in standard errors.
@@ -66,7 +66,7 @@ def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
             squares = np.sum(problem.rows.weight[rows] * problem.rows.measured[rows, channel] ** 2)
             signal += 0.5 * float(problem.weights[group, channel] * squares)
             effective += effective_sample_size(residual[channel, rows], problem.rows.segment[rows])
-    return LEAST_NOISE**2 * signal, effective
+    return MIN_NOISE**2 * signal, effective
 
 
 class _Criterion:

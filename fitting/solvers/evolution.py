@@ -18,19 +18,19 @@ from tirefmu.symbolic.errors import FitError
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import TOLERANCE, Constraint
 from ..problem.weighted_residuals import Problem
-from .ipopt import INTERRUPTED, LEAST_GAIN, LIMIT, Progress, Solution
+from .ipopt import INTERRUPTED, LIMIT, MIN_GAIN, Progress, SolverResult
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 #: Iteration limit of the paper, and its share for an intermediate stage or a continued fit.
 ITERATIONS, SHORTER = 10_000, 0.1
 #: Stopping window: its share of the iteration limit, and its least number of generations.
-WINDOW, LEAST_WINDOW = 0.1, 250
+WINDOW, MIN_WINDOW = 0.1, 250
 #: Population size: individuals per free coefficient, lower and upper limit.
 PER_COEFFICIENT, FEWEST, MOST = 4, 40, 120
 #: Bounds of the control genes F, CP, MP and range.
-LEAST_CONTROL = np.array([0.4, 0.2, 0.02, 0.005])
-MOST_CONTROL = np.array([1.0, 1.0, 0.1, 0.1])
+MIN_CONTROL = np.array([0.4, 0.2, 0.02, 0.005])
+MAX_CONTROL = np.array([1.0, 1.0, 0.1, 0.1])
 #: Reason without convergence: there are no derivatives.
 NO_STEPS = "no steps without a search"
 #: Reasons that count as converged.
@@ -86,7 +86,7 @@ class Evolution:
         local: bool = False,
         progress: Progress | None = None,
         stop: Callable[[], bool] = lambda: False,
-    ) -> Solution:
+    ) -> SolverResult:
         """Minimize the cost within bounds and constraints.
 
         - `problem`: if it is that of the previous call, the search continues with its last population.
@@ -105,7 +105,7 @@ class Evolution:
         Raises `FitError` if a coefficient has no finite bounds, neither here nor in its declaration.
         """
         if local:
-            return Solution(start, problem.cost(start), 0, converged=False, reason=NO_STEPS)
+            return SolverResult(start, problem.cost(start), 0, converged=False, reason=NO_STEPS)
         imposed = ConstraintFunctions(problem, constraints)
         again = self._search is not None and self._search.problem is problem
         if self._search is None or not again:
@@ -114,8 +114,8 @@ class Evolution:
         search = self._search
         search.impose(imposed)
         limit = max(1, round(self.max_iterations * (SHORTER if stage_type == "intermediate" or again else 1.0)))
-        window = limit if self.run_to_limit else max(round(WINDOW * limit), LEAST_WINDOW)
-        share = LEAST_GAIN[stage_type][1]
+        window = limit if self.run_to_limit else max(round(WINDOW * limit), MIN_WINDOW)
+        share = MIN_GAIN[stage_type][1]
         costs: list[float] = []  # the best feasible cost after each generation
         reason = LIMIT
         for _ in range(limit):
@@ -134,7 +134,7 @@ class Evolution:
                 continue
             break
         x = search.best
-        return Solution(x, problem.cost(x), search.generation, reason in (NO_GAIN, GOAL), reason)
+        return SolverResult(x, problem.cost(x), search.generation, reason in (NO_GAIN, GOAL), reason)
 
 
 @dataclass
@@ -172,7 +172,7 @@ class _Search:
         size = min(max(PER_COEFFICIENT * n, FEWEST), MOST)
         points = random.random((size, n))
         points[0] = np.divide(start - low, self._span, out=np.zeros(n), where=self._span > 0)
-        controls = LEAST_CONTROL + random.random((size, 4)) * (MOST_CONTROL - LEAST_CONTROL)
+        controls = MIN_CONTROL + random.random((size, 4)) * (MAX_CONTROL - MIN_CONTROL)
         self._now = _Population(points, controls, np.full(size, np.inf), np.full(size, np.inf))
         self._judge(self._now, self._now)
 
@@ -203,9 +203,9 @@ class _Search:
         # Two individuals that differ from the parent and from each other.
         shift = 1 + np.argsort(random.random((size, size - 1)), axis=1)[:, :2]
         one, two = ((np.arange(size) + shift[:, i]) % size for i in (0, 1))
-        span = MOST_CONTROL - LEAST_CONTROL
+        span = MAX_CONTROL - MIN_CONTROL
         controls = self._crossed(now.controls, best, one, two, now.controls, span)
-        controls = np.clip(controls, LEAST_CONTROL, MOST_CONTROL)
+        controls = np.clip(controls, MIN_CONTROL, MAX_CONTROL)
         points = np.clip(self._crossed(now.points, best, one, two, controls, np.ones(n)), 0.0, 1.0)
         trials = _Population(points, controls, np.full(size, np.inf), np.full(size, np.inf))
         now.take(trials, self._judge(trials, now))
@@ -260,7 +260,7 @@ class _Search:
 
 def _box(problem: Problem, start: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return finite bounds: those of the declaration where none are given, extended to include the start."""
-    declarations = [problem.tire.book.coefficients[name] for name in problem.free]
+    declarations = [problem.tire.symbolic_model.coefficients[name] for name in problem.free]
     low = np.where(
         np.isfinite(lower), lower, np.array([declaration.lower for declaration in declarations]) / problem.scale
     )

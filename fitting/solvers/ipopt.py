@@ -27,20 +27,20 @@ FloatArray = npt.NDArray[np.float64]
 #: The cost decreases from about 1 to 0.001; IPOPT's barrier parameters are intended for larger values.
 OBJECTIVE_SCALE = 1e3
 #: Levenberg-Marquardt damping in scaled coefficients: first value, limits, and factors after a failure and a success.
-DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-7, 1.0
+DAMPING, MIN_DAMPING, MAX_DAMPING = 1e-3, 1e-7, 1.0
 DAMPING_UP, DAMPING_DOWN = 10.0, 0.2
 #: Stopping window and least gain by type of stage: IPOPT is stopped when that many iterations lower the best feasible
 #: cost by less than that share of it. An intermediate stage on random rows is followed by another one, the
 #: penultimate by a fit of the same coefficients to all rows. Three steps without a gain prove nothing: the cost still
 #: decreases after them in a narrow valley.
-LEAST_GAIN = {"intermediate": (2, 1e-2), "penultimate": (4, 1e-5), "final": (10, 1e-5)}
+MIN_GAIN = {"intermediate": (2, 1e-2), "penultimate": (4, 1e-5), "final": (10, 1e-5)}
 #: Upper limit of Gauss-Newton steps after IPOPT.
 LAST_STEPS = 20
 #: Options of IPOPT and initial damping of each attempt; the next attempt follows if the point is not an optimum.
 ATTEMPTS: tuple[tuple[dict[str, str | float], float], ...] = (
     ({}, DAMPING),
-    ({"mu_strategy": "adaptive"}, MOST_DAMPING),
-    ({"mu_init": 1e-2, "linear_system_scaling": "none"}, MOST_DAMPING),
+    ({"mu_strategy": "adaptive"}, MAX_DAMPING),
+    ({"mu_init": 1e-2, "linear_system_scaling": "none"}, MAX_DAMPING),
 )
 #: Reasons: a stop was requested, the iteration limit was reached, or a later stage continues and needs no optimum.
 INTERRUPTED, LIMIT, CONTINUED = "interrupted", "iteration limit", "little further gain before the next stage"
@@ -49,7 +49,7 @@ Progress = Callable[[int, float], None]
 
 
 @dataclass(frozen=True)
-class Solution:
+class SolverResult:
     """The result of a solver.
 
     - `x`, shape (n_free,): scaled free values.
@@ -114,7 +114,7 @@ class _IterationMonitor(ca.Callback):  # type: ignore[misc]
     def __init__(self, n: int, imposed: ConstraintFunctions, stop: Callable[[], bool], *, stage_type: str) -> None:
         ca.Callback.__init__(self)
         self._n, self._imposed, self._stop = n, imposed, stop
-        self._window, self._least = LEAST_GAIN[stage_type]
+        self._window, self._least = MIN_GAIN[stage_type]
         self._costs: list[float] = []  # the best cost after each iteration
         self.x: FloatArray | None = None
         self.no_gain = self.stopped = False
@@ -167,14 +167,14 @@ def solve(
     max_iterations: int = 300,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
-) -> Solution:
+) -> SolverResult:
     """Minimize the cost within bounds and constraints.
 
     - `start`, `lower`, `upper`, shape (n_free,): scaled free values.
     - `constraints`, shape (n_inputs, n_points)): constraints, each with the points at which it is imposed.
     - `ridge`: strength of the regularization towards the initial values, for directions that are not identifiable.
     - `stage_type`, one of "intermediate", "penultimate", "final": selects the stopping window and the least gain
-      (`LEAST_GAIN`).
+      (`MIN_GAIN`).
     - `refine`: whether the start is the solution of the same problem with fewer constraint points. Gauss-Newton steps
       are then tried first: IPOPT needs many iterations if the constraints at two points are almost equal.
     - `local`: whether the start is the solution of a problem with other rows or residuals, to which Gauss-Newton steps
@@ -190,11 +190,11 @@ def solve(
     if local:
         steps = min(LAST_STEPS, max_iterations)
         end = continued(cached, start, lower, upper, imposed, steps=steps, stop=stop)
-        return Solution(end.x, problem.cost(end.x), end.steps, end.converged, INTERRUPTED if stop() else end.reason)
+        return SolverResult(end.x, problem.cost(end.x), end.steps, end.converged, INTERRUPTED if stop() else end.reason)
     if refine:
         end = refined(cached, start, lower, upper, imposed, steps=LAST_STEPS, stop=stop)
         if end.converged:
-            return Solution(end.x, problem.cost(end.x), end.steps, True, end.reason, "")
+            return SolverResult(end.x, problem.cost(end.x), end.steps, True, end.reason, "")
     for options, damping in ATTEMPTS:
         cached.damping = damping
         monitor = _IterationMonitor(len(start), imposed, stop, stage_type=stage_type)
@@ -206,9 +206,9 @@ def solve(
             x = np.clip(last, lower, upper)
         iterations, statuses = iterations + taken, [*statuses, status]
         if monitor.stopped:
-            return Solution(x, problem.cost(x), iterations, False, INTERRUPTED, "")
+            return SolverResult(x, problem.cost(x), iterations, False, INTERRUPTED, "")
         if monitor.no_gain and stage_type != "final":
-            return Solution(x, problem.cost(x), iterations, True, CONTINUED, ", ".join(statuses))
+            return SolverResult(x, problem.cost(x), iterations, True, CONTINUED, ", ".join(statuses))
         steps = min(LAST_STEPS, max_iterations - iterations)
         last_point = last_steps(cached, x, lower, upper, imposed, steps=steps, stop=stop)
         x, iterations = last_point.x, iterations + last_point.steps
@@ -217,7 +217,7 @@ def solve(
     reason = last_point.reason
     if not last_point.converged and (stop() or iterations >= max_iterations):
         reason = INTERRUPTED if stop() else f"{LIMIT}: {reason}"
-    return Solution(x, problem.cost(x), iterations, last_point.converged, reason, ", ".join(statuses))
+    return SolverResult(x, problem.cost(x), iterations, last_point.converged, reason, ", ".join(statuses))
 
 
 def _ipopt(
@@ -298,7 +298,7 @@ class _CachedCost(Ridge):
             self._count += 1
             if np.isfinite(before):
                 factor = DAMPING_UP if self._derivatives[0] > before * (1 + 1e-9) else DAMPING_DOWN
-                self.damping = min(max(self.damping * factor, LEAST_DAMPING), MOST_DAMPING)
+                self.damping = min(max(self.damping * factor, MIN_DAMPING), MAX_DAMPING)
             if self._progress is not None:
                 self._progress(self._count, self._derivatives[0])
         return self._derivatives

@@ -9,23 +9,23 @@ import numpy as np
 import numpy.typing as npt
 
 from ..problem.weighted_residuals import Problem
-from .ipopt import Solution
+from .ipopt import SolverResult
 
 FloatArray = npt.NDArray[np.float64]
 #: Largest distance of a scaled value at a bound; least relative reduction of the cost for which a restart is accepted.
-NEAR_BOUND, LEAST_BETTER = 1e-3, 1e-5
+NEAR_BOUND, MIN_BETTER = 1e-3, 1e-5
 
 
 def best_end(
     problem: Problem,
-    first: Solution,
-    solve_from: Callable[[FloatArray], Solution],
+    first: SolverResult,
+    solve_from: Callable[[FloatArray], SolverResult],
     lower: FloatArray,
     upper: FloatArray,
     again: Sequence[Mapping[str, float]],
     *,
     always: bool,
-) -> Solution:
+) -> SolverResult:
     """Solve again from other values of a few coefficients, with all others at the best solution; return the best.
 
     `first`: the solution of the stage. `settle`: solves the stage from scaled values. `lower`, `upper`, shape
@@ -42,6 +42,6 @@ def best_end(
         start = best.x.copy()
         start[indices] = [values[problem.free[i]] / problem.scale[i] for i in indices]
         other = solve_from(np.clip(start, lower, upper))
-        if other.converged and (not best.converged or other.cost < (1 - LEAST_BETTER) * best.cost):
+        if other.converged and (not best.converged or other.cost < (1 - MIN_BETTER) * best.cost):
             best = replace(other, iterations=best.iterations + other.iterations)
     return best

@@ -14,7 +14,7 @@ from tirefmu.symbolic.errors import FitError, UnknownName
 from ..constraints.physical import Constraint
 from ..problem.weighted_residuals import Problem
 from .evolution import ITERATIONS, Evolution
-from .ipopt import Progress, Solution, solve
+from .ipopt import Progress, SolverResult, solve
 
 FloatArray = npt.NDArray[np.float64]
 #: IPOPT with exact derivatives, and the derivative-free evolutionary algorithm of the UNICAMP paper.
@@ -38,7 +38,7 @@ class Solver(Protocol):
         local: bool = ...,
         progress: Progress | None = ...,
         stop: Callable[[], bool] = ...,
-    ) -> Solution:
+    ) -> SolverResult:
         """Minimize the cost within bounds and constraints."""
 
 

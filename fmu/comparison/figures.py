@@ -20,7 +20,7 @@ from .result import Channel, CheckResult
 FloatArray = npt.NDArray[np.float64]
 
 #: Segments are separated by lines if they are no more.
-MOST_SEPARATED = 50
+MAX_SEPARATED = 50
 #: Rows from which points are small.
 MANY = 1000
 
@@ -62,7 +62,7 @@ def _figure(result: CheckResult, channel: Channel) -> Figure:
     unit = figure_text(channel.unit)
     score = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
     time = _time(result)
-    starts = tuple(float(time[start]) for start in result.starts[1:]) if result.segments <= MOST_SEPARATED else ()
+    starts = tuple(float(time[start]) for start in result.starts[1:]) if result.segments <= MAX_SEPARATED else ()
     x = "time without the gaps between segments (s)"
     above = Panel(
         x, f"{channel.name} ({unit})", tuple(_values(result, channel, time)), score, upright=starts, x_axis="time",

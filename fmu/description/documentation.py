@@ -71,7 +71,8 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
         f"<style>{_STYLE}</style></head><body>",
         f"<h1>{html_text(header.name)}</h1>",
         f"<p>{html_text(header.description)}</p>",
-        f"<p>Model: {html_text(tire.book.title)}. Effects: {html_text(', '.join(sorted(tire.has)) or 'none')}.",
+        f"<p>Model: {html_text(tire.symbolic_model.title)}.",
+        f"Effects: {html_text(', '.join(sorted(tire.has)) or 'none')}.",
         "The tire file is resources/tire.tir. License: licenses/license.txt.</p>",
         *((f"<p>Assumption: {html_text(header.note)}.</p>",) if header.note else ()),
         *_about(tire),
@@ -124,7 +125,7 @@ def _how_to_connect(tire: Tire, inputs: Sequence[Variable]) -> Iterable[str]:
 
 def _slips(tire: Tire) -> str:
     """Return the definition of the slips in both directions of travel."""
-    if tire.book.reverses:
+    if tire.symbolic_model.reverses:
         return "kappa = (omega R_e - V_x)/V_x, also with V_x < 0; tan(alpha) = V_y/|V_x|."
     if "V" in tire.inputs:
         return "kappa = (omega R_e - V_x)/|V_x|, tan(alpha) = V_y/|V_x|; Mz is that of a wheel that rolls forward."

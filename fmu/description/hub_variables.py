@@ -16,7 +16,7 @@ from tirefmu.tires.roads.road import Road
 from .variables import Variable, input_variable
 
 #: The least friction of a road relative to that of the tire: the formulas divide by it.
-LEAST_FRICTION = 0.01
+MIN_FRICTION = 0.01
 #: Deflection by the nominal load, per free radius, of a tire without equations of deflection.
 DEFAULT_DEFLECTION = 0.06
 #: Vertical damping, N s/m, and the loaded radius at which the rim touches the road, per free radius.
@@ -80,7 +80,7 @@ def hub_inputs(
     """
     starts = {"r_z": _nominal_radius(tire), "v_x": speed, "omega": spin}
     starts |= {"R_11": 1.0, "R_22": 1.0, "R_33": 1.0, "road_nz": 1.0}
-    moved = {"kappa", "alpha", "V", "phit", "distance", *(q.name for q in READ), *tire.book.states}
+    moved = {"kappa", "alpha", "V", "phit", "distance", *(q.name for q in READ), *tire.symbolic_model.states}
     inputs = [input_variable(q, starts.get(q.name, 0.0)) for q in (*hub.CARRIER, *hub.ROAD, hub.SPIN)]
     if road is not None:
         ground = float(road.height(0.0, 0.0))
@@ -88,10 +88,12 @@ def hub_inputs(
         inputs = [replace(v, start=(v.start or 0.0) + ground) if v.name == "r_z" else v for v in inputs]
     if spins:
         inputs = [*inputs[:-1], replace(inputs[-1], causality="output"), *TORQUES]
-    if tire.book.friction_scales:
+    if tire.symbolic_model.friction_scales:
         described = (hub.FRICTION.name, "input", hub.FRICTION.unit, hub.FRICTION.description)
-        inputs.append(Variable(*described, start=1.0, lower=LEAST_FRICTION, nominal=1.0, group="input"))
-    return inputs + [input_variable(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - moved]
+        inputs.append(Variable(*described, start=1.0, lower=MIN_FRICTION, nominal=1.0, group="input"))
+    return inputs + [
+        input_variable(q, tire.nominal(q.name)) for q in tire.symbolic_model.inputs if q.name in read - moved
+    ]
 
 
 def hub_motion() -> list[Variable]:
@@ -125,12 +127,12 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
         ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", known_value(tire, "BOTTOM_STIFF", 0.0)),
         ("BOTTOM_RADIUS", "m", "loaded radius at which the rim touches the road", bottom),
     ]
-    if tire.book.quantity("loaded_radius"):
+    if tire.symbolic_model.quantity("loaded_radius"):
         del entries[0]
     found = [
         Variable(name, "parameter", unit, description, start, 0.0, inf)
         for name, unit, description, start in entries
-        if name not in tire.book.coefficients
+        if name not in tire.symbolic_model.coefficients
     ]
     inertia = known_value(tire, WHEEL_INERTIA.name, 0.0) or WHEEL_INERTIA.start
     return [*found, replace(WHEEL_INERTIA, start=inertia)] if spins else found
@@ -152,7 +154,7 @@ def _stiffness(tire: Tire) -> float:
 
 def _nominal_radius(tire: Tire) -> float:
     """Return the loaded radius of the freely rolling wheel at its nominal load."""
-    role = tire.book.quantity("loaded_radius")
+    role = tire.symbolic_model.quantity("loaded_radius")
     if role:
         return float(quantities_of(tire.in_signs("iso"), {"kappa": 0.0})[role])
     return tire.values["UNLOADED_RADIUS"] - tire.nominal("Fz") / _stiffness(tire)

@@ -116,7 +116,7 @@ class Interface:
     @property
     def memory(self) -> tuple[State, ...]:
         """The states of the tire's effects, in the order of their variables."""
-        return tuple(self.tire.book.states[name] for name in self.tire.states)
+        return tuple(self.tire.symbolic_model.states[name] for name in self.tire.states)
 
     @property
     def has_distance(self) -> bool:
@@ -154,14 +154,14 @@ def interface(
     if road is not None and not hub:
         raise FmuError(f"a road inside the FMU needs hub inputs, not {inputs} inputs")
     tire = tire.in_signs(FORMULA[axes])
-    book, wheel = tire.book, inputs != "slip"
+    model, wheel = tire.symbolic_model, inputs != "slip"
     for needed in (*(("UNLOADED_RADIUS",) if wheel else ()), *(("FNOMIN",) if hub else ())):
         if not tire.values[needed] > 0.0:
             raise FmuError(f"{inputs} inputs need {needed} > 0, not {tire.values[needed]:g}")
     tire, note = with_lengths(tire) if wheel else (tire, "")
     tire = with_damping(tire) if hub else tire
     read = read_inputs(tire)
-    twists = wheel and ("phit" in read or bool(book.quantity("trail")))
+    twists = wheel and ("phit" in read or bool(model.quantity("trail")))
     states = [
         *(_state(slip) for slip in ((KAPPA_LAGGED, TAN_ALPHA_LAGGED) if tire.lags or wheel else ())),
         *((_state(TWIST),) if twists else ()),
@@ -172,18 +172,18 @@ def interface(
         hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins, road=road), *hub_motion()]
     else:
         hosts = _wheel_inputs(tire, read, twists) if wheel else _slip_inputs(tire, read, bool(states))
-    values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
+    values = dict(zip(model.parameters, tire.parameters().tolist(), strict=True))
     extras = _extras(tire, inputs, quantities)
     parameters = [
-        *(parameter_variable(declared, values[name], tire.signs) for name, declared in book.coefficients.items()),
-        *(option_variable(option, values[option.parameter]) for option in book.options),
+        *(parameter_variable(declared, values[name], tire.signs) for name, declared in model.coefficients.items()),
+        *(option_variable(option, values[option.parameter]) for option in model.options),
         *(standstill_parameters(tire) if wheel else ()),
         *(hub_parameters(tire, spins) if hub else ()),
     ]
     plain = (
         TIME,
         *hosts,
-        *(Variable(q.name, "output", q.unit, q.description, nominal=q.typical, group="force") for q in book.outputs),
+        *(Variable(q.name, "output", q.unit, q.description, nominal=q.typical, group="force") for q in model.outputs),
         *(replace(parameter, group="parameter") for parameter in parameters),
         *states,
         *(_derivative(state) for state in states),
@@ -195,12 +195,12 @@ def interface(
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned, book, inputs), note, road)
+    return Interface(tire, inputs, axes, _with_structure(turned, model, inputs), note, road)
 
 
 def _memory_state(tire: Tire, name: str) -> Variable:
     """Return the state of an effect: in equilibrium at the start, or at a value that the host can set."""
-    state = tire.book.states[name]
+    state = tire.symbolic_model.states[name]
     start = None
     if state.has_start_value or not state.settles:
         start = float(quantities_of(tire, {})[f"{name}_start"])
@@ -210,8 +210,8 @@ def _memory_state(tire: Tire, name: str) -> Variable:
 
 def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
     """Return the model's inputs, and the speed if only a state needs it."""
-    computed = {"distance", *tire.book.states}
-    shown = [input_variable(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - computed]
+    computed = {"distance", *tire.symbolic_model.states}
+    shown = [input_variable(q, tire.nominal(q.name)) for q in tire.symbolic_model.inputs if q.name in read - computed]
     if rolls and "V" not in tire.inputs:
         shown.append(input_variable(Quantity("V", "m/s", "forward speed of the contact point", typical=SPEED), 0.0))
     return shown
@@ -221,11 +221,11 @@ def _wheel_inputs(tire: Tire, read: set[str], twists: bool) -> list[Variable]:
     """Return the wheel's motion, free rolling at the start, and the remaining inputs of the model."""
     speed, spin = free_rolling(tire)
     starts = {"V_x": speed, "V_y": 0.0, "omega": spin}
-    moved = {"kappa", "alpha", "V", "phit", "distance", *tire.book.states}
+    moved = {"kappa", "alpha", "V", "phit", "distance", *tire.symbolic_model.states}
     return [
         *(input_variable(quantity, starts[quantity.name]) for quantity in MOTION),
         *((input_variable(YAWING, 0.0),) if twists else ()),
-        *(input_variable(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - moved),
+        *(input_variable(q, tire.nominal(q.name)) for q in tire.symbolic_model.inputs if q.name in read - moved),
     ]
 
 
@@ -233,7 +233,9 @@ def free_rolling(tire: Tire) -> tuple[float, float]:
     """Return speed, m/s, and spin, rad/s, of the freely rolling wheel at the nominal operating condition."""
     nominal = quantities_of(tire.in_signs("iso"), {"kappa": 0.0})
     speed = tire.nominal("V") if "V" in tire.inputs else SPEED
-    return speed, speed / float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
+    return speed, speed / float(
+        nominal.get(tire.symbolic_model.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"])
+    )
 
 
 def _state(state: Quantity) -> Variable:
@@ -257,12 +259,12 @@ def _stem(name: str) -> str:
 
 def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     """Return the outputs in addition to the forces; `source` is their source in the C code."""
-    book, wheel = tire.book, inputs != "slip"
-    named = book.structure.quantities
+    model, wheel = tire.symbolic_model, inputs != "slip"
+    named = model.structure.quantities
     own = hub_outputs(inputs == "hub-torque") if inputs in HUB else []
-    taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ()), *own))}
+    taken = {*model.parameters, *(q.name for q in (*model.inputs, *model.outputs, *(MOTION if wheel else ()), *own))}
     # The radii are first: without the other quantities, variables have the same value references.
-    radii = [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
+    radii = [name for name in map(model.quantity, ("rolling_radius", "loaded_radius")) if name]
     chosen = dict.fromkeys([*radii, *named]) if quantities else radii
     found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
                       nominal=1.0, group="extra", source="FRICTION_USE")]  # fmt: skip
@@ -277,7 +279,9 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     if tire.lags or wheel:
         found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
-    found += [indicator(book.states[name], i) for i, name in enumerate(tire.states) if book.states[name].follows_a_path]
+    found += [
+        indicator(model.states[name], i) for i, name in enumerate(tire.states) if model.states[name].follows_a_path
+    ]
     if inputs == "hub-torque":
         found.append(BRAKE_EVENT)
     return found + [
@@ -287,7 +291,7 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     ]
 
 
-def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs: str) -> tuple[Variable, ...]:
+def _with_structure(listed: tuple[Variable, ...], model: Model, interface_inputs: str) -> tuple[Variable, ...]:
     """Return the variables with the dependencies of outputs and derivatives, and the state of each derivative."""
     references = {variable.name: reference for reference, variable in enumerate(listed)}
     inputs = tuple(reference for reference, v in enumerate(listed) if v.causality == "input")
@@ -295,10 +299,10 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
     states = (*spin, *(reference for reference, v in enumerate(listed) if v.group == "state"))
     hub, wheel = interface_inputs in HUB, interface_inputs != "slip"
     named = [v.name for v in listed if v.group == "extra" and not is_indicator(v)]
-    named = [*(q.name for q in book.outputs), *(name for name in named if name in book.structure.quantities)]
-    reached = feedthrough(book, named)
-    friction = (book.quantity("friction_x"), book.quantity("friction_y"))
-    reached["friction_use"] = {name for known in ("Fx", "Fy", *friction) for name in reached_by(book, known)}
+    named = [*(q.name for q in model.outputs), *(name for name in named if name in model.structure.quantities)]
+    reached = feedthrough(model, named)
+    friction = (model.quantity("friction_x"), model.quantity("friction_y"))
+    reached["friction_use"] = {name for known in ("Fx", "Fy", *friction) for name in reached_by(model, known)}
 
     def depends(variable: Variable) -> tuple[int, ...]:
         if hub:  # the load depends on the slips, and everything on the load
@@ -310,7 +314,7 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
                 if name in references and listed[references[name]].group == "input"
             ]
             own = references[_stem(variable.name)]
-            if _stem(variable.name) in book.states:
+            if _stem(variable.name) in model.states:
                 return tuple(sorted({*inputs, *states}))
             if variable.name == f"der({TWIST.name})":
                 return tuple(sorted({*rolled, references[YAWING.name], own}))
@@ -319,7 +323,7 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
             return tuple(sorted({*inputs, *states}))
         known = reached.get(variable.name, {"kappa", "alpha"})
         lag = [r for r in states if listed[r].name == "distance" and "distance" in known]
-        lag += [r for r in states if listed[r].name in book.states]
+        lag += [r for r in states if listed[r].name in model.states]
         lag += [r for r in states if listed[r].name in LAGGED_SLIPS and known & {"kappa", "alpha"}]
         lag += [r for r in states if listed[r].name == TWIST.name and variable.name == "Mz"]
         given = inputs if wheel else [r for r in inputs if listed[r].name in known]
@@ -335,9 +339,9 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs:
     )
 
 
-def reached_by(book: Model, name: str) -> set[str]:
+def reached_by(model: Model, name: str) -> set[str]:
     """Return the inputs that a named quantity depends on."""
-    return feedthrough(book, [name])[name]
+    return feedthrough(model, [name])[name]
 
 
 def host_input_indices(shown: Interface) -> list[int]:

@@ -70,13 +70,13 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     >>> [variable.name for variable in variables(published("trento_hoosier").in_signs("iso"))][:8]
     ['time', 'kappa', 'alpha', 'gamma', 'Fz', 'Fx', 'Fy', 'Mz']
     """
-    book = tire.book
-    values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
-    feedthrough = direct_feedthrough(book)
+    model = tire.symbolic_model
+    values = dict(zip(model.parameters, tire.parameters().tolist(), strict=True))
+    feedthrough = direct_feedthrough(model)
     silent = (set(tire.inputs) - read_inputs(tire)) | {"distance"}  # the FMU computes the distance
     return (
         TIME,
-        *(_hidden(quantity) if quantity.name in silent else _input(quantity, tire) for quantity in book.inputs),
+        *(_hidden(quantity) if quantity.name in silent else _input(quantity, tire) for quantity in model.inputs),
         *(
             Variable(
                 quantity.name,
@@ -85,13 +85,13 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
                 quantity.description,
                 nominal=quantity.typical,
                 depends=tuple(
-                    1 + i for i, known in enumerate(book.inputs) if known.name in feedthrough[quantity.name] - silent
+                    1 + i for i, known in enumerate(model.inputs) if known.name in feedthrough[quantity.name] - silent
                 ),
             )
-            for quantity in book.outputs
+            for quantity in model.outputs
         ),
-        *(parameter_variable(declared, values[name], tire.signs) for name, declared in book.coefficients.items()),
-        *(option_variable(option, values[option.parameter]) for option in book.options),
+        *(parameter_variable(declared, values[name], tire.signs) for name, declared in model.coefficients.items()),
+        *(option_variable(option, values[option.parameter]) for option in model.options),
         *(LAGGED if tire.lags else ()),
     )
 
@@ -132,30 +132,30 @@ def read_inputs(tire: Tire) -> set[str]:
     >>> sorted(read_inputs(Tire("mf61", values, effects=["turn_slip"])) - read_inputs(Tire("mf61", values, effects=[])))
     ['phit']
     """
-    reached = tire.book.reached({*tire.outputs, *map(tire.book.quantity, LENGTHS)}, tire.has)
+    reached = tire.symbolic_model.reached({*tire.outputs, *map(tire.symbolic_model.quantity, LENGTHS)}, tire.has)
     idle = {name for name in BEYOND if name not in reached}
-    return set(tire.inputs) - idle - {name for effect, name in tire.book.on_demand if effect not in tire.has}
+    return set(tire.inputs) - idle - {name for effect, name in tire.symbolic_model.on_demand if effect not in tire.has}
 
 
-def direct_feedthrough(book: Model) -> dict[str, set[str]]:
+def direct_feedthrough(model: Model) -> dict[str, set[str]]:
     """Return for every output of a model the inputs that it depends on.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> sorted(direct_feedthrough(model("mf96"))["Fx"])
+    >>> from tirefmu.symbolic.models import model_named
+    >>> sorted(direct_feedthrough(model_named("mf96"))["Fx"])
     ['Fz', 'alpha', 'gamma', 'kappa']
     """
-    return feedthrough(book, [quantity.name for quantity in book.outputs])
+    return feedthrough(model, [quantity.name for quantity in model.outputs])
 
 
-def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
+def feedthrough(model: Model, names: Iterable[str]) -> dict[str, set[str]]:
     """Return for named quantities and outputs of a model the inputs that they depend on."""
-    inputs = {quantity.name for quantity in book.inputs}
-    return {name: inputs & _reached(book, name) for name in names}
+    inputs = {quantity.name for quantity in model.inputs}
+    return {name: inputs & _reached(model, name) for name in names}
 
 
 @lru_cache(maxsize=1024)
-def _reached(book: Model, name: str) -> frozenset[str]:
-    return frozenset(book.reached([name]))
+def _reached(model: Model, name: str) -> frozenset[str]:
+    return frozenset(model.reached([name]))
 
 
 def indicator(state: State, index: int) -> Variable:

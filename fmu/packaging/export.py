@@ -223,7 +223,7 @@ def _described(
     rewritten = "" if written_in == shown.tire.signs else f", converted from {written_in} signs"
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed
-    sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
+    sentence = f"{what} {name}: {tire.symbolic_model.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
     note = shown.relaxation_note
     header = Header(name, identifier, sentence, c_files(fmi, shown), native, note, shown.spins, has_arrays)
     named = with_arrays(listed) if has_arrays else listed

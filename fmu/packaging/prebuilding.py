@@ -31,9 +31,9 @@ def every_generic(models: Iterable[str]) -> Iterator[Generic]:
     [('slip', 'iso'), ('slip', 'sae'), ('wheel', 'iso')]
     """
     for name in models:
-        book, found = MODELS[name], set()
-        relaxation = sorted(book.relaxing_effects)[:1]
-        on_demand = [effect for effect, _ in book.on_demand]
+        model, found = MODELS[name], set()
+        relaxation = sorted(model.relaxing_effects)[:1]
+        on_demand = [effect for effect, _ in model.on_demand]
         values = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
         for inputs, axes, lags, turns in product(INPUTS, AXES, (False, True), (False, True)):
             effects = [*(relaxation if lags else ()), *(on_demand if turns else ())]

@@ -44,7 +44,7 @@ def python_contents(
         "resources/slavemodule.txt": slave.encode(),
         f"resources/{slave}.py": (files("tirefmu.fmu") / "packaging" / "python_slave.py").read_bytes(),
         "resources/state_laws.py": (files("tirefmu.generated") / "numpy" / "state_laws.py").read_bytes(),
-        f"resources/{tire.model}.py": code_file(tire.book, f"numpy/{tire.model}.py").read_bytes(),
+        f"resources/{tire.model}.py": code_file(tire.symbolic_model, f"numpy/{tire.model}.py").read_bytes(),
         "resources/variables.json": (json.dumps(summary, indent=1, allow_nan=False) + "\n").encode(),
         **{f"resources/pythonfmu/{path.name}": path.read_bytes() for path in installed.glob("*.py")},
         **binaries,

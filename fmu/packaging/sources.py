@@ -103,7 +103,7 @@ def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
     `names`: as from `c_files` or `generic_files`.
     """
     wrapper, model = files("tirefmu.fmu") / "wrapper", shown.tire.model
-    generated = code_file(shown.tire.book, f"c/{model}.c").parent
+    generated = code_file(shown.tire.symbolic_model, f"c/{model}.c").parent
     own = [name for name in names if name not in model_files(model)]
     found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))

@@ -89,7 +89,7 @@ def tire_header(tire: Tire) -> str:
     >>> print(tire_header(published("trento_hoosier")).splitlines()[1])
     #define TIRE_TITLE "tirefmu: Hoosier 6.0/18.0-10 LCO (Trento team 6), Magic Formula 1996, Trento form"
     """
-    title = f"tirefmu: {tire.name or 'tire'}, {tire.book.title}"[:_LONGEST_TITLE]
+    title = f"tirefmu: {tire.name or 'tire'}, {tire.symbolic_model.title}"[:_LONGEST_TITLE]
     lines = [
         comment("Written by tirefmu for one tire."),
         f"#define TIRE_TITLE {c_string(title)}",

@@ -94,7 +94,7 @@ def model_config(shown: Interface) -> str:
         "",
         comment("By input of the model, by output."),
         *_inputs(shown),
-        *table("BACKWARD_SIGNS", _backward_signs(shown.tire.book)),
+        *table("BACKWARD_SIGNS", _backward_signs(shown.tire.symbolic_model)),
         "",
         comment("By value reference."),
         *(line for name, entries in tables.items() for line in table(name, entries)),
@@ -132,10 +132,10 @@ def _sizes(shown: Interface) -> Iterable[str]:
     paths = [state for state in shown.memory if state.follows_a_path]
     yield f"#define N_MEMORY {len(shown.memory)}"
     yield f"#define N_INDICATORS {len(paths) + shown.spins}"
-    yield f"#define N_DRIVES {len(shown.tire.book.drives)}"
-    for name in ("FIRST_STEP", "GROWTH", "MOST_ITERATIONS", "ACCEPTED", "MOST_HALVINGS"):
+    yield f"#define N_DRIVES {len(shown.tire.symbolic_model.drives)}"
+    for name in ("FIRST_STEP", "GROWTH", "MAX_ITERATIONS", "ACCEPTED", "MAX_HALVINGS"):
         yield f"#define {name} {getattr(states, name)!r}"
-    relaxes = shown.lags and bool(shown.tire.book.relaxing_effects)
+    relaxes = shown.lags and bool(shown.tire.symbolic_model.relaxing_effects)
     yield f"#define LAGS {int(shown.lags)}"
     yield f"#define RELAXES {int(relaxes)}"
     yield f"#define TWISTS {int(shown.twists)}"
@@ -143,7 +143,7 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define HUB {int(shown.hub)}"
     yield f"#define SPIN {int(shown.spins)}"
     yield f"#define ROAD {int(shown.road is not None)}"
-    yield f"#define REVERSES {int(shown.tire.book.reverses)}"
+    yield f"#define REVERSES {int(shown.tire.symbolic_model.reverses)}"
     names = [v.name for v in shown.contact_inputs]
     yield f"#define SPIN_PLACE {names.index(SPIN.name) if shown.spins else 0}"
     optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
@@ -167,8 +167,8 @@ def _indices(shown: Interface) -> Iterable[str]:
         if value in (*tire.inputs, *tire.outputs):
             yield f"#define {name} {prefix}_{value}"
     for role in ROLES:
-        if tire.book.quantity(role):
-            yield f"#define {role.upper()} {prefix}_{tire.book.quantity(role)}"
+        if tire.symbolic_model.quantity(role):
+            yield f"#define {role.upper()} {prefix}_{tire.symbolic_model.quantity(role)}"
     yield f"#define SIDE_FORCE_SENSE {-1.0 if tire.signs == 'iso' else 1.0}"
     inputs = [variable.name for variable in shown.contact_inputs]
     if shown.wheel and "phit" in read_inputs(tire):
@@ -188,21 +188,21 @@ def _indices(shown: Interface) -> Iterable[str]:
     if shown.hub:
         forces = [q.name for q in CONTACT_FORCES]
         yield from table("CONTACT_FORCES", [str(forces.index(name)) for name in tire.outputs])
-        scales = [f"{prefix}_{name}" for name in tire.book.friction_scales]
+        scales = [f"{prefix}_{name}" for name in tire.symbolic_model.friction_scales]
         yield from table("FRICTION_PARAMETERS", [*scales, "-1"])
         if not scales:
             yield "#define HOST_FRICTION 0"  # not read
 
 
-def _backward_signs(book: Model) -> list[str]:
+def _backward_signs(model: Model) -> list[str]:
     """Return the sign of each output of a wheel that rolls backward, relative to one that rolls forward."""
-    return ["-1" if q.name in MIRRORED_ACROSS and not book.reverses else "1" for q in book.outputs]
+    return ["-1" if q.name in MIRRORED_ACROSS and not model.reverses else "1" for q in model.outputs]
 
 
 def _memory(shown: Interface) -> list[str]:
     """Return the entries of the table of the states of effects, as declared in memory.c."""
-    book, names = shown.tire.book, [state.name for state in shown.memory]
-    prefix, laws = book.name.upper(), {
+    model, names = shown.tire.symbolic_model, [state.name for state in shown.memory]
+    prefix, laws = model.name.upper(), {
         "accumulation": "SUM", "hysteresis": "PATH", "play": "PLAY", "oscillator": "POSITION", SPEED: "VELOCITY",
     }  # fmt: skip
     entries = []
@@ -211,8 +211,8 @@ def _memory(shown: Interface) -> list[str]:
         lags = [str(names.index(name)) for name in state.drive] if state.follows_a_path else []
         velocity, _, _, derivative = state.line_names
         fields = [
-            f"{prefix}_{state.name}", str(book.drives.index(velocity)), laws.get(state.kind, "BALANCE"),
-            str(int(book.is_direct(state))), own_start, f"{{{', '.join([*lags, '-1', '-1'][:2])}}}",
+            f"{prefix}_{state.name}", str(model.drives.index(velocity)), laws.get(state.kind, "BALANCE"),
+            str(int(model.is_direct(state))), own_start, f"{{{', '.join([*lags, '-1', '-1'][:2])}}}",
             f"{prefix}_{derivative}", f"{prefix}_{state.event_line or velocity}",
         ]  # fmt: skip
         entries.append(f"{{{', '.join(fields)}}}")
@@ -225,7 +225,7 @@ def _inputs(shown: Interface) -> Iterable[str]:
     A value that is not read is 0: the nominal values of a tire would make the header one of this tire only.
     """
     tire, indices = shown.tire, host_input_indices(shown)
-    computed = {name for _, name in tire.book.on_demand} | ({"kappa", "alpha", "V"} if shown.wheel else set())
+    computed = {name for _, name in tire.symbolic_model.on_demand} | ({"kappa", "alpha", "V"} if shown.wheel else set())
     unconnected = [
         tire.nominal(name) if index < 0 and name not in computed else 0.0
         for name, index in zip(tire.inputs, indices, strict=True)

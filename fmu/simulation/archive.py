@@ -24,11 +24,11 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import visible
 
 #: The largest archive, and its largest size when unpacked, bytes.
-MOST_BYTES = 200_000_000
+MAX_BYTES = 200_000_000
 #: The largest single file in it, bytes.
 LARGEST_FILE = 100_000_000
 #: The largest number of files and folders in it.
-MOST_ENTRIES = 10_000
+MAX_ENTRIES = 10_000
 #: The largest modelDescription.xml, bytes.
 LARGEST_DESCRIPTION = 20_000_000
 #: The longest path in it, characters.
@@ -75,12 +75,12 @@ def _content(path: Path) -> bytes:
     if not path.is_file():
         raise FmuError(f"{path}: no such file")
     try:
-        content = read_bounded(path, MOST_BYTES)
+        content = read_bounded(path, MAX_BYTES)
     except OSError as error:
         raise FmuError(f"{path}: cannot be read ({error.strerror or error})") from error
     # Reading a directory with millions of entries takes minutes, so they are counted first.
-    if content.count(_ENTRY) > MOST_ENTRIES:
-        raise FmuError(f"{path}: more than {MOST_ENTRIES} files")
+    if content.count(_ENTRY) > MAX_ENTRIES:
+        raise FmuError(f"{path}: more than {MAX_ENTRIES} files")
     return content
 
 
@@ -102,8 +102,8 @@ def _check(entries: list[zipfile.ZipInfo]) -> None:
         largest = LARGEST_DESCRIPTION if entry.filename == DESCRIPTION else LARGEST_FILE
         if entry.file_size > largest:
             raise FmuError(f"{shown} has {_megabytes(entry.file_size)} when unpacked; at most {_megabytes(largest)}")
-        if total > MOST_BYTES:
-            raise FmuError(f"it has more than {_megabytes(MOST_BYTES)} when unpacked")
+        if total > MAX_BYTES:
+            raise FmuError(f"it has more than {_megabytes(MAX_BYTES)} when unpacked")
         for path, is_folder in _paths(entry):
             key = unicodedata.normalize("NFC", path).casefold()
             if key in known and (not is_folder or known[key] != (path, is_folder)):
@@ -143,8 +143,8 @@ def _unpack(archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: Pa
         with archive.open(entry) as packed, target.open("xb") as file:
             while chunk := packed.read(_CHUNK):
                 total += len(chunk)
-                if total > MOST_BYTES:
-                    raise FmuError(f"it has more than {_megabytes(MOST_BYTES)} when unpacked")
+                if total > MAX_BYTES:
+                    raise FmuError(f"it has more than {_megabytes(MAX_BYTES)} when unpacked")
                 file.write(chunk)
 
 

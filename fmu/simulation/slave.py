@@ -29,9 +29,9 @@ from fmpy.fmi3 import FMU3Slave
 FloatArray = npt.NDArray[np.float64]
 
 #: Largest number of log lines that are stored, and of characters per line.
-MOST_LINES, LONGEST_LINE = 1000, 500
+MAX_LINES, LONGEST_LINE = 1000, 500
 #: Largest number of validation problems that are reported.
-MOST_PROBLEMS = 100
+MAX_PROBLEMS = 100
 #: The files of a job: the task, its arrays, the outputs, and the answer, which is written last.
 JOB, ARRAYS, OUTPUTS, ANSWER = "job.json", "arrays.npz", "outputs.npy", "answer.json"
 
@@ -85,7 +85,7 @@ class Slave:
             self.fmu.instantiate(callbacks=callbacks, loggingOn=True)
 
     def _note(self, line: bytes | None) -> None:
-        if len(self.log) == MOST_LINES:
+        if len(self.log) == MAX_LINES:
             del self.log[0]
         self.log.append((line or b"")[:LONGEST_LINE].decode("utf-8", "replace"))
 
@@ -175,7 +175,7 @@ def main(folder: Path) -> None:
 def _run(job: dict[str, Any], folder: Path) -> dict[str, Any]:
     from fmpy.validation import validate_fmu
 
-    problems = validate_fmu(job["fmu"])[:MOST_PROBLEMS]
+    problems = validate_fmu(job["fmu"])[:MAX_PROBLEMS]
     with np.load(folder / ARRAYS) as arrays:
         time, rows = arrays["time"], arrays["rows"]
     slave = Slave(fmpy.read_model_description(job["fmu"], validate=False), Path(job["fmu"]))

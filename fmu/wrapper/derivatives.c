@@ -87,7 +87,7 @@ static void add_forward(State *state, Point point, const Tangent *tangent, const
 {
     const double *inputs = point == GIVEN ? tangent->given : point == DIRECT ? tangent->direct : tangent->acting;
     double values[N_SLOTS], tangents[N_SLOTS];
-    Term terms[MOST_TERMS];
+    Term terms[MAX_TERMS];
     size_t i, k;
     int carried = 0;
 
@@ -112,7 +112,7 @@ static void add_forward(State *state, Point point, const Tangent *tangent, const
 
 static void add_motion(State *state, const Tangent *tangent, const unsigned unknowns[], size_t n, double sensitivity[])
 {
-    Term terms[MOST_TERMS];
+    Term terms[MAX_TERMS];
     size_t i, k;
 
     for (i = 0; i < n; i++) {
@@ -129,7 +129,7 @@ static void find_gradient(State *state, Point point, const unsigned unknowns[], 
                           double gradient[])
 {
     double adjoints[N_SLOTS] = {0.0};
-    Term terms[MOST_TERMS];
+    Term terms[MAX_TERMS];
     size_t i, k;
 
     for (i = 0; i < n; i++) {

@@ -14,7 +14,7 @@
 #define DEEPEST 0.9
 /* Loads at which the deflection is tried, up to 200 times the nominal one.  Large slip forces make a tire softer in some
    models, so that a deflection may belong to two loads, the lower of which acts, or to none: then the nearest one acts. */
-#define MOST_LOADS 25
+#define MAX_LOADS 25
 #define LOAD_GROWTH 1.25
 /* The search ends at an error of a few units in the last place of the loaded radius. */
 #define ACCURACY 4e-16
@@ -65,7 +65,7 @@ static void find_spring(State *state)
         hub->spring = low.value <= 0.0 ? 0.0 : low.value; /* NaN remains */
         return;
     }
-    for (i = 0; i < MOST_LOADS; i++) {
+    for (i = 0; i < MAX_LOADS; i++) {
         high.value = radius_error(state, high.x);
         if (!(high.value > 0.0)) {
             hub->spring = root_between(radius_error, state, low, high, ACCURACY * free_radius);

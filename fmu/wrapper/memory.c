@@ -75,7 +75,7 @@ static void settle(const State *state, const double inputs[N_INPUTS], double mem
     for (i = 0; i < N_MEMORY; i++)
         if (settles(i) && !TABLE[i].started)
             memory[i] = 0.0;
-    for (k = 0; moving && k < 2 * MOST_ITERATIONS; k++) {
+    for (k = 0; moving && k < 2 * MAX_ITERATIONS; k++) {
         put(memory, filled);
         find_lines(state, filled, lines);
         moving = 0;
@@ -163,7 +163,7 @@ static int step_driven(State *state, double inputs[3][N_INPUTS], double memory[3
             memory[1][i] = memory[2][i] = memory[0][i];
     put(memory[0], inputs[0]);
     find_lines(state, inputs[0], lines[0]);
-    for (k = 0; moving && k < MOST_ITERATIONS; k++) {
+    for (k = 0; moving && k < MAX_ITERATIONS; k++) {
         moving = 0;
         found = 1;
         put(memory[1], inputs[1]);
@@ -215,7 +215,7 @@ static void advance_part(State *state, const double lines[], const double first[
     slips_acting(state, inputs[2]);
     if (step_driven(state, inputs, values, end - begin)) {
         memcpy(memory, values[2], sizeof values[2]);
-    } else if (halvings < MOST_HALVINGS && is_finite(memory)) {
+    } else if (halvings < MAX_HALVINGS && is_finite(memory)) {
         memcpy(state->continuous.lagging, lagging, sizeof lagging);
         advance_part(state, lines, first, begin, middle, halvings + 1, memory);
         advance_part(state, lines, first, middle, end, halvings + 1, memory);

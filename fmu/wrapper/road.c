@@ -13,7 +13,7 @@
 #include <string.h>
 
 #define FILE_NAME "road.bin"
-#define MOST_NUMBERS 100000000ull
+#define MAX_NUMBERS 100000000ull
 /* Points of the reference line for which one circle is compared first. */
 #define GROUP 64
 
@@ -48,7 +48,7 @@ static size_t count_numbers(const Header *header)
 static int is_possible(const Header *header)
 {
     return memcmp(header->format, FORMAT, sizeof FORMAT) == 0 && header->n >= 2 && header->m >= 2 &&
-           header->n <= MOST_NUMBERS / 8 && header->m <= MOST_NUMBERS / 8 && header->n <= MOST_NUMBERS / header->m &&
+           header->n <= MAX_NUMBERS / 8 && header->m <= MAX_NUMBERS / 8 && header->n <= MAX_NUMBERS / header->m &&
            isfinite(header->increment) && header->increment > 0.0 && isfinite(header->length) && header->length > 0.0;
 }
 

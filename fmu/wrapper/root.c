@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#define MOST_STEPS 200
+#define MAX_STEPS 200
 /* Points whose distance is a few units in the last place are neighbours. */
 #define NEIGHBOURS 4e-16
 
@@ -13,7 +13,7 @@ double root_between(Function *function, void *context, Sample a, Sample b, doubl
     Sample middle = b;
     int i, side = 0;
 
-    for (i = 0; i < MOST_STEPS; i++) {
+    for (i = 0; i < MAX_STEPS; i++) {
         middle.x = a.x + (b.x - a.x) * (a.value / (a.value - b.value));
         if (!((middle.x > a.x) ^ (middle.x > b.x)) || middle.x == a.x || middle.x == b.x)
             middle.x = 0.5 * (a.x + b.x);

@@ -9,11 +9,11 @@
 /* The oscillation of the wheel on the tire's spring takes some 30 ms, s. */
 #define LONGEST_PART 1e-3
 /* A longer step has longer parts, so that it ends. */
-#define MOST_PARTS 10000
+#define MAX_PARTS 10000
 /* The error of a torque balance at which its solution ends, relative to the terms in it. */
 #define ACCURACY 1e-13
-#define LEAST_SPIN 1e-3
-#define MOST_DOUBLINGS 60
+#define MIN_SPIN 1e-3
+#define MAX_DOUBLINGS 60
 /* The sense of a brake without torque in Co-Simulation. */
 #define RELEASED 2
 
@@ -48,7 +48,7 @@ static double excess(void *context, double spin)
 static double solve(Part *part)
 {
     const double start = part->spin;
-    const double accuracy = ACCURACY * (LEAST_SPIN + fabs(start) + part->gain * fabs(part->moment));
+    const double accuracy = ACCURACY * (MIN_SPIN + fabs(start) + part->gain * fabs(part->moment));
     Sample a = {start, 0.0}, b;
     int i;
 
@@ -58,7 +58,7 @@ static double solve(Part *part)
     /* The moment falls with the spin, so that the solution is between the ends, unless the tire slides. */
     b.x = start + a.value;
     b.value = excess(part, b.x);
-    for (i = 0; i < MOST_DOUBLINGS && b.value * a.value > 0.0; i++) {
+    for (i = 0; i < MAX_DOUBLINGS && b.value * a.value > 0.0; i++) {
         b.x += b.x - start;
         b.value = excess(part, b.x);
     }
@@ -122,7 +122,7 @@ double spin_advance(State *state, double h, int stops_at_event)
 {
     /* The sizes of steps that are equal but for rounding have equal numbers of parts. */
     const double wanted = ceil(h / LONGEST_PART * (1.0 - 1e-9));
-    const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
+    const int parts = wanted < MAX_PARTS ? (int) wanted : MAX_PARTS;
     double braked = 0.0;
     int i = 0;
 

@@ -9,7 +9,7 @@
 
 /* Parts of a step in which inputs change; a longer step has longer parts, so that it ends. */
 #define LONGEST_PART 1e-3
-#define MOST_PARTS 10000
+#define MAX_PARTS 10000
 
 /* Whether two times differ by rounding of the host only. */
 static int same_time(double a, double b) { return fabs(a - b) <= 1e-9 * (1.0 + fabs(b)); }
@@ -84,7 +84,7 @@ static Status move_inputs(Instance *self, const double start[], double time)
 static Status advance_sloped(Instance *self, double size)
 {
     const double wanted = ceil(size / LONGEST_PART * (1.0 - 1e-9));
-    const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
+    const int parts = wanted < MAX_PARTS ? (int) wanted : MAX_PARTS;
     double part = size / parts, start[FIRST_OUTPUT];
     Status status = STATUS_OK;
     int i;

@@ -14,7 +14,7 @@
 /* Where the road is if the host reports no contact: this many unloaded radii below the wheel centre, level. */
 #define FAR_BELOW 1.5
 /* The least friction that the model accepts, as of the input road_mu. */
-#define LEAST_FRICTION 0.01
+#define MIN_FRICTION 0.01
 
 /* ---------------------------------------------------------------- texts and numbers of the host */
 
@@ -182,7 +182,7 @@ static Status set_motion(Instance *self, const Call *call, const Road *road)
         references[i] = FIRST_INPUT + (unsigned) i;
     if (HOST_FRICTION > 0) {
         references[n] = FIRST_INPUT + HOST_FRICTION;
-        inputs[n++] = road->friction < LEAST_FRICTION ? LEAST_FRICTION : road->friction;
+        inputs[n++] = road->friction < MIN_FRICTION ? MIN_FRICTION : road->friction;
     }
     return instance_set(self, references, n, inputs);
 }

@@ -24,7 +24,7 @@ static size_t add_force(const State *state, Term terms[], size_t n, unsigned i, 
 }
 
 /* sqrt(x^2 + y^2), where x and y are the forces as a share of friction: force / (mu load). */
-static size_t friction_terms(State *state, Term terms[MOST_TERMS])
+static size_t friction_terms(State *state, Term terms[MAX_TERMS])
 {
     static const unsigned force[] = {LONGITUDINAL_FORCE, SIDE_FORCE};
     static const unsigned friction[] = {FRICTION_X, FRICTION_Y};
@@ -51,7 +51,7 @@ static size_t friction_terms(State *state, Term terms[MOST_TERMS])
 
 #if LAGS
 /* (sliding - |V| x) / length */
-static size_t rate_terms(State *state, unsigned slip, Term terms[MOST_TERMS])
+static size_t rate_terms(State *state, unsigned slip, Term terms[MAX_TERMS])
 {
 #if RELAXES
     static const unsigned lengths[] = {RELAXATION_X, RELAXATION_Y};
@@ -76,7 +76,7 @@ static size_t rate_terms(State *state, unsigned slip, Term terms[MOST_TERMS])
 
 #if TWISTS
 /* yawing - decay twist */
-static size_t twist_terms(const State *state, Term terms[MOST_TERMS])
+static size_t twist_terms(const State *state, Term terms[MAX_TERMS])
 {
     const double twist = state->continuous.lagging[TWIST], way = state->contact.yawing < 0.0 ? -1.0 : 1.0;
     double by_yawing, by_speed;
@@ -95,7 +95,7 @@ static size_t twist_terms(const State *state, Term terms[MOST_TERMS])
 /* The derivatives of the states of effects are behind those of slips and twist. */
 #define FIRST_MEMORY_RATE (FIRST_DERIVATIVE + FIRST_MEMORY - FIRST_STATE)
 
-static size_t memory_terms(const State *state, unsigned i, unsigned quantity, Term terms[MOST_TERMS])
+static size_t memory_terms(const State *state, unsigned i, unsigned quantity, Term terms[MAX_TERMS])
 {
     if (!state_has_begun(state))
         return 0;
@@ -105,7 +105,7 @@ static size_t memory_terms(const State *state, unsigned i, unsigned quantity, Te
 
 #if HUB
 /* A result for the hub: a sum over the contact forces, and the change at constant forces. */
-static size_t hub_terms(const State *state, unsigned result, Term terms[MOST_TERMS])
+static size_t hub_terms(const State *state, unsigned result, Term terms[MAX_TERMS])
 {
     size_t n = add(terms, 0, MOTION, HUB_CHANGE + result, 1.0);
     double by[N_OUTPUTS];
@@ -122,7 +122,7 @@ static size_t hub_terms(const State *state, unsigned result, Term terms[MOST_TER
 
 #if SPIN
 /* `factor` times the moment of the tire about the spin axis, and an entry of the motion. */
-static size_t spin_terms(State *state, unsigned entry, double factor, Term terms[MOST_TERMS])
+static size_t spin_terms(State *state, unsigned entry, double factor, Term terms[MAX_TERMS])
 {
     size_t i, n = factor != 0.0 ? hub_terms(state, SPIN_MOMENT, terms) : 0;
 
@@ -132,7 +132,7 @@ static size_t spin_terms(State *state, unsigned entry, double factor, Term terms
 }
 
 /* The torque of a brake that holds balances the others. */
-static size_t brake_terms(State *state, Term terms[MOST_TERMS])
+static size_t brake_terms(State *state, Term terms[MAX_TERMS])
 {
     const int balances = state->kind == MODEL_EXCHANGE && spin_is_held(state);
     return spin_terms(state, HUB_CHANGE + BRAKE_RESULT, balances ? -1.0 : 0.0, terms);
@@ -140,7 +140,7 @@ static size_t brake_terms(State *state, Term terms[MOST_TERMS])
 #endif
 
 /* In the model's signs. */
-static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
+static size_t find(State *state, unsigned unknown, Term terms[MAX_TERMS])
 {
     int shown;
 
@@ -196,7 +196,7 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
     return add(terms, 0, ACTING, chain_quantity((unsigned) (shown - FIRST_QUANTITY)), 1.0);
 }
 
-size_t terms_find(State *state, unsigned unknown, Term terms[MOST_TERMS])
+size_t terms_find(State *state, unsigned unknown, Term terms[MAX_TERMS])
 {
     const size_t n = find(state, unknown, terms);
     size_t i;

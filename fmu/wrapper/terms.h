@@ -16,9 +16,9 @@ typedef struct {
 
 /* The most terms of an unknown other than a force at a hub or the rate of the spin, which have one for each output of
    the model and two more. */
-enum { FEW_TERMS = 5, MOST_TERMS = FEW_TERMS > N_OUTPUTS + 2 ? FEW_TERMS : N_OUTPUTS + 2 };
+enum { FEW_TERMS = 5, MAX_TERMS = FEW_TERMS > N_OUTPUTS + 2 ? FEW_TERMS : N_OUTPUTS + 2 };
 
 /* Find the terms of an unknown, in the host's signs.  Returns their number.  Call state_compute_outputs before. */
-size_t terms_find(State *state, unsigned unknown, Term terms[MOST_TERMS]);
+size_t terms_find(State *state, unsigned unknown, Term terms[MAX_TERMS]);
 
 #endif

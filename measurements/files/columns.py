@@ -16,11 +16,11 @@ from tirefmu.symbolic.errors import DataError, TirefmuError
 
 from ..channels import CHANNELS, INPUTS, channel
 from ..column_names import check_names
-from ..thresholds import MOST_INCOMPLETE
+from ..thresholds import MAX_INCOMPLETE
 from ..units import to_si
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
-MOST_COLUMNS, LONGEST_HEADER = 5000, 200
+MAX_COLUMNS, LONGEST_HEADER = 5000, 200
 #: Inputs by their names in FSAE TTC files.
 _BENCH_INPUTS = {name: CHANNELS[each] for each in INPUTS for name in CHANNELS[each].bench_names if name not in CHANNELS}
 #: Quantities that the bench does not measure in SI units: without a declared unit the name may be meant either way.
@@ -62,7 +62,7 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     A name of FSAE TTC files is that of the input if the table lacks it and the unit is clear. Other unknown columns are
     passed through, unless the name resembles an input that the table lacks (`check_names`).
 
-    `source`: the file, for the message. Raises `DataError` if there are more than `MOST_COLUMNS` columns, a name occurs
+    `source`: the file, for the message. Raises `DataError` if there are more than `MAX_COLUMNS` columns, a name occurs
     twice, a name resembles a missing input, or no column is a channel.
 
     >>> [column.name for column in parse_header(["kappa", "Fz [kN]", "remark"], "a.csv")]
@@ -74,8 +74,8 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     ...
     tirefmu.symbolic.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha? ...
     """
-    if len(headers) > MOST_COLUMNS:
-        raise DataError(f"{source}: {len(headers)} columns: at most {MOST_COLUMNS} are read")
+    if len(headers) > MAX_COLUMNS:
+        raise DataError(f"{source}: {len(headers)} columns: at most {MAX_COLUMNS} are read")
     columns = [
         Column.parse(header) if header.strip() else Column(f"column {number}")
         for number, header in enumerate(headers, start=1)
@@ -109,7 +109,7 @@ def channels_in_si(
     `table`: as read, with one column per entry of ``columns``, in the same order. `source`: the file, for messages.
     `location`: from a row's number, counted from 0, to "line 12" or "row 12". Returns `table`: channels as floats.
     Other columns are unchanged. Returns `about`: ``declared``: the channels whose unit the table declares. Raises
-    `DataError` if there are no rows, a cell of a channel is not a number or infinite, more than `MOST_INCOMPLETE` of an
+    `DataError` if there are no rows, a cell of a channel is not a number or infinite, more than `MAX_INCOMPLETE` of an
     input is NaN, or a declared unit is unknown or one of another quantity.
     """
     if table.empty:
@@ -153,7 +153,7 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, location: 
     tirefmu.symbolic.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows): up to 20 % are excluded
     """
     infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
-    for bad, kind, most in ((infinite, "infinite", 0.0), (unknown, "NaN", MOST_INCOMPLETE)):
+    for bad, kind, most in ((infinite, "infinite", 0.0), (unknown, "NaN", MAX_INCOMPLETE)):
         if bad.mean() > most:
             first = location(int(np.flatnonzero(bad)[0]))
             limit = f": up to {100.0 * most:g} % are excluded" if most else ""

@@ -21,7 +21,7 @@ from .columns import channels_in_si, parse_header
 
 _SEPARATORS = ",;\t"
 #: Upper limits: characters of a line up to the header's end; cells that the rows of a table lack.
-LONGEST_LINE, MOST_ABSENT = 1_000_000, 10_000_000
+LONGEST_LINE, MAX_ABSENT = 1_000_000, 10_000_000
 
 
 def read_csv_table(path: Path, signs: str) -> Recording:
@@ -108,7 +108,7 @@ def _check_size(path: Path, width: int) -> None:
     with path.open("rb") as file:
         lines = sum(max(part.count(b"\n"), part.count(b"\r")) for part in iter(partial(file.read, 1 << 20), b""))
         size = file.tell()
-    if lines * width > size + MOST_ABSENT:
+    if lines * width > size + MAX_ABSENT:
         raise DataError(f"{path}: its {lines} lines have far fewer cells than the header's {width}")
 
 

@@ -18,7 +18,7 @@ from ..thresholds import (
     INNER_SLIP,
     LOAD_TOLERANCE,
     LOGGING_GAP,
-    MOST_BACKWARD_STEPS,
+    MAX_BACKWARD_STEPS,
     RATIO_TOLERANCE,
 )
 from ..units import PSI
@@ -55,7 +55,7 @@ def _clock_jumps(recording: Recording) -> Iterator[Finding]:
         return
     steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
     backward, repeated = np.flatnonzero(steps < 0.0), int(np.count_nonzero(steps == 0.0))
-    if len(backward) > MOST_BACKWARD_STEPS * len(steps):
+    if len(backward) > MAX_BACKWARD_STEPS * len(steps):
         return  # `coverage_notes`
     if repeated:
         yield Finding("clock", f"{recording.source}: t repeats in {repeated} of {len(steps)} steps")

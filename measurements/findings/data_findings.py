@@ -8,7 +8,7 @@ from itertools import combinations
 from ..quality.convention import convention_notes
 from ..quality.coverage import coverage_notes
 from ..recording import Recording
-from ..thresholds import MOST_REPEATED_ROWS, SERIOUS_REPEATED_ROWS
+from ..thresholds import MAX_REPEATED_ROWS, SERIOUS_REPEATED_ROWS
 from .clock_and_units import clock_and_units
 from .finding import Finding
 from .one_recording import findings_of, row_keys
@@ -51,7 +51,7 @@ def _repeated_files(recordings: Sequence[Recording]) -> Iterator[Finding]:
     keys = [set(row_keys(recording)) for recording in recordings] if len(recordings) > 1 else []
     for (one, first), (other, second) in combinations(zip(recordings, keys, strict=False), 2):
         common = len(first & second)
-        if common > MOST_REPEATED_ROWS * min(len(first), len(second)):
+        if common > MAX_REPEATED_ROWS * min(len(first), len(second)):
             same = "is given twice" if first == second else f"shares {common} rows with {other.source}"
             yield Finding(
                 "repeated rows",

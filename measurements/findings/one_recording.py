@@ -19,7 +19,7 @@ from ..thresholds import (
     COOL_TREAD,
     LATER_TEMPERATURE_QUANTILE,
     LONGEST_WARM_UP,
-    MOST_REPEATED_ROWS,
+    MAX_REPEATED_ROWS,
     SERIOUS_REPEATED_ROWS,
     SHORTEST_REPETITION,
     TEMPERATURE_WINDOW,
@@ -29,11 +29,11 @@ from .finding import Finding
 #: The outputs that a slip causes.
 _CAUSED = {"alpha": ("Fy", "Mz"), "kappa": ("Fx",)}
 #: Names of columns in one line; more are counted.
-MOST_NAMES = 8
+MAX_NAMES = 8
 #: Inputs that act on the tire in a similar way as wear and temperature, and the unit of a message.
 SLOW_INPUTS = {"p": (1e-3, "kPa"), "V": (1.0, "m/s")}
 #: Running medians are computed at this many points.
-MOST_POINTS = 2000
+MAX_POINTS = 2000
 
 
 def findings_of(recording: Recording, *, alone: bool) -> Iterator[Finding]:
@@ -68,10 +68,10 @@ def _unread_channels(recording: Recording) -> Iterator[Finding]:
     """Yield a finding if a table has columns that are no channels."""
     names = unread_columns(recording.table.columns)
     if names:
-        more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+        more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
         yield Finding(
             "unread columns",
-            f"{recording.source}: columns that are no channels are not fitted: {', '.join(names[:MOST_NAMES])}{more}",
+            f"{recording.source}: columns that are no channels are not fitted: {', '.join(names[:MAX_NAMES])}{more}",
         )
 
 
@@ -103,7 +103,7 @@ def _repeated_rows(recording: Recording) -> Iterator[Finding]:
     # The first row of a stretch follows on no row before it.
     stretches = [(start - (start > 0 and repeated[start - 1]), stop) for start, stop in stretches]
     rows = sum(stop - start for start, stop in stretches)
-    if rows > MOST_REPEATED_ROWS * len(recording):
+    if rows > MAX_REPEATED_ROWS * len(recording):
         yield Finding(
             "repeated rows",
             f"{recording.source}: {rows} of {len(recording)} rows repeat earlier rows in every channel but t, the "
@@ -133,7 +133,7 @@ def _warm_up(recording: Recording, *, alone: bool) -> Iterator[Finding]:
     """
     if "T" not in recording.table or len(recording) < 2:
         return
-    step = max(1, len(recording) // MOST_POINTS)
+    step = max(1, len(recording) // MAX_POINTS)
     temperature = recording.table["T"].to_numpy(dtype=np.float64)[::step]
     window = round(TEMPERATURE_WINDOW / (step * sample_interval(recording, recording.segments()[0])))
     if not 3 <= window < len(temperature) // 2:

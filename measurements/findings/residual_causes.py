@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..channels import OUTPUTS
 from ..operating_conditions.time_series import segments_of
 from ..recording import Recording
-from ..thresholds import LEAST_EXPLAINED, LEAST_TEMPERATURE_RANGE
+from ..thresholds import MIN_EXPLAINED, MIN_TEMPERATURE_RANGE
 from .finding import Finding
 
 #: Effects that a diagnosis tests for each output.
@@ -57,20 +57,20 @@ def _causes(recording: Recording, name: str, force: NDArray[np.float64]) -> Iter
     if "T" in recording.table:
         temperature = recording.table["T"].to_numpy(dtype=np.float64)
         low, high = np.nanquantile(temperature, (0.05, 0.95))
-        if high - low > LEAST_TEMPERATURE_RANGE:
+        if high - low > MIN_TEMPERATURE_RANGE:
             causes["temperature"] = force * (temperature - np.nanmean(temperature))
     if name in _LAG_EFFECT:
         causes["lag"] = -_rate(recording, force)
     for kind, (coefficient, share) in _explained(residual, causes).items():
         percent = f"{100.0 * share:.0f} % of its mean square"
-        if share > LEAST_EXPLAINED and kind == "temperature":
+        if share > MIN_EXPLAINED and kind == "temperature":
             yield Finding(
                 kind,
                 f"{recording.source}: the residual of {name} follows the tread temperature, or an input that changes "
                 f"with it, like {100.0 * coefficient:+.2f} % of {name} per K ({percent})",
                 effects=("temp_friction", "temp_stiffness"),
             )
-        if share > LEAST_EXPLAINED and kind == "lag" and coefficient > 0.0:
+        if share > MIN_EXPLAINED and kind == "lag" and coefficient > 0.0:
             yield Finding(
                 kind,
                 f"{recording.source}: the residual of {name} is like a lag of {1e3 * coefficient:.0f} ms ({percent})",

@@ -20,7 +20,7 @@ from ..thresholds import (
     FRICTION_RATIO,
     LARGEST_LOAD_QUANTILE,
     LARGEST_LOAD_RATIO,
-    MOST_JOINED_PARTS,
+    MAX_JOINED_PARTS,
 )
 
 FORCES = {"alpha": "Fy", "kappa": "Fx"}
@@ -71,7 +71,7 @@ def _joined_files(recording: Recording) -> Iterator[str]:
         return
     clock = recording.table["t"].to_numpy(dtype=np.float64)
     restarts = np.flatnonzero(np.diff(clock) < 0.0) + 1
-    if not 1 <= len(restarts) < MOST_JOINED_PARTS:
+    if not 1 <= len(restarts) < MAX_JOINED_PARTS:
         return
     load = recording.table["Fz"].abs().to_numpy(dtype=np.float64)
     largest = [float(np.quantile(part, LARGEST_LOAD_QUANTILE)) for part in np.split(load, restarts)]

@@ -18,9 +18,9 @@ from ..operating_conditions.levels import held_levels, level_tolerance
 from .inspection import Inspection
 
 #: Points of a line over time: two for each column of pixels.
-MOST_COLUMNS = 900
+MAX_COLUMNS = 900
 #: Marked rows of one reason.
-MOST_MARKED = 1500
+MAX_MARKED = 1500
 #: Color and marker by reason of an exclusion.
 EXCLUDED = {
     "warm-up": (ORANGE, "o"), "transition": (GRAY, "s"), "outlier": (RED, "^"), "lifted": (BLACK, "v"),
@@ -60,14 +60,14 @@ def _course(inspection: Inspection, name: str, x: NDArray[np.float64]) -> Iterat
         rows = np.flatnonzero(inspection.exclusion.reasons == reason)
         if len(rows):
             label = f"{reason}, {len(rows)} row{'s' * (len(rows) != 1)}"
-            few = rows[:: -(-len(rows) // MOST_MARKED)]
+            few = rows[:: -(-len(rows) // MAX_MARKED)]
             yield Series("points", x[few], y[few], color, label, marker=marker, size=2.5)
 
 
 def _envelope(x: NDArray[np.float64], y: NDArray[np.float64], rows_of_all: int) -> NDArray[np.float64]:
     """Return lowest and highest value of each of some parts of a segment, so that no spike is lost, shape (2, n)."""
-    if rows_of_all > 2 * MOST_COLUMNS:
-        parts = np.array_split(np.arange(len(x)), max(1, MOST_COLUMNS * len(x) // rows_of_all))
+    if rows_of_all > 2 * MAX_COLUMNS:
+        parts = np.array_split(np.arange(len(x)), max(1, MAX_COLUMNS * len(x) // rows_of_all))
         rows = np.concatenate([part[np.sort([np.argmin(y[part]), np.argmax(y[part])])] for part in parts])
         x, y = x[rows], y[rows]
     return np.array([x, y])

@@ -10,10 +10,10 @@ from scipy.ndimage import gaussian_filter1d
 from tirefmu.symbolic.errors import DataError
 
 from ..channels import CHANNELS
-from ..thresholds import LEAST_LEVEL_PROMINENCE, LEAST_LEVEL_SHARE, LEAST_ROWS_AT_LEVELS, LOAD_TOLERANCE
+from ..thresholds import LOAD_TOLERANCE, MIN_LEVEL_PROMINENCE, MIN_LEVEL_SHARE, MIN_ROWS_AT_LEVELS
 
 #: Largest number of levels of a held input; with more levels it was swept in steps.
-MOST_LEVELS = 12
+MAX_LEVELS = 12
 
 
 def level_tolerance(values: ArrayLike, channel: str | None = None) -> float:
@@ -85,9 +85,9 @@ def levels(values: ArrayLike, *, tolerance: float | None = None) -> list[float]:
         raise DataError(f"levels need a positive tolerance, not {tolerance}")
     peaks = _density_peaks(numbers, tolerance)
     near_a_peak = np.abs(numbers[:, None] - peaks) <= tolerance
-    if near_a_peak.any(axis=1).mean() < LEAST_ROWS_AT_LEVELS:
+    if near_a_peak.any(axis=1).mean() < MIN_ROWS_AT_LEVELS:
         return []
-    found = near_a_peak.mean(axis=0) >= LEAST_LEVEL_SHARE
+    found = near_a_peak.mean(axis=0) >= MIN_LEVEL_SHARE
     return [float(np.median(numbers[rows])) for rows in near_a_peak.T[found]]
 
 
@@ -105,7 +105,7 @@ def held_levels(column: pd.Series) -> list[float]:
         In SI units.
     """
     found = levels(column)
-    return found if len(found) <= MOST_LEVELS else []
+    return found if len(found) <= MAX_LEVELS else []
 
 
 def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
@@ -121,7 +121,7 @@ def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np
     counts = np.bincount(left, 1.0 - right_share, bins + 1) + np.bincount(left + 1, right_share, bins + 1)
     density = gaussian_filter1d(counts, sigma=4.0, mode="constant")
     peaks = _peaks(density)
-    prominent = _prominences(density, peaks) >= LEAST_LEVEL_PROMINENCE * density[peaks]
+    prominent = _prominences(density, peaks) >= MIN_LEVEL_PROMINENCE * density[peaks]
     return np.asarray(lowest + bin_width * peaks[prominent])
 
 

@@ -14,8 +14,8 @@ from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import (
     FAR_FROM_LEVELS,
-    FEWEST_STAY_ROWS,
     LONGEST_TRANSITION,
+    MIN_STAY_ROWS,
     PHASE_SMOOTHING,
     SHORTEST_STAY,
     SWEEP_TOLERANCES,
@@ -201,7 +201,7 @@ def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[
     lengths, at = np.diff(edges), level[edges[:-1]]
     # Mean over the rows, not over the visits: short visits at the limit of the tolerance have little influence.
     stays = [lengths[at == k] @ lengths[at == k] / lengths[at == k].sum() for k in range(len(found))]
-    return np.array([value for value, stay in zip(found, stays, strict=True) if stay >= FEWEST_STAY_ROWS])
+    return np.array([value for value, stay in zip(found, stays, strict=True) if stay >= MIN_STAY_ROWS])
 
 
 def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:

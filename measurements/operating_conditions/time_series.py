@@ -12,10 +12,10 @@ from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording
 from ..thresholds import (
     DEFAULT_SAMPLE_INTERVAL,
-    FEWEST_SERIES_ROWS,
     JUMP_TOLERANCES,
     LONGEST_SAMPLE_INTERVAL,
-    MOST_JUMPS,
+    MAX_JUMPS,
+    MIN_SERIES_ROWS,
 )
 from .levels import level_tolerance
 
@@ -51,7 +51,7 @@ def segments_of(recording: Recording) -> list[Segment]:
     return [
         Segment(
             piece,
-            piece.stop - piece.start >= FEWEST_SERIES_ROWS and interval <= LONGEST_SAMPLE_INTERVAL and not jumps,
+            piece.stop - piece.start >= MIN_SERIES_ROWS and interval <= LONGEST_SAMPLE_INTERVAL and not jumps,
             interval,
         )
         for piece, interval, jumps in zip(pieces, intervals, jumping, strict=True)
@@ -88,5 +88,5 @@ def _jumping(recording: Recording, pieces: Sequence[slice]) -> list[bool]:
             values = recording.table[name].to_numpy(dtype=np.float64)
             jumps = np.abs(np.diff(values)) > JUMP_TOLERANCES * level_tolerance(values, name)
             counted = np.concatenate([[0], np.cumsum(jumps)])  # jumps before each row
-            jumping |= (counted[last] - counted[first]) / np.maximum(last - first, 1) > MOST_JUMPS
+            jumping |= (counted[last] - counted[first]) / np.maximum(last - first, 1) > MAX_JUMPS
     return [bool(each) for each in jumping]

@@ -15,8 +15,8 @@ from tirefmu.tires.signs import REVERSED, SIGNS
 
 from ..recording import Recording, once
 from ..thresholds import (
-    LEAST_SLIP_DEVIATION,
-    MOST_WRONG_LOADS,
+    MAX_WRONG_LOADS,
+    MIN_SLIP_DEVIATION,
     SMALL_ANGLE,
     SMALL_SLIP,
     SPIKE_QUANTILE,
@@ -118,7 +118,7 @@ def _observed_signs(recording: Recording) -> dict[str, int]:
     if "Fz" in recording.table:
         load = recording.table["Fz"].to_numpy(dtype=np.float64)
         for sign in (1, -1):
-            if len(load) and np.mean(sign * load > 0.0) > MOST_WRONG_LOADS:
+            if len(load) and np.mean(sign * load > 0.0) > MAX_WRONG_LOADS:
                 observed["Fz"] = sign
     for force, (slip, _) in _SIGN_IN_ISO.items():
         about_mean, about_zero = _correlations(recording, slip, force)
@@ -177,7 +177,7 @@ def _correlations(recording: Recording, slip: str, force: str) -> tuple[float, f
         if "kappa" in table:
             rows &= np.abs(table["kappa"].to_numpy(dtype=np.float64)) <= SMALL_SLIP
     x, y = x[rows], y[rows]
-    if len(x) < 3 or x.std() < LEAST_SLIP_DEVIATION:
+    if len(x) < 3 or x.std() < MIN_SLIP_DEVIATION:
         return 0.0, 0.0
     y = np.clip(y, *np.quantile(y, [SPIKE_QUANTILE, 1.0 - SPIKE_QUANTILE]))
     return _cosine(x - x.mean(), y - y.mean()), _cosine(x, y)

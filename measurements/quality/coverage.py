@@ -9,7 +9,7 @@ import numpy as np
 from ..channels import CHANNELS, CONTROLLED_INPUTS, OUTPUTS
 from ..operating_conditions.levels import level_tolerance, levels
 from ..recording import Recording, once
-from ..thresholds import FEW_ROWS, MOST_BACKWARD_STEPS
+from ..thresholds import FEW_ROWS, MAX_BACKWARD_STEPS
 
 #: The slips that cause each output.
 _CAUSES = {"Fx": ("kappa",), "Fy": ("alpha", "gamma"), "Mz": ("alpha", "gamma")}
@@ -147,7 +147,7 @@ def _clock_notes(recording: Recording) -> list[str]:
         return []
     steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
     backwards = int(np.count_nonzero(steps < 0.0))
-    if backwards <= MOST_BACKWARD_STEPS * len(steps):
+    if backwards <= MAX_BACKWARD_STEPS * len(steps):
         return []
     return [
         f"{recording.source}: t runs backwards in {backwards} of {len(steps)} steps: the rows are not in the order of "

@@ -10,14 +10,14 @@ from tirefmu.symbolic.errors import DataError
 
 from ..channels import INPUTS
 from ..recording import Recording
-from ..thresholds import MOST_INCOMPLETE
+from ..thresholds import MAX_INCOMPLETE
 
 
 def without_incomplete_rows(recording: Recording) -> Recording:
     """Return a recording without the rows in which an input is NaN.
 
     Returns: the same one if every row is complete. Otherwise ``about["incomplete"]`` has the numbers of rows. Raises
-    `DataError` if more than `MOST_INCOMPLETE` of the rows are incomplete.
+    `DataError` if more than `MAX_INCOMPLETE` of the rows are incomplete.
 
     >>> import pandas as pd
     >>> rows = pd.DataFrame({"alpha": [0.0, np.nan, 0.1, 0.2, 0.3, 0.4], "Fy": 1.0})
@@ -34,7 +34,7 @@ def without_incomplete_rows(recording: Recording) -> Recording:
         f"{incomplete.sum()} of {len(recording)} rows lack an input: NaN in {channels}, "
         f"the first in row {np.flatnonzero(incomplete)[0] + 1}"
     )
-    if incomplete.mean() > MOST_INCOMPLETE:
-        raise DataError(f"{recording.source}: {text}: up to {100.0 * MOST_INCOMPLETE:g} % are excluded")
+    if incomplete.mean() > MAX_INCOMPLETE:
+        raise DataError(f"{recording.source}: {text}: up to {100.0 * MAX_INCOMPLETE:g} % are excluded")
     table = recording.table[~incomplete].reset_index(drop=True)
     return replace(recording, table=table, about={**recording.about, "incomplete": text})

@@ -13,10 +13,10 @@ from ..channels import CHANNELS
 from ..operating_conditions.time_series import Segment, segments_of
 from ..recording import Recording
 from ..thresholds import (
-    FEWEST_WINDOW_ROWS,
-    LEAST_DEVIATION,
-    LEAST_JUMP,
     LONGEST_MEDIAN_SPAN,
+    MIN_DEVIATION,
+    MIN_JUMP,
+    MIN_WINDOW_ROWS,
     OUTLIER_SIGMAS,
     OUTLIER_WINDOW,
     SCATTER_WINDOW,
@@ -24,7 +24,7 @@ from ..thresholds import (
 )
 
 #: Slopes that are held in memory at a time.
-MOST_SLOPES = 1_000_000
+MAX_SLOPES = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def outliers(recording: Recording) -> list[Outlier]:
     ['row 71: Fy is 900 N, the running median is 74.57']
     """
     series = [segment for segment in segments_of(recording) if segment.is_series]
-    series = [segment for segment in series if FEWEST_WINDOW_ROWS * segment.interval <= LONGEST_MEDIAN_SPAN]
+    series = [segment for segment in series if MIN_WINDOW_ROWS * segment.interval <= LONGEST_MEDIAN_SPAN]
     found = []
     for name in CHANNELS:
         if name == "t" or name not in recording.table:
@@ -132,7 +132,7 @@ def _interpolated(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _window(step: float, time: float, rows: int) -> int:
-    return min(max(FEWEST_WINDOW_ROWS, round(time / step)), rows - 1) | 1
+    return min(max(MIN_WINDOW_ROWS, round(time / step)), rows - 1) | 1
 
 
 def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -140,7 +140,7 @@ def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
     rows = np.arange(windows.shape[1])
     first, second = np.triu_indices(windows.shape[1], 1)
     lines = np.empty_like(windows)
-    step = max(MOST_SLOPES // max(len(first), 1), 1)
+    step = max(MAX_SLOPES // max(len(first), 1), 1)
     for some in (slice(start, start + step) for start in range(0, len(windows), step)):
         values = windows[some]
         slope = np.median((values[:, second] - values[:, first]) / (second - first), axis=1)[:, None]
@@ -150,7 +150,7 @@ def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _far(values: NDArray[np.float64], median: NDArray[np.float64], step: float, tolerance: float) -> NDArray[np.bool_]:
     known, none = np.isfinite(values), np.zeros(len(values), dtype=np.bool_)
-    if np.count_nonzero(known) < FEWEST_WINDOW_ROWS:
+    if np.count_nonzero(known) < MIN_WINDOW_ROWS:
         return none
     deviation = np.abs(values - median)
     sizes = deviation[known]
@@ -162,14 +162,14 @@ def _far(values: NDArray[np.float64], median: NDArray[np.float64], step: float, 
         return none
     own = median[known]
     rounding = np.finfo(np.float64).eps * float(np.abs(own).max())
-    least = max(tolerance, LEAST_DEVIATION * _width(own), rounding)
+    least = max(tolerance, MIN_DEVIATION * _width(own), rounding)
     far = known & (deviation > max(limit, least))
     if far.any():  # the local scatter takes long to compute and is rarely needed
         size = _window(step, SCATTER_WINDOW, len(deviation))
         far &= deviation > OUTLIER_SIGMAS * SIGMA_PER_DEVIATION * median_filter(
             _interpolated(deviation), size=size, mode="mirror"
         )
-    return _jumping(far, values, deviation) if FEWEST_WINDOW_ROWS * step > OUTLIER_WINDOW else np.asarray(far)
+    return _jumping(far, values, deviation) if MIN_WINDOW_ROWS * step > OUTLIER_WINDOW else np.asarray(far)
 
 
 def _width(values: NDArray[np.float64]) -> float:
@@ -188,5 +188,5 @@ def _jumping(far: NDArray[np.bool_], values: NDArray[np.float64], deviation: NDA
     for start, stop in edges.reshape(-1, 2):
         before = abs(signal[start] - signal[start - 1]) if start > 0 else np.inf
         after = abs(signal[stop - 1] - signal[stop]) if stop < len(signal) else np.inf
-        jumping[known[start:stop]] = before >= LEAST_JUMP * size[start] and after >= LEAST_JUMP * size[stop - 1]
+        jumping[known[start:stop]] = before >= MIN_JUMP * size[start] and after >= MIN_JUMP * size[stop - 1]
     return jumping

@@ -15,8 +15,8 @@ from ..thresholds import (
     BACKWARD_SLIP,
     LARGEST_BAR,
     LARGEST_PSI,
-    MOST_BACKWARD_ROWS,
-    MOST_WRONG_LOADS,
+    MAX_BACKWARD_ROWS,
+    MAX_WRONG_LOADS,
     RATIO_TOLERANCE,
     SMALLEST_LOAD,
     SMALLEST_PRESSURE,
@@ -118,7 +118,7 @@ def _backward_wheel(recording: Recording, declared: list[str]) -> Iterator[str]:
         return
     kappa = recording.table["kappa"].to_numpy(dtype=np.float64)[recording.table["Fx"].notna().to_numpy()]
     share = float(np.mean(kappa < BACKWARD_SLIP)) if len(kappa) else 0.0
-    if share > MOST_BACKWARD_ROWS:
+    if share > MAX_BACKWARD_ROWS:
         yield (
             f"kappa is below -1 in {100.0 * share:.0f} % of the rows where Fx was measured, a wheel that turns "
             f"backwards: in percent? declare it: 'kappa [%]' (or 'kappa [1]')"
@@ -131,7 +131,7 @@ def _wrong_load_sign(recording: Recording) -> Iterator[str]:
     load = recording.table["Fz"].to_numpy(dtype=np.float64)
     expected = -1.0 if recording.signs == "sae" else 1.0
     share = float(np.mean(load * expected < 0.0))
-    if share > MOST_WRONG_LOADS:
+    if share > MAX_WRONG_LOADS:
         sign, advice = (
             ("positive", f"not SAE? (--signs {' or '.join(fitting_conventions(recording) or ('iso', 'adapted-sae'))})")
             if recording.signs == "sae"

@@ -14,7 +14,7 @@ from .state import KINDS, SPEED, State, with_speeds
 
 #: Upper limits, in characters and in numbers of items.
 LONGEST_FILE, LONGEST_TEXT, LONGEST_UNIT = 100_000, 600, 40
-MOST_COEFFICIENTS, MOST_ACTS, MOST_EFFECTS, MOST_STATES = 50, 50, 50, 10
+MAX_COEFFICIENTS, MAX_ACTS, MAX_EFFECTS, MAX_STATES = 50, 50, 50, 10
 
 
 def check_effect(effect: AddedEffect, location: str) -> None:
@@ -30,8 +30,8 @@ def check_effects(effects: Sequence[AddedEffect]) -> None:
     """Raise `EffectError` if effects or their formulas violate the rules, or if two have the same name."""
     from .formula import formula  # SymPy
 
-    if len(effects) > MOST_EFFECTS:
-        raise EffectError(f"a tire has at most {MOST_EFFECTS} added effects, not {len(effects)}")
+    if len(effects) > MAX_EFFECTS:
+        raise EffectError(f"a tire has at most {MAX_EFFECTS} added effects, not {len(effects)}")
     seen: set[str] = set()
     for effect in effects:
         location = f"effect {quoted(effect.name)}"
@@ -52,10 +52,10 @@ def _objections(effect: AddedEffect) -> Iterator[str]:
     for key, text in (("physics", effect.physics), ("source", effect.source)):
         if len(text) > LONGEST_TEXT:
             yield f"{key} has more than {LONGEST_TEXT} characters"
-    if len(effect.declarations) > MOST_COEFFICIENTS:
-        yield f"an effect has at most {MOST_COEFFICIENTS} coefficients, not {len(effect.declarations)}"
-    if len(effect.acts) > MOST_ACTS:
-        yield f"an effect has at most {MOST_ACTS} [[acts]], not {len(effect.acts)}"
+    if len(effect.declarations) > MAX_COEFFICIENTS:
+        yield f"an effect has at most {MAX_COEFFICIENTS} coefficients, not {len(effect.declarations)}"
+    if len(effect.acts) > MAX_ACTS:
+        yield f"an effect has at most {MAX_ACTS} [[acts]], not {len(effect.acts)}"
     for state in effect.states:
         if len(state.description) > LONGEST_TEXT or len(state.unit) > LONGEST_UNIT:
             yield f"state {state.name}: description or unit is longer than {LONGEST_TEXT} or {LONGEST_UNIT} characters"
@@ -86,8 +86,8 @@ def _declaration_objections(declaration: Coefficient) -> Iterator[str]:
 
 def _state_objections(states: Sequence[State], read: frozenset[str]) -> Iterator[str]:
     """Yield why states are not valid together; `read` are the names that the acts of their effect read."""
-    if len(states) > MOST_STATES:
-        yield f"an effect has at most {MOST_STATES} states, not {len(states)}"
+    if len(states) > MAX_STATES:
+        yield f"an effect has at most {MAX_STATES} states, not {len(states)}"
     if tuple(with_speeds(state for state in states if state.kind != SPEED)) != tuple(states):
         yield "the speed of an oscillator is a state behind it"
     used = read.union(*(state.reads for state in states))

@@ -18,10 +18,10 @@ from ..errors import EffectError, nearest
 from ..escaping import quoted, toml_string, visible
 from ..quantities import ALPHA, BEYOND, FX, FY, FZ, GAMMA, KAPPA, MX, MY, MZ, PHIT, P, V
 from ..reserved import LONGEST_NAME, no_coefficient, no_effect
-from .checks import LONGEST_TEXT, MOST_COEFFICIENTS
+from .checks import LONGEST_TEXT, MAX_COEFFICIENTS
 
 #: Upper limits of counts, and of the magnitude of a size and its reciprocal.
-MOST_FORMS, MOST_PROBES, MOST_PAIRS, LARGEST_SIZE, MOST_POINTS = 10, 10, 20, 1e12, 20
+MAX_FORMS, MAX_PROBES, MAX_PAIRS, LARGEST_SIZE, MAX_POINTS = 10, 10, 20, 1e12, 20
 INPUTS = ("t", *(quantity.name for quantity in (KAPPA, ALPHA, GAMMA, FZ, P, V, PHIT)), *BEYOND)
 OUTPUTS = tuple(quantity.name for quantity in (FX, FY, MZ, MX, MY))
 KEYS = ("requires", "rate", "channels", "contains", "spread", "separate_by", "forms", "refinements", "confounded")
@@ -45,7 +45,7 @@ def read_detection(table: object, location: str, own: Collection[str] | None = N
         contains=_effect(given, "contains", location),
         spread=_sizes(given.get("spread", {}), f"{location} spread", positive=True),
         separate_by=_text(given, "separate_by", location),
-        confounded=tuple(_pair(one, location) for one in _tables(given, "confounded", location, MOST_PAIRS)),
+        confounded=tuple(_pair(one, location) for one in _tables(given, "confounded", location, MAX_PAIRS)),
     )
     if own is not None:
         used = [name for form in (*detection.forms, *detection.refinements) for name in form.free]
@@ -148,7 +148,7 @@ def _tables(table: dict[str, Any], key: str, location: str, most: int) -> list[A
 
 
 def _forms(table: dict[str, Any], key: str, location: str) -> tuple[Form, ...]:
-    return tuple(_form(one, f"{location} {key}") for one in _tables(table, key, location, MOST_FORMS))
+    return tuple(_form(one, f"{location} {key}") for one in _tables(table, key, location, MAX_FORMS))
 
 
 def _form(table: object, location: str) -> Form:
@@ -164,10 +164,10 @@ def _form(table: object, location: str) -> Form:
     if "grid" in given:
         raise EffectError(f"{location}: grid requires sizes")
     starts, free = given["starts"], given["free"]
-    if not isinstance(free, list) or not 1 <= len(free) <= MOST_COEFFICIENTS:
-        raise EffectError(f"{location}: free is not a list of 1 to {MOST_COEFFICIENTS} coefficients")
-    if not isinstance(starts, list) or not 1 <= len(starts) <= MOST_PROBES:
-        raise EffectError(f"{location}: starts is not a list of 1 to {MOST_PROBES} tables")
+    if not isinstance(free, list) or not 1 <= len(free) <= MAX_COEFFICIENTS:
+        raise EffectError(f"{location}: free is not a list of 1 to {MAX_COEFFICIENTS} coefficients")
+    if not isinstance(starts, list) or not 1 <= len(starts) <= MAX_PROBES:
+        raise EffectError(f"{location}: starts is not a list of 1 to {MAX_PROBES} tables")
     probes = tuple(_sizes(start, f"{location} starts", least=1) for start in starts)
     _check_coefficients(free, f"{location} free")
     for name in (name for probe in probes for name in probe):
@@ -178,8 +178,8 @@ def _form(table: object, location: str) -> Form:
 
 def _grid(table: object, location: str, sizes: Collection[str]) -> dict[str, tuple[float, ...]]:
     """Return the values of each coefficient of a grid."""
-    if not isinstance(table, dict) or len(table) > MOST_COEFFICIENTS:
-        raise EffectError(f"{location} is not a table of at most {MOST_COEFFICIENTS} coefficients and lists of numbers")
+    if not isinstance(table, dict) or len(table) > MAX_COEFFICIENTS:
+        raise EffectError(f"{location} is not a table of at most {MAX_COEFFICIENTS} coefficients and lists of numbers")
     points = 1
     for name, values in table.items():
         if name in sizes:
@@ -187,16 +187,16 @@ def _grid(table: object, location: str, sizes: Collection[str]) -> dict[str, tup
         if not isinstance(values, list) or not values:
             raise EffectError(f"{location}: {quoted(name)} is not a list of numbers")
         points *= len(values)
-        if points > MOST_POINTS:
-            raise EffectError(f"{location} has more than {MOST_POINTS} points")
+        if points > MAX_POINTS:
+            raise EffectError(f"{location} has more than {MAX_POINTS} points")
         for value in values:
             _sizes({name: value}, location)
     return {name: tuple(map(float, values)) for name, values in table.items()}
 
 
 def _sizes(table: object, location: str, *, least: int = 0, positive: bool = False) -> dict[str, float]:
-    if not isinstance(table, dict) or not least <= len(table) <= MOST_COEFFICIENTS:
-        raise EffectError(f"{location} is not a table of {least} to {MOST_COEFFICIENTS} coefficients and numbers")
+    if not isinstance(table, dict) or not least <= len(table) <= MAX_COEFFICIENTS:
+        raise EffectError(f"{location} is not a table of {least} to {MAX_COEFFICIENTS} coefficients and numbers")
     _check_coefficients(list(table), location)
     for name, size in table.items():
         number = isinstance(size, (int, float)) and not isinstance(size, bool)

@@ -24,7 +24,7 @@ from ..escaping import quoted
 from ..functions import absolute, sgn, sgn1
 
 #: Limits of a formula: characters; nesting depth (n for a sum of n terms); names, numbers and operations.
-LONGEST, DEEPEST, MOST_PARTS = 2000, 80, 600
+LONGEST, DEEPEST, MAX_PARTS = 2000, 80, 600
 #: Limits of its numbers: other than 0 they are between 1/LARGEST and LARGEST; powers.
 LARGEST, HIGHEST_POWER = 1e50, 99
 
@@ -49,7 +49,7 @@ ON_NUMBERS: dict[str, Callable[..., Any]] = {
 }
 
 #: Maximum number of conversions until the printed text of an expression is read as the same expression.
-MOST_FORMS = 5
+MAX_FORMS = 5
 
 _NOT_ALLOWED = re.compile(r"[^A-Za-z0-9_+\-*/().\s]")
 
@@ -75,7 +75,7 @@ def formula(text: str, location: str) -> sp.Expr:
     """
     try:
         expression = _read(_tree(text), location)
-        for _ in range(MOST_FORMS):  # SymPy may print brackets that it removes on reading
+        for _ in range(MAX_FORMS):  # SymPy may print brackets that it removes on reading
             again = _read(_tree(formula_text(expression)), location)
             if again == expression:
                 return expression
@@ -119,8 +119,8 @@ def _tree(text: str) -> ast.expr:
         level = [below for node in level for below in ast.iter_child_nodes(node) if isinstance(below, ast.expr)]
     if level:
         raise _Refused(f"is nested more than {DEEPEST} levels deep")
-    if parts > MOST_PARTS:
-        raise _Refused(f"has more than {MOST_PARTS} numbers, names and operations")
+    if parts > MAX_PARTS:
+        raise _Refused(f"has more than {MAX_PARTS} numbers, names and operations")
     return tree
 
 
@@ -229,7 +229,7 @@ def _settled(expression: sp.Expr) -> sp.Expr:
                     _refuse_power(*node.args)
                 below += node.args
         level = below
-    if level or parts > MOST_PARTS:
+    if level or parts > MAX_PARTS:
         raise _Refused("is too large when expanded")
     return expression.xreplace(constants) if constants else expression
 

@@ -47,8 +47,8 @@ class Model(ModelDeclaration):
 
     Examples
     --------
-    >>> from tirefmu.symbolic.models import model
-    >>> mf96 = model("mf96")
+    >>> from tirefmu.symbolic.models import model_named
+    >>> mf96 = model_named("mf96")
     >>> [quantity.name for quantity in mf96.inputs]
     ['kappa', 'alpha', 'gamma', 'Fz']
     >>> sorted(mf96.owned("camber_thrust"))
@@ -160,8 +160,8 @@ class Model(ModelDeclaration):
 
         Examples
         --------
-        >>> from tirefmu.symbolic.models import model
-        >>> model("mf61").prior_spread["PDY2"], model("mf61").prior_spread["PCY1"]
+        >>> from tirefmu.symbolic.models import model_named
+        >>> model_named("mf61").prior_spread["PDY2"], model_named("mf61").prior_spread["PCY1"]
         (0.75, 0.2)
         """
         spread = {name: value for one in self.detections.values() for name, value in one.prior_spread.items()}
@@ -180,9 +180,9 @@ class Model(ModelDeclaration):
 
         Examples
         --------
-        >>> from tirefmu.symbolic.models import model
+        >>> from tirefmu.symbolic.models import model_named
         >>> from tirefmu.symbolic.added import library
-        >>> [name for name, effect in library().items() if not model("mf96").has_place_for(effect)]
+        >>> [name for name, effect in library().items() if not model_named("mf96").has_place_for(effect)]
         ['carcass_2nd_order', 'relax_slip', 'speed_friction']
         """
         named = self.structure.quantities.keys() | self.roles.keys()
@@ -210,9 +210,9 @@ class Model(ModelDeclaration):
 
         Examples
         --------
-        >>> from tirefmu.symbolic.models import model
+        >>> from tirefmu.symbolic.models import model_named
         >>> from tirefmu.symbolic.added import library
-        >>> warm = model("mf61").extended([library()["temp_friction"]])
+        >>> warm = model_named("mf61").extended([library()["temp_friction"]])
         >>> warm.inputs[-1].name, sorted(warm.owned("temp_friction"))
         ('T', ['TMU1', 'TMU2', 'TMUA', 'TREF'])
         """

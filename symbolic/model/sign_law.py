@@ -30,7 +30,7 @@ LENGTHS = ("rolling_radius", "loaded_radius", "relaxation_x", "relaxation_y")
 #: Random tires, one row each, with options at their first and at their second values.
 ROWS = 12
 #: With fewer finite rows an output is not checked.
-FEWEST_ROWS = 3
+MIN_ROWS = 3
 #: Two numbers count as equal within this share of the larger one.
 EQUAL = 1e-7
 
@@ -40,8 +40,8 @@ Values = Mapping[str, float]
 def check_signs(model: Model) -> None:
     """Raise `ModelError` where a model violates the sign law, with the coefficients that are marked wrongly.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> check_signs(model("mf96"))
+    >>> from tirefmu.symbolic.models import model_named
+    >>> check_signs(model_named("mf96"))
     """
     check = _Check(model)
     marked = frozenset(name for name, declaration in model.coefficients.items() if declaration.flips)
@@ -63,8 +63,8 @@ def check_signs(model: Model) -> None:
 def check_reversal(model: Model) -> None:
     """Raise `ModelError` unless the declaration `reverses` is what Fx does where V changes its sign.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> check_reversal(model("fiala"))
+    >>> from tirefmu.symbolic.models import model_named
+    >>> check_reversal(model_named("fiala"))
     """
     tape = taped(reaching(model.lines(), ["Fx"]), [*(quantity.name for quantity in model.inputs), *model.parameters])
     reversed_rows = 0
@@ -121,7 +121,7 @@ class _Check:
         pairs = [(sign * a, b) for a, b in zip(iso, self._sae[name], strict=True)]
         missed = [abs(a - b) / max(abs(a), abs(b)) if a != b else 0.0
                   for a, b in pairs if math.isfinite(a) and math.isfinite(b)]  # fmt: skip
-        if len(missed) < FEWEST_ROWS:
+        if len(missed) < MIN_ROWS:
             return math.inf
         return sum(error for error in missed if error > EQUAL)
 

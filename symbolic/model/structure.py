@@ -66,8 +66,8 @@ class Structure:
     - `quantities`: unit and description of each named quantity.
     - `straight`: what each output reads in rows without an effect on demand, under default options.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> structure = model("mf96").structure
+    >>> from tirefmu.symbolic.models import model_named
+    >>> structure = model_named("mf96").structure
     >>> structure.quantities["mu_y"]
     ('1', 'peak friction')
     >>> sorted(structure.reached(["mu_y"], ["load_friction"]) & set(structure.coefficients))

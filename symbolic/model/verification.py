@@ -21,8 +21,8 @@ def verify(model: Model) -> None:
 
     Raises `ModelError`: with the name of the model and of the coefficient or quantity.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> verify(model("mf96"))
+    >>> from tirefmu.symbolic.models import model_named
+    >>> verify(model_named("mf96"))
     """
     _check_tables(model)
     _check_coefficients(model)

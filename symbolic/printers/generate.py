@@ -66,8 +66,8 @@ def render_model(model: Model) -> dict[str, str]:
     `model`: also one with added effects. Raises `ModelError` if the model violates its declarations; see
     `tirefmu.symbolic.model.verification`.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> sorted(render_model(model("mf96")))[:3]
+    >>> from tirefmu.symbolic.models import model_named
+    >>> sorted(render_model(model_named("mf96")))[:3]
     ['c/mf96.c', 'c/mf96.h', 'c/mf96_batch_forces.c']
     """
     verify(model)

@@ -195,8 +195,8 @@ def model_tape(model: Model) -> Tape:
 
     Returns: its leaves are inputs, parameters and `TURNING`; the radius of a turning wheel is called `ROLLING_RADIUS`.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> tape = model_tape(model("mf96"))
+    >>> from tirefmu.symbolic.models import model_named
+    >>> tape = model_tape(model_named("mf96"))
     >>> tape.leaves[:4], tape.leaves[tape.slots["rolling_radius"]]
     (('kappa', 'alpha', 'gamma', 'Fz'), 'UNLOADED_RADIUS')
     """

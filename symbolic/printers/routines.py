@@ -66,12 +66,12 @@ def routines(model: Model) -> tuple[Routine, ...]:
     Returns: quantities, forces, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag; drives, where
     there are states; if options and turn slip are in the lines, all but the first again, straight.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> [routine.name for routine in routines(model("mf96"))]
+    >>> from tirefmu.symbolic.models import model_named
+    >>> [routine.name for routine in routines(model_named("mf96"))]
     ['quantities', 'forces', 'jacobian_inputs', 'jacobian_parameters']
     """
     general, straight = model.lines(), model.lines(straight=True)
-    printed = [_values("quantities", "Every named quantity of the book.", general, _named(model, general))]
+    printed = [_values("quantities", "Every named quantity of the model.", general, _named(model, general))]
     printed += _forces_and_derivatives(model, general)
     if model.states:
         summary = "Of each state: target, velocity of its path or flow; rate or reciprocal width; start."
@@ -115,8 +115,8 @@ def chosen_routines(
 def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
     """Return the Jacobians among routines: most of the text, which is printed into files of its own.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> [routine.name for routine in jacobians_of(routines(model("mf96")))]
+    >>> from tirefmu.symbolic.models import model_named
+    >>> [routine.name for routine in jacobians_of(routines(model_named("mf96")))]
     ['jacobian_inputs', 'jacobian_parameters']
     """
     return tuple(routine for routine in routines if routine.name.startswith("jacobian_"))

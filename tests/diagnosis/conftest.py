@@ -60,13 +60,13 @@ def problem(tire, table):
     noise = np.array([NOISE[name] for name in signals.channels])
     inverse_noise = np.where(signals.present & ~signals.holdout, 1.0 / noise[:, None], 0.0)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(simulation, "fastest_code", lambda book: code_for(book, "numpy"))  # no compilation
+        patch.setattr(simulation, "fastest_code", lambda model: code_for(model, "numpy"))  # no compilation
         simulator = Simulator(tire, signals)
     return LeastSquares(
         simulator,
         inverse_noise,
         disturbances_of(signals, noise, VALUES["UNLOADED_RADIUS"]),
-        tire.book.prior_center | VALUES,
+        tire.symbolic_model.prior_center | VALUES,
     )
 
 

@@ -13,7 +13,7 @@ from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.probing.candidates import candidates_for, refinements_for
 from tirefmu.symbolic.added import folder, library, read_effect
 from tirefmu.symbolic.detection import Form
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 
 NEW = """
 name = "wet_grip"
@@ -27,8 +27,8 @@ factor = "1 - WET1*abs(V)/LONGVL"
 DECLARED = NEW + '[diagnosis]\nrequires = ["V"]\nchannels = ["Fy"]\n[[diagnosis.forms]]\nsizes = {WET1 = 0.05}\n'
 
 
-def started(book="mf61", has=(), own=()):
-    return _start_model(book, has, {"Fz0": 4000.0, "R0": 0.3}, None, own)
+def started(model="mf61", has=(), own=()):
+    return _start_model(model, has, {"Fz0": 4000.0, "R0": 0.3}, None, own)
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def test_a_new_file_in_the_library_folder_is_a_candidate(library_folder):
     library.cache_clear()
     offered = candidates_for(started())["wet_grip"]
     assert (offered.forms, offered.requires, offered.channels) == ((Form.each({"WET1": 0.05}),), ("V",), ("Fy",))
-    assert started().book.prior_spread["WET1"] == pytest.approx(0.25)
+    assert started().symbolic_model.prior_spread["WET1"] == pytest.approx(0.25)
 
 
 def test_a_user_defined_effect_is_treated_like_one_of_the_library():
@@ -86,7 +86,7 @@ def test_refinements_belong_to_the_baseline_and_to_present_effects():
 
 def test_a_probe_of_load_stiffness_preserves_the_nominal_stiffness(without_camber, tire):
     """Without load_stiffness the cornering stiffness is proportional to load. The probe changes the curvature only."""
-    form = model("mf96").detections["load_stiffness"].forms[0]
+    form = model_named("mf96").detections["load_stiffness"].forms[0]
     simulator = without_camber.problem.simulator
     free = tuple(name for name in without_camber.solution.free if name != "PKY2")
     assert free == without_camber.solution.free

@@ -7,7 +7,7 @@ from tirefmu.diagnosis.probing.confounding import alias_columns, correlations, s
 from tirefmu.diagnosis.thresholds import CONFOUNDED
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.detection import Form
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 
 THRUST = Form(("PVY3",), ({"PVY3": 0.15},))
 FRICTION = Form(("PDY3",), ({"PDY3": 3.0},))
@@ -75,7 +75,7 @@ def test_correlations_ignore_responses_of_the_remaining_model(at_true_values):
 
 def test_the_separating_measurement_does_not_depend_on_the_order():
     pairs = [("temp_friction", "wear_drift"), ("plysteer", "conicity"), ("a", "b")]
-    detections = model("mf61").extended(tuple(library().values())).detections
+    detections = model_named("mf61").extended(tuple(library().values())).detections
     for first, second in pairs:
         forth, back = (separating_measurement(*pair, detections) for pair in ((first, second), (second, first)))
         assert forth == back != ""

@@ -11,7 +11,7 @@ from tirefmu.diagnosis.recording.disturbances import reported_disturbances
 from tirefmu.diagnosis.search.settling import _balanced
 from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
 from tirefmu.symbolic.added import library
-from tirefmu.symbolic.models import model as book_of
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires.tire import Tire
 
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
@@ -69,11 +69,11 @@ def test_a_coefficient_that_is_neutral_at_its_bound_is_absent_not_limited():
     carcass = library()["carcass_2nd_order"]
     tire = Tire("mf61", {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}, added=(carcass,))
     simulator = SimpleNamespace(
-        book=tire.book, tire=tire, index={name: i for i, name in enumerate(tire.book.parameters)}
+        model=tire.symbolic_model, tire=tire, index={name: i for i, name in enumerate(tire.symbolic_model.parameters)}
     )
     problem, parameters = LeastSquares(simulator, None, None, {}), tire.parameters()
     names = ("CASIG", "CAFREQ", "CADAMP")
-    assert tire.book.coefficients["CASIG"].lower == tire.values["CASIG"] == 0.0
+    assert tire.symbolic_model.coefficients["CASIG"].lower == tire.values["CASIG"] == 0.0
     assert problem.at_bounds(parameters, names) == ()
     for name, value in (("CASIG", 10.0), ("CADAMP", 0.0)):  # without damping is not without effect
         parameters[simulator.index[name]] = value
@@ -92,13 +92,13 @@ def test_excluded_rows_have_no_influence(problem, tire):
 
 def test_priors_are_within_the_bounds_and_narrower():
     size = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    books = (book_of("mf96"), Tire("mf61", size, added=tuple(library().values())).book)
-    declarations = {**books[0].coefficients, **books[1].coefficients}
-    for book in books:
-        assert {"PCY1", "PDY2", "RBY1"} < book.prior_spread.keys()
-        for name, spread in book.prior_spread.items():
+    models = (model_named("mf96"), Tire("mf61", size, added=tuple(library().values())).symbolic_model)
+    declarations = {**models[0].coefficients, **models[1].coefficients}
+    for model in models:
+        assert {"PCY1", "PDY2", "RBY1"} < model.prior_spread.keys()
+        for name, spread in model.prior_spread.items():
             assert 0.0 < spread < declarations[name].upper - declarations[name].lower, name
-        for name, center in book.prior_center.items():
+        for name, center in model.prior_center.items():
             assert declarations[name].lower <= center <= declarations[name].upper, name
 
 

@@ -94,8 +94,10 @@ def test_a_diagnosis_simulates_the_states_as_an_evaluation_does(values):
 
 
 def test_what_lengths_depend_on_may_be_asked_for_by_a_generator():
-    book = tire_with().book
-    assert book.reached(name for name in ("sigma_kappa", "sigma_alpha")) == book.reached(["sigma_kappa", "sigma_alpha"])
+    model = tire_with().symbolic_model
+    assert model.reached(name for name in ("sigma_kappa", "sigma_alpha")) == model.reached(
+        ["sigma_kappa", "sigma_alpha"]
+    )
 
 
 def test_the_response_to_a_load_error_follows_the_direction_of_slip():

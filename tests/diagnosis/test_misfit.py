@@ -113,7 +113,7 @@ def test_only_the_effect_is_extrapolated(at_true_values, tire):
 @pytest.mark.parametrize("name", MODELS)
 def test_no_extrapolation_leaves_the_physical_range(name):
     """A speed of 9 to 27.5 m/s is not extrapolated to rolling in reverse, nor a load to a lifted tire."""
-    quantities = with_library(Tire(name, {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3})).book.inputs
+    quantities = with_library(Tire(name, {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3})).symbolic_model.inputs
     positive = {each.name for each in quantities if each.lower == 0.0}
     assert positive == {"Fz", "p", "V", "distance"} & {each.name for each in quantities}
     for each in quantities:

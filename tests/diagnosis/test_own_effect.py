@@ -63,7 +63,7 @@ def test_the_improved_tire_contains_its_equations(answered):
     improved = read_tir(answered[0] / "improved.tir")
     assert EFFECT.name in improved.has
     assert improved.values["FLASH1"] == pytest.approx(HIDDEN, rel=0.15)
-    assert any("FLASH1*" in str(line) for line in improved.book.as_written(improved.has).values())
+    assert any("FLASH1*" in str(line) for line in improved.symbolic_model.as_written(improved.has).values())
     page = (answered[0] / "report.html").read_text(encoding="utf-8")
     assert "FLASH1*sqrt(" in page
 

@@ -121,8 +121,8 @@ def test_a_memory_is_a_first_order_lag():
 
 def test_the_response_at_a_location_equals_finite_differences(at_true_values):
     """A factor on friction or stiffness has the response of the leading coefficients."""
-    book = at_true_values.problem.simulator.book
-    assert {location.name for location in locations_of(book)} >= {"friction", "slip stiffness", "slip angle"}
+    model = at_true_values.problem.simulator.symbolic_model
+    assert {location.name for location in locations_of(model)} >= {"friction", "slip stiffness", "slip angle"}
     simulator, parameters = at_true_values.problem.simulator, at_true_values.solution.parameters
     acts = directions(at_true_values)
     for name, scaled in (("friction", ("PDX1", "PDY1")), ("slip stiffness", ("PKX1", "PKY1"))):
@@ -157,7 +157,7 @@ def test_a_formula_of_two_slips_needs_combined_slip(problem):
         even, odd = features(recording, tire)
         return {
             (location.name, feature.text)
-            for location in locations_of(problem.simulator.book)
+            for location in locations_of(problem.simulator.symbolic_model)
             for feature in (*even, *odd, *(one * other for one in even for other in even))
             if determined(location, feature, recording, tire)
         }
@@ -176,7 +176,7 @@ def test_the_states_of_a_proposal_resemble_the_features(at_true_values, velocity
     """
     simulator, size = at_true_values.problem.simulator, 0.02
     structure = structure_of(velocity_dependent_friction)
-    place = next(one for one in locations_of(simulator.book) if one.name == "friction")
+    place = next(one for one in locations_of(simulator.symbolic_model) if one.name == "friction")
     past = [one for many in features(at_true_values.signals, simulator.tire) for one in many if not one.expressible]
     assert {state for one in past for state in one.states} == STATES.keys()
     response = replace(structure.response, estimate=np.full(len(past), size))

@@ -119,12 +119,12 @@ def test_figures_of_the_performance_page_are_figures_of_the_benchmarks():
 
 def test_generated_pages_have_every_effect_model_and_command():
     pages = GENERATED["pages"]()
-    effects = {name for book in MODELS.values() for name in book.effects}
+    effects = {name for model in MODELS.values() for name in model.effects}
     assert effects <= set(re.findall(r"^## (\w+)$", pages["reference/effects.md"], flags=re.MULTILINE))
     assert set(re.findall(r"^\| `(\w+)`", pages["reference/models.md"], flags=re.MULTILINE)) >= set(MODELS)
-    for name, book in MODELS.items():  # every equation, typeset
+    for name, model in MODELS.items():  # every equation, typeset
         page = pages[f"reference/equations/{name}.md"]
-        shown = [line for line in book.equations if not line.variant]
+        shown = [line for line in model.equations if not line.variant]
         assert page.count("<math") == len(shown)
         assert {line.chapter for line in shown} == set(re.findall(r"^## (.*)$", page, flags=re.MULTILINE))
     assert set(re.findall(r"^## (\w+)$", pages["reference/python.md"], flags=re.MULTILINE)) == set(tirefmu.__all__)

@@ -8,7 +8,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from tirefmu.explorer.measured_rows import FEWEST_ROWS, measured_rows, rows_data
+from tirefmu.explorer.measured_rows import MIN_ROWS, measured_rows, rows_data
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, exclude_rows
 from tirefmu.tires import published
 
@@ -35,7 +35,7 @@ def test_each_included_row_is_in_one_condition(bench):
 def test_conditions_with_few_rows_are_not_listed(bench):
     """A condition of a second recording is cut to the least number of rows, and to one less."""
     largest = measured_rows([bench], INPUTS)[0].table.index
-    for count, listed in ((FEWEST_ROWS, 1), (FEWEST_ROWS - 1, 0)):
+    for count, listed in ((MIN_ROWS, 1), (MIN_ROWS - 1, 0)):
         part = Recording(bench.table.loc[largest[:count]].reset_index(drop=True), bench.signs, "part")
         assert len(measured_rows([part], INPUTS)) == listed
 

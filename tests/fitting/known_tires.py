@@ -93,7 +93,7 @@ def moved(tire: Tire, share: float, seed: int) -> Tire:
     """Return the tire with every coefficient of the forces multiplied by up to 1 +- share, within its bounds."""
     rng = np.random.default_rng(seed)
     values = dict(tire.values)
-    for name in (n for n in VALUES if n not in NAMED and n in tire.book.coefficients):
-        declaration = tire.book.coefficients[name]
+    for name in (n for n in VALUES if n not in NAMED and n in tire.symbolic_model.coefficients):
+        declaration = tire.symbolic_model.coefficients[name]
         values[name] = min(max(values[name] * rng.uniform(1 - share, 1 + share), declaration.lower), declaration.upper)
     return Tire(tire.model, values, effects=tire.has, signs=tire.signs)

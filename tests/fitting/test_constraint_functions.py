@@ -23,23 +23,23 @@ FORCES = {"Fx", "Fy", "Mz"}
 
 
 def problem_of(model, free=None):
-    book = MODELS[model]
+    symbolic_model = MODELS[model]
     rng = np.random.default_rng(4)
     values = {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "NOMPRES": 8.5e4}
     fitted = [
         name
-        for name, declaration in book.coefficients.items()
+        for name, declaration in symbolic_model.coefficients.items()
         if declaration.fitted and FORCES & set(declaration.channels)
     ]
     for name in fitted:
-        declaration = book.coefficients[name]
+        declaration = symbolic_model.coefficients[name]
         bound = declaration.upper if rng.random() < 0.5 else declaration.lower
         values[name] = declaration.generic + 0.05 * rng.random() * (bound - declaration.generic)
-    values = {name: value for name, value in values.items() if name in book.coefficients}
+    values = {name: value for name, value in values.items() if name in symbolic_model.coefficients}
     tire = Tire(model, values, signs="adapted-sae")
     free = tuple(free or fitted)
-    outputs = len(book.outputs)
-    rows = Rows(np.ones((len(book.inputs), 1)), np.ones((1, outputs)), np.zeros(1, dtype=int))
+    outputs = len(symbolic_model.outputs)
+    rows = Rows(np.ones((len(symbolic_model.inputs), 1)), np.ones((1, outputs)), np.zeros(1, dtype=int))
     return Problem(tire, rows, free, np.ones((1, outputs)), rng.uniform(0.1, 3.0, len(free)))
 
 
@@ -77,7 +77,9 @@ def test_values_are_the_quantities_of_the_book(model):
     assert len(imposed) == sum(points.shape[1] for _, points in every)
     ends = np.cumsum([points.shape[1] for _, points in every])
     for (constraint, points), one, within in zip(every, expected, np.split(imposed.values(x), ends[:-1]), strict=True):
-        measured = measured_values(problem.tire.book, constraint, points, problem.parameters(x)) / constraint.size
+        measured = (
+            measured_values(problem.tire.symbolic_model, constraint, points, problem.parameters(x)) / constraint.size
+        )
         differenced = constraint.measure != "value"
         exactly = {"rtol": 1e-5, "atol": 1e-8} if differenced else {"rtol": 1e-9, "atol": 1e-12}
         np.testing.assert_allclose(measured, one, **exactly, err_msg=constraint.name)

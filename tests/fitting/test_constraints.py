@@ -94,19 +94,19 @@ def test_a_constraint_refers_to_a_quantity_of_the_model(case):
 def test_a_constraint_varies_every_input_of_its_quantity(case):
     """Inputs that are not in `over` must have no influence, because the grid contains only one value of them."""
     model, _, constraint = case
-    code, book = code_for(model, "numpy"), MODELS[model]
+    code, symbolic_model = code_for(model, "numpy"), MODELS[model]
     rng = np.random.default_rng(0)
     values = []
-    for declaration in book.coefficients.values():  # a tire with every effect
+    for declaration in symbolic_model.coefficients.values():  # a tire with every effect
         bound = declaration.upper if rng.random() < 0.5 else declaration.lower
         values.append(declaration.generic + (0.1 * (bound - declaration.generic) if declaration.fitted else 0.0))
-    parameters = np.array([*values, *(0.0 for _ in book.options)])
+    parameters = np.array([*values, *(0.0 for _ in symbolic_model.options)])
     index = code.quantities_names.index(constraint.quantity)
     free = {
         "kappa": (-0.3, 0.3), "alpha": (-0.2, 0.2), "gamma": (-0.1, 0.1), "Fz": (500.0, 3000.0), "p": (1.8e5, 2.6e5),
         "V": (10.0, 30.0), "phit": (0.0, 0.0),
     }  # fmt: skip
-    names = [quantity.name for quantity in book.inputs]
+    names = [quantity.name for quantity in symbolic_model.inputs]
     here = {name: rng.uniform(*free[name]) for name in names}
     moved = np.array(
         [np.full(50, here[name]) if name in constraint.over else rng.uniform(*free[name], 50) for name in names]
@@ -229,7 +229,9 @@ def test_a_published_tire_satisfies_the_default_constraints():
     violated = set()
     for own in declared_constraints(tire.model).values():
         for each in own:
-            values = measured_values(tire.book, each, grid(each, ranges, NOMINAL, density=4), tire.parameters())
+            values = measured_values(
+                tire.symbolic_model, each, grid(each, ranges, NOMINAL, density=4), tire.parameters()
+            )
             violated |= {each.kind} if each.distance(values).min() < 0 else set()
     assert violated == {"extrapolation"}
 

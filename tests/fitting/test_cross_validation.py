@@ -7,7 +7,7 @@ import pytest
 
 from tirefmu.fitting import cross_validate, cross_validation
 from tirefmu.measurements import Noise, group_by_condition
-from tirefmu.measurements.operating_conditions.levels import MOST_LEVELS
+from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
 from tirefmu.symbolic.errors import FitError
 
 LOADS, CAMBERS = (220.0, 400.0, 600.0, 800.0, 1000.0, 1120.0), (0.0, 2.0, 4.0)
@@ -22,7 +22,7 @@ def test_a_true_model_predicts_out_of_sample(known, make):
 
 def test_each_condition_is_held_out_once_and_completely(known, make, monkeypatch):
     recording = make.sideways(known, loads=LOADS, cambers=CAMBERS)
-    conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
+    conditions = group_by_condition(recording, most_levels=MAX_LEVELS).labels
     assert len(set(conditions)) == 18
     seen, run = [], cross_validation.fit
 

@@ -43,7 +43,7 @@ def start(problem):
 @pytest.fixture
 def bounds(problem):
     """Return a function that returns scaled bounds, by default the declared ones."""
-    declarations = problem.tire.book.coefficients
+    declarations = problem.tire.symbolic_model.coefficients
 
     def write(**given):
         lower, upper = zip(
@@ -209,13 +209,13 @@ def test_invalid_methods_and_numbers_are_rejected():
 
 def test_declared_bounds_limit_the_search(known, make, problem, start):
     """Coefficients without bounds in a recipe have the bounds of their declarations."""
-    for book in MODELS.values():
+    for model in MODELS.values():
         assert all(
-            np.isfinite([declaration.lower, declaration.upper]).all() for declaration in book.coefficients.values()
+            np.isfinite([declaration.lower, declaration.upper]).all() for declaration in model.coefficients.values()
         )
     wide = np.full(len(FREE), inf)
     solution = Evolution(20)(problem, start, -wide, wide, [])
-    declarations = [problem.tire.book.coefficients[name] for name in FREE]
+    declarations = [problem.tire.symbolic_model.coefficients[name] for name in FREE]
     values = solution.x * problem.scale
     assert all(
         declaration.lower <= value <= declaration.upper for declaration, value in zip(declarations, values, strict=True)

@@ -223,7 +223,7 @@ def test_a_curve_goes_through_noiseless_data(trento):
 
 @pytest.mark.parametrize(("channel", "slip", "row", "column"), [("Fx", "kappa", 0, 0), ("Fy", "alpha", 1, 1)])
 def test_slopes_read_from_noiseless_data_are_the_derivatives(trento, channel, slip, row, column):
-    derivatives = numpy_routine(TIRE.book, "jacobian_inputs")
+    derivatives = numpy_routine(TIRE.symbolic_model, "jacobian_inputs")
     family = per_load(trento, channel, slip)
     read = trento.slopes_at_zero(family)
     assert len(read) == len(family.groups)

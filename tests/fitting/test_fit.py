@@ -8,11 +8,11 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, write_table
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 
-BOOK = model("mf96")
+BOOK = model_named("mf96")
 
 
 def differences(tire, truth, inputs):

@@ -12,9 +12,9 @@ from tirefmu.fitting import fit
 from tirefmu.fitting.data.fit_data import prepare
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate
 from tirefmu.symbolic.errors import DataError, UnknownName
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 
-BOOK = model("mf96")
+BOOK = model_named("mf96")
 
 
 @pytest.fixture(scope="module")
@@ -165,12 +165,12 @@ def test_a_channel_is_fitted_if_its_slip_varies_sufficiently(degrees, fitted):
 def test_a_channel_without_variance_is_not_fitted(once, channel, value):
     """Its noise has no scale: with a weight it would reduce the forces that it depends on to zero."""
     table = once.table.assign(kappa=once.table["alpha"], **{channel: value})
-    data = prepare([replace(once, table=table)], model("mf61"), screening=False)
+    data = prepare([replace(once, table=table)], model_named("mf61"), screening=False)
     assert data.table[channel].isna().all()
     assert data.table["Fy"].notna().all()
     assert any(note.endswith(f"{channel} is not fitted, it is {value:.4g} in every row") for note in data.notes)
 
 
 def test_a_constant_rolling_resistance_is_fitted(once):
-    data = prepare([replace(once, table=once.table.assign(My=-5.0))], model("mf61"), screening=False)
+    data = prepare([replace(once, table=once.table.assign(My=-5.0))], model_named("mf61"), screening=False)
     assert data.table["My"].notna().all()

@@ -11,9 +11,9 @@ import pytest
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 
-BOOK = model("mf96")
+BOOK = model_named("mf96")
 
 
 def test_cornering_does_not_determine_drive_and_brake(known, make):

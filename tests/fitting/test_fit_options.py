@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, read_tir
 
-BOOK = model("mf96")
+BOOK = model_named("mf96")
 
 
 def test_the_coefficients_of_absent_effects_stay_neutral(known, make):

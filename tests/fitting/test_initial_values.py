@@ -10,7 +10,7 @@ from tirefmu.fitting import fit
 from tirefmu.fitting.data.initial_values import readings, starting_values
 from tirefmu.measurements import Noise
 from tirefmu.symbolic.errors import UnknownName
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
 
 
@@ -21,7 +21,7 @@ def blank(make, model="mf96", effects=None):
 
 
 ROLES = ("stiffness_x", "friction_x", "shift_x", "stiffness_y", "friction_y", "shift_y", "trail", "trail_fall")
-FROM_DATA = {name for role in ROLES for name in model("mf96").roles[role].coefficients}
+FROM_DATA = {name for role in ROLES for name in model_named("mf96").roles[role].coefficients}
 
 
 def measured(make, tire, **program):
@@ -34,7 +34,7 @@ def test_values_from_the_data_are_closer_to_the_truth_than_generic_ones(make, se
     read = starting_values(blank(make), measured(make, truth))
     assert set(read) == FROM_DATA - {"PHX1"}  # of an absent effect
     points = pd.DataFrame({"Fz": [300.0, 700.0, 1100.0]})
-    declarations = truth.book.coefficients
+    declarations = truth.symbolic_model.coefficients
     generic = {name: declarations[name].generic for name in read}
 
     def quantities(values):

@@ -83,7 +83,7 @@ def test_nominal_values_are_set_and_noted(fitted):
     notes = "\n".join(result.notes)
     for text in ("nominal load not given", "nominal pressure p0 not given: the median, 83000 Pa", "radius R0"):
         assert text in notes
-    declarations = truth.book.coefficients
+    declarations = truth.symbolic_model.coefficients
     assert not [c.name for c in result.coefficients if not declarations[c.name].fitted]
     # No row has turn slip.
     assert not [c.name for c in result.coefficients if declarations[c.name].section == "TURNSLIP_COEFFICIENTS"]
@@ -94,7 +94,7 @@ def test_nominal_values_are_set_and_noted(fitted):
 def test_pressure_coefficients_are_found_and_constraints_verified_over_pressure(fitted):
     truth, result = fitted
     coefficients = {c.name: c for c in result.coefficients}
-    if "PPY3" in truth.book.coefficients and "pressure_friction" in truth.book.effects:
+    if "PPY3" in truth.symbolic_model.coefficients and "pressure_friction" in truth.symbolic_model.effects:
         assert coefficients["PPY3"].value == pytest.approx(-0.3, abs=0.02)
         assert coefficients["PPY3"].interval < 0.05
     margins = {margin.constraint: margin for margin in result.margins}
@@ -120,9 +120,11 @@ def test_the_scaling_recipe_adapts_a_tire_to_another_surface():
     assert result.ok, result.status
     values = result.tire.in_signs("adapted-sae").values
     assert [values[n] for n in ("LMUX", "LMUY", "LKY")] == pytest.approx([0.6, 0.55, 0.8], rel=0.01)
-    unscaled = [n for n, c in truth.book.coefficients.items() if c.section in ("LATERAL_COEFFICIENTS", "VERTICAL")]
+    unscaled = [
+        n for n, c in truth.symbolic_model.coefficients.items() if c.section in ("LATERAL_COEFFICIENTS", "VERTICAL")
+    ]
     assert [values[n] for n in unscaled] == [truth.values[n] for n in unscaled]
-    assert {truth.book.coefficients[c.name].section for c in result.coefficients} == {"SCALING_COEFFICIENTS"}
+    assert {truth.symbolic_model.coefficients[c.name].section for c in result.coefficients} == {"SCALING_COEFFICIENTS"}
 
 
 def test_scaling_requires_a_start_tire():

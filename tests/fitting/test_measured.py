@@ -122,7 +122,7 @@ def scanned(tire, recordings):
             for name in tire.inputs
         ]
     )
-    code = fastest_code(tire.book)
+    code = fastest_code(tire.symbolic_model)
     quantities = code.quantities(inputs, tire.parameters())
     return {name: q.max() for name, q in zip(code.quantities_names, quantities, strict=True) if name.startswith("E_")}
 

@@ -110,7 +110,7 @@ def agree(result, reference, recordings):
             if channel.recording == recording.source:
                 name, root = channel.channel, np.sqrt(np.mean(np.square(recording.table[channel.channel])))
                 apart = float(np.sqrt(np.mean(np.square(one[name] - other[name]))))
-                assert apart <= SHARE * max(channel.rmse, weights.LEAST_NOISE * root), name
+                assert apart <= SHARE * max(channel.rmse, weights.MIN_NOISE * root), name
 
 
 @pytest.fixture(scope="module", params=["exact", "noisy"])

@@ -66,7 +66,9 @@ def test_the_known_tires_satisfy_every_constraint(model):
     ranges = operating_range(table, tire)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
     for constraint in (c for channel in CHANNELS for c in chosen_constraints(model)[channel]):
-        values = measured_values(tire.book, constraint, grid(constraint, ranges, nominal, density=2), tire.parameters())
+        values = measured_values(
+            tire.symbolic_model, constraint, grid(constraint, ranges, nominal, density=2), tire.parameters()
+        )
         assert constraint.distance(values).min() > 0, constraint.name
 
 

@@ -11,7 +11,7 @@ import pytest
 from tirefmu.fitting import fit
 from tirefmu.fitting.evidence.uncertainty import QUANTILE, sandwich
 from tirefmu.fitting.resampling.bootstrap import (
-    FEWEST_SWEEPS,
+    MIN_SWEEPS,
     bootstrap_of,
     check_replicates,
     replicate_tasks,
@@ -137,7 +137,7 @@ def test_a_bootstrap_needs_sweeps_and_replicates(noisy, known, make):
     with pytest.raises(FitError, match="5 bootstrap replicates: at least 40"):
         replicate_tasks(result, [recording], 5, 0)
     short = make.sideways(known, loads=(500.0, 800.0), cambers=(0.0, 2.0))
-    with pytest.raises(FitError, match=f"4 sweeps in the recordings, at least {FEWEST_SWEEPS} are"):
+    with pytest.raises(FitError, match=f"4 sweeps in the recordings, at least {MIN_SWEEPS} are"):
         check_replicates(100, [short])
     with pytest.raises(FitError, match="the tables are not those of the fit"):
         replicate_tasks(result, [short], 100, 0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import load_recipe
-from tirefmu.fitting.solvers.ipopt import Solution
+from tirefmu.fitting.solvers.ipopt import SolverResult
 from tirefmu.fitting.solvers.restarts import best_end
 from tirefmu.symbolic.errors import UnknownName
 
@@ -21,13 +21,13 @@ def ends_at(cost, starts, *, converged=True):
 
     def solve_from(start):
         starts.append(start.tolist())
-        return Solution(start, cost, 5, converged, "message")
+        return SolverResult(start, cost, 5, converged, "message")
 
     return solve_from
 
 
 def first(x, cost=1.0):
-    return Solution(np.array(x), cost, 7, True, "message")
+    return SolverResult(np.array(x), cost, 7, True, "message")
 
 
 def test_a_better_solution_replaces_the_first():

@@ -99,7 +99,7 @@ def test_the_table_has_a_row_per_coefficient(side_fit):
     assert table.loc["PDY1", "value"] == result.tire.values["PDY1"]
     assert table.loc["PKY1", "value"] == result.tire.values["PKY1"] < 0
     assert table.loc["PKY1", "unit"] == "1/rad"
-    order = list(result.tire.book.coefficients)
+    order = list(result.tire.symbolic_model.coefficients)
     assert [order.index(name) for name in table.index] == sorted(order.index(name) for name in table.index)
 
 
@@ -108,7 +108,7 @@ def test_coefficients_in_other_signs_are_those_of_the_tire_in_other_signs(side_f
     other = result.in_signs("adapted-sae")
     assert (result.signs, other.signs) == ("iso", "adapted-sae")
     values = result.tire.in_signs("adapted-sae").values
-    declarations = result.tire.book.coefficients
+    declarations = result.tire.symbolic_model.coefficients
     flipped = {name for name in result.covariance if declarations[name].flips}
     assert {"PKY1"} <= flipped < set(result.covariance)
     for ours, theirs in zip(result.coefficients, other.coefficients, strict=True):

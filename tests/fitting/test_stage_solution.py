@@ -14,7 +14,7 @@ from tirefmu.fitting import stage_solution
 from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.problem.weights import equal_weights
-from tirefmu.fitting.solvers.ipopt import Solution, solve
+from tirefmu.fitting.solvers.ipopt import SolverResult, solve
 from tirefmu.fitting.solvers.selection import solver_for
 from tirefmu.fitting.stage_solution import StageSolver, sampled
 
@@ -52,7 +52,7 @@ def recording(calls, *, converged=True):
 
     def solver(problem, start, lower, upper, constraints, *, local=False, refine=False, **options):
         calls.append((len(problem.rows), "local" if local else "refine" if refine else ""))
-        return Solution(start, 1.0, 1, converged or not local, "message")
+        return SolverResult(start, 1.0, 1, converged or not local, "message")
 
     return solver
 
@@ -87,7 +87,7 @@ def test_steps_of_few_iterations_are_no_optimum(noisy, optimum):
 
 
 def test_of_many_rows_a_sample_is_solved_first(noisy, near, monkeypatch):
-    monkeypatch.setattr(stage_solution, "LEAST_ROWS", len(noisy.rows))
+    monkeypatch.setattr(stage_solution, "MIN_ROWS", len(noisy.rows))
     monkeypatch.setattr(stage_solution, "SAMPLE", 100)
     calls = []
     assert stage(noisy, recording(calls)).solve(near, continues=True).iterations == 2
@@ -104,7 +104,7 @@ def test_only_a_stage_that_continues_takes_steps_first(noisy, near):
 
 
 def test_a_stop_after_the_sample_returns_the_cost_of_all_rows(noisy, near, monkeypatch):
-    monkeypatch.setattr(stage_solution, "LEAST_ROWS", len(noisy.rows))
+    monkeypatch.setattr(stage_solution, "MIN_ROWS", len(noisy.rows))
     calls = []
     solution = stage(noisy, recording(calls), stop=lambda: bool(calls)).solve(near, continues=True)
     assert len(calls) == 1

@@ -15,7 +15,7 @@ from tirefmu.fitting.evidence.undetermined import at_bounds
 def test_a_coefficient_at_a_bound_is_determined_within_a_quarter_of_its_range(known, make, share, expected):
     """The noise of Fy gives PHY1 a standard deviation of `share` quarters of its range."""
     recording = make.sideways(known)
-    coefficient, step, rows = known.book.coefficients["PHY1"], 1e-5, 50.0
+    coefficient, step, rows = known.symbolic_model.coefficients["PHY1"], 1e-5, 50.0
     moved = known.with_values(PHY1=known.values["PHY1"] + step)
     slope = moved.evaluate(recording)["Fy"].to_numpy() - known.evaluate(recording)["Fy"].to_numpy()
     information = np.mean((slope / step) ** 2)

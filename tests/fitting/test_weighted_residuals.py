@@ -15,7 +15,7 @@ from tirefmu.fitting.problem import weighted_residuals as module
 from tirefmu.fitting.problem.loss import LOSSES
 from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import LEAST_NOISE, emphasis, equal_weights, limits_of, noise_weights
+from tirefmu.fitting.problem.weights import MIN_NOISE, emphasis, equal_weights, limits_of, noise_weights
 from tirefmu.fitting.solvers.convergence import noise_of
 from tirefmu.tires.code import code_for, fastest_code
 from tirefmu.tires.code.normal_equations import equations_by_chunks
@@ -160,7 +160,7 @@ def test_noise_weights_of_exact_data_are_finite(known, make):
     problem = Problem(known, rows, ("PDY1",), equal_weights(rows), np.ones(1))
     x = np.array([known.values["PDY1"]])
     assert problem.cost(x) == 0.0
-    expected = 1 / (60 * LEAST_NOISE**2 * np.mean(measured**2, axis=0))
+    expected = 1 / (60 * MIN_NOISE**2 * np.mean(measured**2, axis=0))
     np.testing.assert_allclose(noise_weights(problem, x), expected[None, :], rtol=1e-12)
 
 

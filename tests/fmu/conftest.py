@@ -152,9 +152,9 @@ def tires(golden):
 
 def golden_tire(folder, name, model, more, without, values):
     (path,) = folder.glob(f"{model}_*_params.json")
-    reported, book = json.loads(path.read_text(encoding="utf-8")), MODELS[model]
-    known = {key: value for key, value in reported.items() if key in book.coefficients}
-    return Tire(model, {**known, **values}, effects=(book.default_effects | more) - without, name=name)
+    reported, symbolic_model = json.loads(path.read_text(encoding="utf-8")), MODELS[model]
+    known = {key: value for key, value in reported.items() if key in symbolic_model.coefficients}
+    return Tire(model, {**known, **values}, effects=(symbolic_model.default_effects | more) - without, name=name)
 
 
 @pytest.fixture(scope="session")

@@ -150,23 +150,23 @@ def test_a_false_size(packed, temporary, monkeypatch):
 def test_unpacked_bytes_are_counted(packed, temporary, monkeypatch):
     path = packed(("large", bytes(100_000)))
     monkeypatch.setattr(archive, "_check", lambda _: None)
-    monkeypatch.setattr(archive, "MOST_BYTES", 50_000)
+    monkeypatch.setattr(archive, "MAX_BYTES", 50_000)
     refused(path, "it has more than 0 MB when unpacked")
 
 
 def test_too_many_files(packed, temporary, monkeypatch):
     path = packed(*((str(i), b"") for i in range(10)))
-    monkeypatch.setattr(archive, "MOST_ENTRIES", 11)
+    monkeypatch.setattr(archive, "MAX_ENTRIES", 11)
     with unpacked(path):
         pass
-    monkeypatch.setattr(archive, "MOST_ENTRIES", 10)
+    monkeypatch.setattr(archive, "MAX_ENTRIES", 10)
     monkeypatch.setattr(archive.zipfile, "ZipFile", lambda *_: pytest.fail("read"))
     refused(path, r"some\.fmu: more than 10 files")
 
 
 def test_too_large_a_file(packed, temporary, monkeypatch):
     path = packed()
-    monkeypatch.setattr(archive, "MOST_BYTES", path.stat().st_size - 1)
+    monkeypatch.setattr(archive, "MAX_BYTES", path.stat().st_size - 1)
     refused(path, r"some\.fmu: cannot be read \(larger than \S+ MB\)")
 
 

@@ -46,8 +46,11 @@ def matrix(host, unknowns, knowns):
 def test_they_are_the_generated_jacobians(hosts, tires, name):
     host, tire = hosts(name, 3), tires[name].in_signs("iso")
     host.initialize()  # until its end slips do not lag
-    printed, coefficients = code_for(tire.book, "numpy"), [c for c in tire.book.coefficients if c in host.variables]
-    positions = [list(tire.book.coefficients).index(c) for c in coefficients]
+    printed, coefficients = (
+        code_for(tire.symbolic_model, "numpy"),
+        [c for c in tire.symbolic_model.coefficients if c in host.variables],
+    )
+    positions = [list(tire.symbolic_model.coefficients).index(c) for c in coefficients]
     shown = [position for position, known in enumerate(tire.inputs) if known in host.inputs]
     known_inputs = [tire.inputs[position] for position in shown]
     for point in POINTS:

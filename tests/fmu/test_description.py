@@ -29,7 +29,7 @@ def test_fmpy_reports_no_problem(fmus, name, fmi):
 def test_start_values_are_the_tire_to_the_last_bit(described):
     tire, description = described
     parameters = [v for v in description.modelVariables if v.causality == "parameter"]
-    reported = dict(zip(tire.book.parameters, tire.parameters().tolist(), strict=True))
+    reported = dict(zip(tire.symbolic_model.parameters, tire.parameters().tolist(), strict=True))
     assert reported.pop("SIGNS", 0.0) == 0.0  # the sign convention of the FMU is fixed
     assert {v.name: float(v.start) for v in parameters} == reported
     assert {v.variability for v in parameters} == {"tunable"}
@@ -47,7 +47,7 @@ def test_limits_contain_the_start_values(described):
 def test_limits_are_mirrored_with_the_signs():
     tire = published("trento_hoosier")
     listed = {variable.name: variable for variable in variables(tire.in_signs("iso"))}
-    mirrored = [c for c in tire.book.coefficients.values() if c.flips and c.lower != -c.upper]
+    mirrored = [c for c in tire.symbolic_model.coefficients.values() if c.flips and c.lower != -c.upper]
     inside = [c for c in mirrored if c.lower <= tire.values[c.name] <= c.upper and np.isfinite(c.upper)]
     assert inside
     for declared in inside:
@@ -69,7 +69,7 @@ def test_names_and_units(described):
         "local": [*states, *(f"der({state})" for state in states), "alpha_lagged"] if tire.lags else [],
     }
     units = {v.name: v.unit for v in description.modelVariables}
-    for item in (*tire.book.inputs, *tire.book.outputs, *tire.book.coefficients.values()):
+    for item in (*tire.symbolic_model.inputs, *tire.symbolic_model.outputs, *tire.symbolic_model.coefficients.values()):
         assert units.get(item.name, item.unit) == item.unit
     assert all(v.description for v in description.modelVariables)
     assert {u.name for u in description.unitDefinitions} == set(units.values())
@@ -108,7 +108,7 @@ def test_value_references_are_the_same_in_both_versions(fmus):
 
 def test_outputs_depend_on_the_inputs_that_reach_them(described):
     tire, description = described
-    reached = direct_feedthrough(tire.book)
+    reached = direct_feedthrough(tire.symbolic_model)
     shown = {v.name for v in description.modelVariables if v.causality == "input"}
     for unknown in description.outputs:
         if unknown.variable.name in reached:
@@ -119,11 +119,11 @@ def test_outputs_depend_on_the_inputs_that_reach_them(described):
 @pytest.mark.parametrize("name", ["first", "mf52", "mf61", "mf62"])
 def test_an_input_that_is_not_listed_has_no_influence(name, tires):
     tire = tires[name]
-    book = tire.book
+    model = tire.symbolic_model
     generator = np.random.default_rng(5)
-    points = {q.name: generator.uniform(0.5, 1.0, 50) * q.typical for q in book.inputs}
+    points = {q.name: generator.uniform(0.5, 1.0, 50) * q.typical for q in model.inputs}
     moved = {key: value * 1.1 for key, value in points.items()}
-    for output, reached in direct_feedthrough(book).items():
+    for output, reached in direct_feedthrough(model).items():
         for key in points:
             difference = tire.forces(**points | {key: moved[key]})[output] - tire.forces(**points)[output]
             felt = bool(np.any(difference != 0.0))

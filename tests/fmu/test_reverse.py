@@ -33,8 +33,8 @@ SLIPS = (-1.0, -0.1, -0.05, 0.05, 0.3, 1.5)
 MOTIONS = [(V_x, share * V_x, slip) for V_x in SPEEDS for share in ACROSS for slip in SLIPS]
 with_speed = pytest.mark.parametrize(
     ("model", "inputs"),
-    [(name, kind) for name, book in MODELS.items() for kind in KINDS
-     if kind != "slip" or "V" in {quantity.name for quantity in book.inputs}],
+    [(name, kind) for name, model in MODELS.items() for kind in KINDS
+     if kind != "slip" or "V" in {quantity.name for quantity in model.inputs}],
 )  # fmt: skip
 
 
@@ -42,21 +42,21 @@ class Wheel:
     """An FMU of a tire, initialized again for each test, with or without the shifts of the tire."""
 
     def __init__(self, host, tire):
-        self.host, self.tire, self.book = host, tire, tire.book
+        self.host, self.tire, self.symbolic_model = host, tire, tire.symbolic_model
 
     def start(self, *, shifts):
         self.host.call("Reset")
         self.host.initialize()
         even = {name: 0.0 if name in SHIFTING else value for name, value in self.tire.values.items()}
         tire = self.tire if shifts else replace(self.tire, values=even, effects=self.tire.has - SHIFTS)
-        values = dict(zip(self.book.parameters, tire.parameters().tolist(), strict=True))
+        values = dict(zip(self.symbolic_model.parameters, tire.parameters().tolist(), strict=True))
         assert self.host.set(**{name: values[name] for name in values if name in self.host.variables}) == OK
         return self
 
     def forces(self, V_x, V_y, slip):
         """Return Fx, Fy, Mz in steady state; a positive slip drives in the direction of travel."""
         spin = (1.0 + slip) * V_x / self.tire.values["UNLOADED_RADIUS"]
-        reference = 1.0 if self.book.reverses else np.sign(V_x)
+        reference = 1.0 if self.symbolic_model.reverses else np.sign(V_x)
         given = {"V_x": V_x, "V_y": V_y, "v_x": V_x, "v_y": V_y, "omega": spin, "V": V_x}
         given |= {"kappa": reference * slip, "alpha": np.arctan(V_y / abs(V_x))}
         settable = (*self.host.inputs, *(["omega"] if "T_brake" in self.host.inputs else []))
@@ -96,13 +96,13 @@ def test_backward_the_forces_are_mirrored(wheel_of, model, inputs):
         Fx, Fy, Mz = wheel.forces(V_x, V_y, slip)
         assert abs(Fx) > 1e-3 * wheel.tire.nominal("Fz")
         mirrored, turned = wheel.forces(-V_x, V_y, slip), wheel.forces(-V_x, -V_y, slip)
-        known = 3 if inputs != "slip" or wheel.book.reverses else 2  # Mz as in the model's own equations
+        known = 3 if inputs != "slip" or wheel.symbolic_model.reverses else 2  # Mz as in the model's own equations
         np.testing.assert_allclose(mirrored[:known], [-Fx, Fy, -Mz][:known], **near, err_msg=f"{V_x, V_y, slip}")
         np.testing.assert_allclose(turned[:known], [-Fx, -Fy, Mz][:known], **near, err_msg=f"{V_x, V_y, slip}")
 
 
 @pytest.mark.parametrize("inputs", KINDS[1:])
-@pytest.mark.parametrize("model", [name for name, book in MODELS.items() if not book.reverses])
+@pytest.mark.parametrize("model", [name for name, model in MODELS.items() if not model.reverses])
 def test_shifts_are_mirrored_too_if_the_model_is_that_of_forward_rolling(wheel_of, model, inputs):
     """Above the speeds at which both directions are interpolated; other models have signs of their own."""
     wheel = wheel_of(model, inputs, shifts=True)

@@ -129,12 +129,12 @@ def test_turning_on_the_spot_has_a_moment_up_to_the_friction_torque(standing, ti
 @pytest.mark.parametrize("name", ["first", "mf52", "fiala", "brush"])
 def test_without_turn_slip_the_torque_is_that_of_a_patch_with_parabolic_pressure(standing, tires, name, way):
     """The integral of friction times lever over a patch whose half length is three times the trail."""
-    host, book = standing(name), tires[name].book
+    host, model = standing(name), tires[name].symbolic_model
     row = tires[name].evaluate(pd.DataFrame({"kappa": [0.0]}), steady=True).iloc[0]
-    load, a = tires[name].nominal("Fz"), 3.0 * abs(row[book.quantity("trail")])
+    load, a = tires[name].nominal("Fz"), 3.0 * abs(row[model.quantity("trail")])
     x = np.linspace(-a, a, 20001)
     pressure = 0.75 * load / a * (1.0 - (x / a) ** 2)
-    torque = abs(row[book.quantity("friction_y")]) * np.trapezoid(pressure * np.abs(x), x)
+    torque = abs(row[model.quantity("friction_y")]) * np.trapezoid(pressure * np.abs(x), x)
     assert torque > 1.0
     host.set(psi_dot=way * 0.5)
     for k in range(100):

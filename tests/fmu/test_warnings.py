@@ -70,9 +70,9 @@ def exported(monkeypatch, tmp_path):
 
 def tires(model):
     """Return a tire with steady slip, and one with lagging slips, effects on demand and states of added effects."""
-    book, values = MODELS[model], {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    more = {*sorted(book.relaxing_effects)[:1], *(effect for effect, _ in book.on_demand)}
-    effects = book.default_effects | more | {"heat_friction", "slip_history"}
+    symbolic_model, values = MODELS[model], {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    more = {*sorted(symbolic_model.relaxing_effects)[:1], *(effect for effect, _ in symbolic_model.on_demand)}
+    effects = symbolic_model.default_effects | more | {"heat_friction", "slip_history"}
     return Tire(model, values), Tire(model, values, effects=effects)
 
 

@@ -22,7 +22,7 @@ from tirefmu.batch.jobs import read_jobs
 from tirefmu.batch.study_file import read_study
 from tirefmu.commands.diagnose_command import user_effect
 from tirefmu.fitting.problem.recipe import RECIPES, Freed, load_recipe
-from tirefmu.fitting.results.checkpoint import Checkpoint, Ended, Release, State
+from tirefmu.fitting.results.checkpoint import Checkpoint, Ended, FitState, Release
 from tirefmu.fitting.results.records import StageFit
 from tirefmu.fmu.comparison.resources import axes_of_inputs, embedded_tire
 from tirefmu.fmu.packaging.export import contents
@@ -244,7 +244,7 @@ def checkpoint_seeds() -> list[bytes]:
     stage = StageFit("one", 100, 2, 7, True, "", 0.5, 0.99)
     freed = {"PDY1": Release(Freed(1.0, -math.inf, 2.0), "one", True)}
     ended = Ended(0, {"PDY1": 1.0}, {"PDY1": Freed(1.0, 0.0, 2.0)}, np.array([0.5]))
-    state = State(1, {"PDY1": 1.1}, freed, [("signs:mu_y", np.ones((4, 2)))], [stage], [ended], ["a note"])
+    state = FitState(1, {"PDY1": 1.1}, freed, [("signs:mu_y", np.ones((4, 2)))], [stage], [ended], ["a note"])
     path = Path("seed.progress.json")
     Checkpoint(path, IDENTITY).save(state)
     content = path.read_bytes()

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.fitting.results.checkpoint import Checkpoint, State
+from tirefmu.fitting.results.checkpoint import Checkpoint, FitState
 from tirefmu.measurements import read_recording
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.drawing.whole_file import write_whole
@@ -79,7 +79,7 @@ def test_a_link_to_a_device_is_not_read(tmp_path, suffix):
 
 
 @pytest.mark.parametrize("write", [
-    lambda path: Checkpoint(path, IDENTITY).save(State()),
+    lambda path: Checkpoint(path, IDENTITY).save(FitState()),
     lambda path: write_whole(path, b"content"),
 ], ids=["checkpoint", "whole file"])  # fmt: skip
 def test_a_link_with_the_name_of_a_part_is_not_followed(tmp_path, write):

@@ -11,7 +11,7 @@ import pytest
 import sympy as sp
 
 import tirefmu.generated
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.printers.definitions import INCLUDES, definitions
 from tirefmu.symbolic.printers.pairs import function_of, in_pairs
 from tirefmu.symbolic.printers.routines import Assignment, routines
@@ -110,30 +110,30 @@ def test_error_of_a_power_in_units_in_the_last_place(library):
 
 def test_forces_are_the_same_with_and_without_vectors(tmp_path, monkeypatch):
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "cache"))
-    book = model("mf61")
+    symbolic_model = model_named("mf61")
     rng = np.random.default_rng(9)
-    values = {name: declared.generic or 0.01 for name, declared in book.coefficients.items()}
+    values = {name: declared.generic or 0.01 for name, declared in symbolic_model.coefficients.items()}
     values |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    parameters = np.array([values.get(name, 0.0) for name in book.parameters])
+    parameters = np.array([values.get(name, 0.0) for name in symbolic_model.parameters])
     ranges = {"kappa": (-1.5, 1.5), "alpha": (-1.4, 1.4), "gamma": (-0.3, 0.3), "Fz": (-100.0, 9000.0),
               "p": (0.0, 3e5), "V": (-30.0, 30.0), "phit": (0.0, 0.0)}  # fmt: skip
-    rows = np.stack([rng.uniform(*ranges[quantity.name], 300) for quantity in book.inputs], axis=1)
+    rows = np.stack([rng.uniform(*ranges[quantity.name], 300) for quantity in symbolic_model.inputs], axis=1)
     found = {}
     for build, flags in BUILDS.items():
         code = built("mf61", FOLDER / "mf61.c", ["-O1", *flags], [FOLDER / "mf61.h"])
-        found[build] = np.empty((len(rows), len(book.outputs)))
+        found[build] = np.empty((len(rows), len(symbolic_model.outputs)))
         for row, result in zip(rows, found[build], strict=True):
             code.mf61_forces(*(array.ctypes.data_as(ctypes.c_void_p) for array in (row, parameters, result)))
     for build, forces in found.items():
         assert np.array_equal(bits(forces), bits(found["plain"])), build
     with np.errstate(all="ignore"):
-        exact = numpy_code(book).forces(np.ascontiguousarray(rows.T), parameters).T
+        exact = numpy_code(symbolic_model).forces(np.ascontiguousarray(rows.T), parameters).T
     assert found["plain"] == pytest.approx(exact, rel=1e-12, abs=1e-9, nan_ok=True)
 
 
 @pytest.mark.parametrize("name", ["fiala", "mf96", "mf61"])
 def test_every_statement_is_computed_once_after_what_it_needs(name):
-    forces = {routine.full_name: routine for routine in routines(model(name))}
+    forces = {routine.full_name: routine for routine in routines(model_named(name))}
     body = forces.get("forces_straight", forces["forces"]).body
     known = {symbol for a in body for symbol in a.expression.free_symbols} - {a.symbol for a in body}
     computed = {}

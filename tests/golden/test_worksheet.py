@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, published
 
 
@@ -134,7 +134,9 @@ def random_inputs(rng, nominal_load, n=40):
 def test_the_trento_tire_with_every_scaling_factor_moved(seed, signs):
     rng = np.random.default_rng(seed)
     trento = published("trento_hoosier").in_signs(signs)
-    scales = {name: rng.uniform(0.5, 1.5) for name in trento.values if name in model("mf96").sections[2].coefficients}
+    scales = {
+        name: rng.uniform(0.5, 1.5) for name in trento.values if name in model_named("mf96").sections[2].coefficients
+    }
     arms = {f"SSZ{i}": rng.uniform(-0.3, 0.3) for i in (1, 2, 3, 4)}
     tire = Tire("mf96", {**trento.values, **scales, **arms}, signs=signs)
     assert len(set(scales.values())) == 21
@@ -148,7 +150,7 @@ def test_another_tire(seed, code):
     """Every coefficient anywhere within a tenth of its bounds around the generic start, signs included."""
     rng = np.random.default_rng(100 + seed)
     values = {}
-    for name, declaration in model("mf96").coefficients.items():
+    for name, declaration in model_named("mf96").coefficients.items():
         bound = declaration.upper if rng.random() < 0.5 else declaration.lower
         values[name] = declaration.generic + rng.uniform(0.02, 0.1) * (bound - declaration.generic)
     values |= {"FNOMIN": rng.uniform(500, 6000), "UNLOADED_RADIUS": rng.uniform(0.2, 0.5)}
@@ -162,4 +164,4 @@ def test_parameters_of_the_golden_file_are_all_of_the_book(golden):
     parameters = json.loads((golden / "mf96_trento_params.json").read_text(encoding="utf-8"))
     names = {"FZ0": "FNOMIN", "R0": "UNLOADED_RADIUS"}
     given = {names.get(key, key.upper()) for key in parameters}
-    assert model("mf96").coefficients.keys() - given == {"LS", "SSZ1", "SSZ2", "SSZ3", "SSZ4"}
+    assert model_named("mf96").coefficients.keys() - given == {"LS", "SSZ1", "SSZ2", "SSZ3", "SSZ4"}

@@ -39,7 +39,9 @@ def with_effect(tire, effect):
         for probe in form.probes:
             given |= {name: neutral[name] + size for name, size in probe.items()}
         given |= {name: sizes[0] for name, sizes in form.grid.items()}
-    extended = replace(tire, added=whole_library(tire.book))  # with the whole library a model is not printed anew
+    extended = replace(
+        tire, added=whole_library(tire.symbolic_model)
+    )  # with the whole library a model is not printed anew
     return replace(extended, values=given, effects={*tire.has, effect.name})
 
 
@@ -50,13 +52,13 @@ def test_a_tire_with_an_effect_converts_for_every_host(model, golden, tmp_path, 
     monkeypatch.setattr(conversion, "fit", lambda table, model, *, start, **options: SimpleNamespace(tire=start))
 
     def start(tire, forces, lacking, table):
-        neutral = {name: tire.book.coefficients[name].neutral for name in acting(tire, lacking)}
+        neutral = {name: tire.symbolic_model.coefficients[name].neutral for name in acting(tire, lacking)}
         return replace(tire, values={**tire.values, **neutral})
 
     monkeypatch.setattr(conversion, "nearest", start)
     tire = plain_tire(model, golden)
     for effect in library().values():
-        if not tire.book.has_place_for(effect):
+        if not tire.symbolic_model.has_place_for(effect):
             continue
         whole = with_effect(tire, effect)
         for host in HOSTS:

@@ -52,7 +52,7 @@ def test_a_converted_file_is_accepted_and_is_the_same_tire(tires, tmp_path, host
 
 
 def test_declarations_name_models_and_effects_that_exist():
-    effects = set().union(*(book.effects for book in MODELS.values()))
+    effects = set().union(*(model.effects for model in MODELS.values()))
     for host in HOSTS.values():
         assert set(host.dialects) <= set(MODELS)
         assert set(host.ignored) <= effects

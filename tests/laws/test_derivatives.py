@@ -16,17 +16,17 @@ ROUTINES = ("jacobian_inputs", "jacobian_parameters")
 def printed(tire, routine, rows, parameters):
     """Return derivatives as (n, n_forces, n_by)."""
     with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
-        matrix = numpy_routine(tire.book, routine)(rows, parameters)
+        matrix = numpy_routine(tire.symbolic_model, routine)(rows, parameters)
     return np.array([[np.broadcast_to(value, rows.shape[1]) for value in row] for row in matrix]).transpose(2, 0, 1)
 
 
 def by_casadi(tire, routine, rows, parameters):
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
-    forces = casadi_expression(tire.book, "forces", x, p)
+    forces = casadi_expression(tire.symbolic_model, "forces", x, p)
     jacobian = ca.jacobian(forces, x if routine == "jacobian_inputs" else p)
     function = ca.Function("jacobian", [x, p], [jacobian])
     full = np.stack([np.array(function(point, parameters)) for point in rows.T])
-    return full if routine == "jacobian_inputs" else full[:, :, : len(tire.book.coefficients)]
+    return full if routine == "jacobian_inputs" else full[:, :, : len(tire.symbolic_model.coefficients)]
 
 
 #: Relative step of a difference; the smoothed signs of MF96 turn within 1e-3 of slip, and this is 1e-5 of the slip.
@@ -39,13 +39,13 @@ ROUNDING = 1e-14
 
 def forces_at(tire, rows, parameters):
     with np.errstate(all="ignore"):
-        forces = numpy_routine(tire.book, "forces")(rows, parameters)
+        forces = numpy_routine(tire.symbolic_model, "forces")(rows, parameters)
     return np.stack([np.broadcast_to(force, rows.shape[1]) for force in forces])
 
 
 def by_differences(tire, routine, rows, parameters):
     by_inputs = routine == "jacobian_inputs"
-    moved = rows if by_inputs else parameters[: len(tire.book.coefficients), None]
+    moved = rows if by_inputs else parameters[: len(tire.symbolic_model.coefficients), None]
     columns = []
     for i, size in enumerate(np.abs(moved).max(axis=1)):
         slope = 0.0
@@ -90,14 +90,16 @@ def test_the_chain_rule_is_the_slope_of_the_forces(tire, points, routine):
 
 def test_every_coefficient_that_leads_to_a_force_moves_one(tire, points):
     """No such derivative is zero everywhere, with any option. Limits have an influence outside the ranges only."""
-    moved = np.zeros(len(tire.book.coefficients))
+    moved = np.zeros(len(tire.symbolic_model.coefficients))
     crawling = np.array([[0.02 if name == "V" else 1.0] for name in tire.inputs])
     for convention in ("tno", "book"):
         for speed in (1.0, crawling):
             parameters = tire.parameters(convention=convention)
             jacobian = printed(tire, "jacobian_parameters", points(tire) * speed, parameters)
             moved = np.maximum(moved, np.abs(jacobian).max(axis=(0, 1)))
-    leading = {str(s) for line in reaching(tire.book.lines(), tire.outputs) for s in line.expression.free_symbols}
-    declarations = tire.book.coefficients
+    leading = {
+        str(s) for line in reaching(tire.symbolic_model.lines(), tire.outputs) for s in line.expression.free_symbols
+    }
+    declarations = tire.symbolic_model.coefficients
     expected = [name in leading and not declarations[name].section.endswith("_RANGE") for name in declarations]
     assert [name for name, zero, it_is in zip(declarations, moved == 0, expected, strict=True) if it_is and zero] == []

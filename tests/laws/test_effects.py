@@ -16,7 +16,7 @@ from tirefmu.symbolic.printers.expressions import NumpyPrinter
 
 #: The coefficients of the relaxation lengths of MF5.2 are among those of the forces.
 RELAXATION = {"mf52": {"LONGITUDINAL_COEFFICIENTS", "LATERAL_COEFFICIENTS"}}
-EFFECTS = [(model, effect) for model, book in MODELS.items() for effect in book.effects]
+EFFECTS = [(model, effect) for model, model in MODELS.items() for effect in model.effects]
 
 
 @cache
@@ -28,13 +28,13 @@ def printed(expression):
 @cache
 def pruned_lines(model, present):
     """Return the lines that lead to a force, without the other effects."""
-    book = MODELS[model]
-    return reaching(book.lines(present), {quantity.name for quantity in book.outputs})
+    symbolic_model = MODELS[model]
+    return reaching(symbolic_model.lines(present), {quantity.name for quantity in symbolic_model.outputs})
 
 
 def forces_of_lines(tire, present, rows):
     """Evaluate the pruned lines independently of the generated code."""
-    options = dict(zip(tire.book.parameters, tire.parameters(), strict=True))
+    options = dict(zip(tire.symbolic_model.parameters, tire.parameters(), strict=True))
     space = {"np": np, **options, **tire.values, **dict(zip(tire.inputs, rows, strict=True))}
     for line in pruned_lines(tire.model, frozenset(present)):
         space[line.symbol.name] = eval(printed(line.expression), space)
@@ -50,17 +50,17 @@ def check(tire, present, rows, forces_of, scale_of):
 
 
 def test_all_effects_present_is_the_printed_model(tire, points, forces_of, scale_of):
-    check(tire, list(tire.book.effects), points(tire), forces_of, scale_of)
+    check(tire, list(tire.symbolic_model.effects), points(tire), forces_of, scale_of)
 
 
 def test_each_effect_off(tire, points, forces_of, scale_of):
-    for effect in tire.book.effects:
-        check(tire, tire.book.effects.keys() - {effect}, points(tire), forces_of, scale_of)
+    for effect in tire.symbolic_model.effects:
+        check(tire, tire.symbolic_model.effects.keys() - {effect}, points(tire), forces_of, scale_of)
 
 
 def test_each_effect_alone_and_none(tire, points, forces_of, scale_of):
     # MF5.2 and 6.2 have the effects of MF6.1, in lines that they mostly share.
-    alone = tire.book.effects if tire.model in ("mf96", "mf61") else ()
+    alone = tire.symbolic_model.effects if tire.model in ("mf96", "mf61") else ()
     for present in ([], *([effect] for effect in alone)):
         check(tire, present, points(tire), forces_of, scale_of)
 
@@ -68,7 +68,7 @@ def test_each_effect_alone_and_none(tire, points, forces_of, scale_of):
 def test_random_subsets(tire, points, forces_of, scale_of):
     rng = np.random.default_rng(1)
     for _ in range(5):
-        present = [effect for effect in tire.book.effects if rng.random() < 0.5]
+        present = [effect for effect in tire.symbolic_model.effects if rng.random() < 0.5]
         check(tire, present, points(tire), forces_of, scale_of)
 
 
@@ -76,8 +76,8 @@ def test_each_effect_changes_an_output(tire, points, forces_of, scale_of):
     """Otherwise an effect that is off would equal one that is on."""
     rows = points(tire)
     forces = forces_of(tire, rows)
-    for effect in tire.book.default_effects:  # the others have a memory
-        without = forces_of(replace(tire, effects=tire.book.effects.keys() - {effect}), rows)
+    for effect in tire.symbolic_model.default_effects:  # the others have a memory
+        without = forces_of(replace(tire, effects=tire.symbolic_model.effects.keys() - {effect}), rows)
         assert np.max(np.abs(without - forces) / scale_of(tire)) > 1e-5, effect
 
 
@@ -91,34 +91,39 @@ def test_each_effect_owns_coefficients(model, effect):
 @pytest.mark.parametrize("model", MODELS)
 def test_every_coefficient_reaches_an_output(model):
     """Or a result. The others are values of absent inputs, limits, or sizes that other packages require of any tire."""
-    book = MODELS[model]
-    elsewhere = {quantity.nominal for quantity in book.inputs} | set(INDISPENSABLE)
-    assert book.live() | elsewhere >= book.coefficients.keys()
+    symbolic_model = MODELS[model]
+    elsewhere = {quantity.nominal for quantity in symbolic_model.inputs} | set(INDISPENSABLE)
+    assert symbolic_model.live() | elsewhere >= symbolic_model.coefficients.keys()
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_the_core_reaches_an_output_without_any_effect(model):
-    book = MODELS[model]
-    ranges = {name for name, declaration in book.coefficients.items() if declaration.section.endswith("_RANGE")}
-    elsewhere = {quantity.nominal for quantity in book.inputs} | set(INDISPENSABLE)
-    assert book.core <= book.live([]) | elsewhere | ranges
+    symbolic_model = MODELS[model]
+    ranges = {
+        name for name, declaration in symbolic_model.coefficients.items() if declaration.section.endswith("_RANGE")
+    }
+    elsewhere = {quantity.nominal for quantity in symbolic_model.inputs} | set(INDISPENSABLE)
+    assert symbolic_model.core <= symbolic_model.live([]) | elsewhere | ranges
     # Given values belong to no effect and not to the core: scaling factors, coefficients of radii and deflection.
-    rest = [book.coefficients[name] for name in book.live([]) - book.core - ranges]
+    rest = [symbolic_model.coefficients[name] for name in symbolic_model.live([]) - symbolic_model.core - ranges]
     assert {declaration.section for declaration in rest if declaration.fitted} <= RELAXATION.get(model, set())
 
 
 def test_coefficients_of_an_absent_effect_have_no_influence(tire, points, forces_of):
     rows = points(tire)
     effect = "camber_thrust"
-    plain = replace(tire, effects=tire.book.effects.keys() - {effect})
-    shouting = {**tire.values, **dict.fromkeys(tire.book.owned(effect), 99.0)}
+    plain = replace(tire, effects=tire.symbolic_model.effects.keys() - {effect})
+    shouting = {**tire.values, **dict.fromkeys(tire.symbolic_model.owned(effect), 99.0)}
     np.testing.assert_array_equal(forces_of(replace(plain, values=shouting), rows), forces_of(plain, rows))
-    assert all(plain.values[name] == tire.book.coefficients[name].neutral for name in tire.book.owned(effect))
+    assert all(
+        plain.values[name] == tire.symbolic_model.coefficients[name].neutral
+        for name in tire.symbolic_model.owned(effect)
+    )
 
 
 def test_without_load_stiffness_cornering_stiffness_is_proportional_to_load(tire):
-    alone = {"load_stiffness", "camber_stiffness", "pressure_stiffness"} & tire.book.effects.keys()
-    plain = replace(tire, effects=tire.book.effects.keys() - alone)
+    alone = {"load_stiffness", "camber_stiffness", "pressure_stiffness"} & tire.symbolic_model.effects.keys()
+    plain = replace(tire, effects=tire.symbolic_model.effects.keys() - alone)
     loads = np.linspace(0.1, 2.0, 9) * tire.values["FNOMIN"]
     answer = plain.evaluate(pd.DataFrame({"Fz": loads}), signs="adapted-sae")
     scales = [tire.values[name] for name in ("LKA", "LFZ0", "LKY") if name in tire.values]

@@ -25,7 +25,7 @@ def test_each_option_changes_a_result_of_models_that_have_it(tire, points, scale
     tire, (name,) = narrowed(tire), options
     table = table_of(tire, points(tire))
     change = np.abs(forces_of_table(tire, table, **options) - forces_of_table(tire, table)) / scale_of(tire)
-    if name in {option.name for option in tire.book.options} or name == "limits":
+    if name in {option.name for option in tire.symbolic_model.options} or name == "limits":
         assert (change.max(axis=1) > 1e-4)[: tire.outputs.index("Mz") + 1].all()
     else:
         assert (change == 0).all()

@@ -60,7 +60,7 @@ def test_iso_and_adapted_sae_are_mirrors(tire, points, forces_of, scale_of):
 def test_iso_and_adapted_sae_are_mirrors_with_every_option(tire, points, scale_of, options):
     """This includes radii, which have no sign."""
     table = pd.DataFrame(dict(zip(tire.inputs, points(tire), strict=True)))
-    names = [*tire.outputs, *tire.book.results]
+    names = [*tire.outputs, *tire.symbolic_model.results]
     sizes = pd.Series(dict(zip(tire.outputs, scale_of(tire)[:, 0], strict=True)))
     iso, adapted = (tire.evaluate(table, signs=signs, **options)[names] for signs in ("iso", "adapted-sae"))
     for name in names:
@@ -79,9 +79,9 @@ def test_every_declared_sign_change_is_necessary(made, points, model):
     """A sign that is not mirrored changes a force or the deflection."""
     tire = made(model, 0)
     table, iso = pd.DataFrame(dict(zip(tire.inputs, points(tire), strict=True))), tire.in_signs("iso")
-    shown = [*tire.outputs, *(name for name in ("R_l",) if name in tire.book.results)]
+    shown = [*tire.outputs, *(name for name in ("R_l",) if name in tire.symbolic_model.results)]
     right = iso.evaluate(table)[shown]
-    for name, declaration in tire.book.coefficients.items():
+    for name, declaration in tire.symbolic_model.coefficients.items():
         if declaration.flips:
             forgotten = replace(iso, values={**iso.values, name: tire.values[name]}).evaluate(table)[shown]
             # A power of a negative number is NaN, which is a difference as well.

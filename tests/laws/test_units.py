@@ -47,9 +47,9 @@ def test_other_units_of_force_length_and_time(tire, points, narrowed, options):
         tire = slow_and_flat(narrowed(tire))
     rows = points(tire)
     table = pd.DataFrame(dict(zip(tire.inputs, rows, strict=True)))
-    units = {quantity.name: quantity.unit for quantity in tire.book.inputs}
-    units |= {line.symbol.name: line.unit for line in tire.book.equations}
-    values = {name: tire.values[name] * factor(each.unit) for name, each in tire.book.coefficients.items()}
+    units = {quantity.name: quantity.unit for quantity in tire.symbolic_model.inputs}
+    units |= {line.symbol.name: line.unit for line in tire.symbolic_model.equations}
+    values = {name: tire.values[name] * factor(each.unit) for name, each in tire.symbolic_model.coefficients.items()}
     ranges = {name: tuple(end * factor(units[name]) for end in ends) for name, ends in tire.ranges.items()}
     answer = replace(tire, values=values, ranges=ranges).evaluate(
         table.assign(**{name: table[name] * factor(units[name]) for name in table}), signs=tire.signs, **options

@@ -9,7 +9,7 @@ import pytest
 from tirefmu.symbolic.added import effect_text, library, read_effect
 from tirefmu.symbolic.added.formula import formula, formula_text
 from tirefmu.symbolic.errors import EffectError, UnknownName
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, read_tir
 
 OWN = """
@@ -41,16 +41,16 @@ def test_a_file_written_and_read_is_the_same_effect(name):
 
 @pytest.mark.parametrize("name", LIBRARY)
 def test_an_effect_owns_its_coefficients(name):
-    book = model("mf61", ADDED)
+    symbolic_model = model_named("mf61", ADDED)
     declared = {each: {declaration.name for declaration in library()[each].declarations} for each in LIBRARY}
-    assert book.owned(name) <= declared[name]
-    assert book.owned(*LIBRARY) == set().union(*declared.values())
-    assert book.effects[name].optional
+    assert symbolic_model.owned(name) <= declared[name]
+    assert symbolic_model.owned(*LIBRARY) == set().union(*declared.values())
+    assert symbolic_model.effects[name].optional
 
 
 def test_with_every_added_effect_at_neutral_a_model_is_itself():
     plain = Tire("mf61", VALUES).evaluate(TABLE)
-    effects = [*model("mf61").default_effects, *LIBRARY]
+    effects = [*model_named("mf61").default_effects, *LIBRARY]
     added = Tire("mf61", VALUES, effects=effects, added=ADDED).evaluate(TABLE)
     for name in ("Fx", "Fy", "Mz", "Mx", "My", "mu_y", "K_yalpha"):
         np.testing.assert_array_equal(added[name], plain[name])
@@ -95,7 +95,7 @@ def test_an_absent_added_effect_is_silent():
 )
 def test_an_effect_without_a_place_is_named(text, message):
     with pytest.raises(EffectError, match=message):
-        model("mf61").extended([read_effect(text, "own.toml")])
+        model_named("mf61").extended([read_effect(text, "own.toml")])
 
 
 @pytest.mark.parametrize(

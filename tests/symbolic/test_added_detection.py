@@ -144,10 +144,10 @@ def test_the_document_explains_every_key():
 
 def test_every_declared_coefficient_belongs_to_the_effect_in_some_model():
     owned = {name: {declaration.name for declaration in effect.declarations} for name, effect in library().items()}
-    for book in (MODELS[name] for name in ("mf96", "mf52", "mf61")):
-        for name in DECLARED.keys() & book.effects.keys():
+    for model in (MODELS[name] for name in ("mf96", "mf52", "mf61")):
+        for name in DECLARED.keys() & model.effects.keys():
             related = {other for other, one in DECLARED.items() if one.contains == name} | {DECLARED[name].contains}
-            owned.setdefault(name, set()).update(book.owned(name, *(related & book.effects.keys())))
+            owned.setdefault(name, set()).update(model.owned(name, *(related & model.effects.keys())))
     for name, detection in DECLARED.items():
         forms = (*detection.forms, *detection.refinements)
         assert detection.forms, name

@@ -9,7 +9,7 @@ import pytest
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model.lines import reaching
-from tirefmu.symbolic.models import MODELS, model
+from tirefmu.symbolic.models import MODELS, model_named
 from tirefmu.symbolic.notation import Choice, Switch, Variant
 
 UNITS = {
@@ -19,12 +19,12 @@ UNITS = {
 
 
 @pytest.fixture(scope="module", params=MODELS)
-def book(request):
+def model(request):
     return MODELS[request.param]
 
 
-def test_every_coefficient_has_a_complete_declaration(book):
-    for name, declaration in book.coefficients.items():
+def test_every_coefficient_has_a_complete_declaration(model):
+    for name, declaration in model.coefficients.items():
         assert declaration.name == name == name.upper()
         assert declaration.description[0].islower() or declaration.description.startswith(("F", "MF5.2: ")), name
         assert declaration.unit in UNITS, name
@@ -32,61 +32,61 @@ def test_every_coefficient_has_a_complete_declaration(book):
         assert math.isfinite(declaration.lower), name
         assert math.isfinite(declaration.upper), name
         assert declaration.lower <= declaration.generic <= declaration.upper, name
-        assert declaration.section in {section.title for section in book.sections}
+        assert declaration.section in {section.title for section in model.sections}
         if declaration.neutral is None:
             assert declaration.start is not None, f"{name} has neither a neutral value nor a start"
 
 
-def test_every_coefficient_is_declared_once(book):
-    names = [name for section in book.sections for name in section.coefficients]
+def test_every_coefficient_is_declared_once(model):
+    names = [name for section in model.sections for name in section.coefficients]
     assert len(names) == len(set(names))
-    assert book.coefficients.keys() <= set(names)
-    assert book.parameters[: len(book.coefficients)] == tuple(book.coefficients)
+    assert model.coefficients.keys() <= set(names)
+    assert model.parameters[: len(model.coefficients)] == tuple(model.coefficients)
 
 
 def test_every_declared_coefficient_has_a_model():
-    for books in ([MODELS["mf96"]], [MODELS["mf52"], MODELS["mf61"], MODELS["mf62"]]):
-        declared = {name for section in books[0].sections for name in section.coefficients}
-        assert declared == set().union(*(book.coefficients for book in books))
+    for models in ([MODELS["mf96"]], [MODELS["mf52"], MODELS["mf61"], MODELS["mf62"]]):
+        declared = {name for section in models[0].sections for name in section.coefficients}
+        assert declared == set().union(*(model.coefficients for model in models))
 
 
-def test_every_line_has_number_unit_and_description(book):
-    for line in book.equations:
+def test_every_line_has_number_unit_and_description(model):
+    for line in model.equations:
         assert line.number
         assert line.description, line.symbol
         assert line.unit in UNITS, line.symbol
         assert line.chapter
 
 
-def test_every_line_uses_only_earlier_lines(book):
-    known = {quantity.name for quantity in book.inputs} | set(book.parameters) | set(book.effects)
-    for line in book.equations:
+def test_every_line_uses_only_earlier_lines(model):
+    known = {quantity.name for quantity in model.inputs} | set(model.parameters) | set(model.effects)
+    for line in model.equations:
         assert {symbol.name for symbol in line.expression.free_symbols} <= known, line.symbol
         assert line.symbol.name not in known, f"{line.symbol} is filed twice"
         known.add(line.symbol.name)
-    assert {quantity.name for quantity in book.outputs} <= known
+    assert {quantity.name for quantity in model.outputs} <= known
 
 
-def test_lines_stay_short(book):
+def test_lines_stay_short(model):
     """A line with others substituted into it would be many times as long."""
-    assert max(line.expression.count_ops() for line in book.lines()) <= 55
+    assert max(line.expression.count_ops() for line in model.lines()) <= 55
 
 
 @pytest.mark.parametrize("effects", [None, [], ["camber_thrust"]])
-def test_the_lines_contain_no_switch(book, effects):
-    effects = effects and [name for name in effects if name in book.effects]
+def test_the_lines_contain_no_switch(model, effects):
+    effects = effects and [name for name in effects if name in model.effects]
     for straight in (False, True):
-        assert not any(line.expression.has(Switch, Choice, Variant) for line in book.lines(effects, straight=straight))
+        assert not any(line.expression.has(Switch, Choice, Variant) for line in model.lines(effects, straight=straight))
 
 
-def test_inner_steps_reach_a_named_quantity(book):
+def test_inner_steps_reach_a_named_quantity(model):
     """Every line is used."""
-    targets = {line.symbol.name for line in book.equations if line.named}
-    assert reaching(book.equations, targets) == list(book.equations)
+    targets = {line.symbol.name for line in model.equations if line.named}
+    assert reaching(model.equations, targets) == list(model.equations)
 
 
 def test_effects_of_the_book_are_those_in_its_lines():
-    assert set().union(*(book.effects for book in MODELS.values())) >= set(EFFECTS)
+    assert set().union(*(model.effects for model in MODELS.values())) >= set(EFFECTS)
     for name, effect in EFFECTS.items():
         assert effect.name == name
         assert effect.physics
@@ -113,18 +113,18 @@ def test_effects_of_the_book_are_those_in_its_lines():
     ],
 )
 def test_what_the_effects_of_the_contract_own(effect, owned):
-    assert model("mf96").owned(effect) == owned
+    assert model_named("mf96").owned(effect) == owned
 
 
 def test_a_coefficient_of_two_effects_goes_with_both():
-    book = model("mf96")
-    assert "LHY" not in book.owned("plysteer") | book.owned("camber_thrust")
-    assert "LHY" in book.owned("plysteer", "camber_thrust")
-    assert "PEX2" not in book.owned("curvature_asym")
+    symbolic_model = model_named("mf96")
+    assert "LHY" not in symbolic_model.owned("plysteer") | symbolic_model.owned("camber_thrust")
+    assert "LHY" in symbolic_model.owned("plysteer", "camber_thrust")
+    assert "PEX2" not in symbolic_model.owned("curvature_asym")
 
 
 def test_the_core_is_what_every_model_of_the_book_requires():
-    assert model("mf96").core == {
+    assert model_named("mf96").core == {
         "UNLOADED_RADIUS", "FNOMIN", "PCX1", "PDX1", "PEX1", "PKX1", "PCY1", "PDY1", "PEY1", "PKY1",
         "QBZ1", "QCZ1", "QDZ1",
     }  # fmt: skip
@@ -132,8 +132,8 @@ def test_the_core_is_what_every_model_of_the_book_requires():
 
 def test_unknown_names_offer_the_nearest():
     with pytest.raises(UnknownName, match=r"unknown model 'mf69': did you mean mf96\?"):
-        model("mf69")
+        model_named("mf69")
     with pytest.raises(UnknownName, match=r"effect of mf96 'camber_trust': did you mean camber_thrust\?"):
-        model("mf96").lines(["camber_trust"])
+        model_named("mf96").lines(["camber_trust"])
     with pytest.raises(UnknownName, match="camber"):
-        model("mf96").owned("camber")
+        model_named("mf96").owned("camber")

@@ -20,7 +20,7 @@ from tirefmu.commands.diagnose_command import user_effect
 from tirefmu.fitting.problem.recipe import load_recipe
 from tirefmu.project.project_file import read_project
 from tirefmu.symbolic.added import read_effect
-from tirefmu.symbolic.bounded_file import DEEPEST, MOST_BYTES, toml_content
+from tirefmu.symbolic.bounded_file import DEEPEST, MAX_BYTES, toml_content
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import published, read_tir, write_tir
 
@@ -90,7 +90,7 @@ def test_a_deep_effect_in_a_tire_is_refused(tmp_path):
 @pytest.mark.parametrize("read", READERS.values(), ids=READERS)
 def test_a_large_file_is_refused(tmp_path, read):
     path = tmp_path / "large.toml"
-    path.write_bytes(b"#" * (MOST_BYTES + 1))
+    path.write_bytes(b"#" * (MAX_BYTES + 1))
     with pytest.raises(TirefmuError, match="larger than 2 MB"):
         read(path)
 

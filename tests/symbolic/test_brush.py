@@ -135,7 +135,7 @@ def test_at_zero_slip_slopes_are_the_stiffnesses_and_the_trail_a_third(tire):
     rows = np.stack([0 * loads, 0 * loads, loads])
     answer = evaluated(tire, rows)
     assert (answer[["Fx", "Fy", "Mz"]] == 0).all(axis=None)
-    slopes = code_for(tire.book, "c").jacobian_inputs(rows, tire.parameters())
+    slopes = code_for(tire.symbolic_model, "c").jacobian_inputs(rows, tire.parameters())
     ratio = (loads / SIZE["FNOMIN"]) ** LOAD_EXPONENTS["NSTIFF"]
     expected = np.array([tire.values["CKAPPA"] * ratio, -tire.values["CALPHA"] * ratio])
     np.testing.assert_allclose([slopes[:, 0, 0], slopes[:, 1, 1]], expected, rtol=1e-13)
@@ -235,12 +235,12 @@ def test_load_exponents_are_the_option_of_absolute_stiffness():
 
 
 def test_an_effect_that_is_off_is_its_coefficients_at_neutral():
-    book = MODELS["brush"]
-    declarations = {name: each.neutral for name, each in book.coefficients.items() if each.neutral is not None}
+    model = MODELS["brush"]
+    declarations = {name: each.neutral for name, each in model.coefficients.items() if each.neutral is not None}
     assert declarations.keys() == LOAD_EXPONENTS.keys()
     neutral = {sp.Symbol(name, real=True): sp.nsimplify(value) for name, value in declarations.items()}
-    lines = {name: line.subs(neutral) for name, line in book.as_written(book.effects).items()}
-    assert lines == book.as_written([])
+    lines = {name: line.subs(neutral) for name, line in model.as_written(model.effects).items()}
+    assert lines == model.as_written([])
 
 
 @pytest.mark.parametrize("language", ["numpy", "c", "casadi", "batch"])
@@ -248,7 +248,7 @@ def test_every_code_agrees_and_is_finite(tire, language):
     """Zero slip, lock, no load and a lifted wheel among the rows; CasADi differentiates by itself in the next test."""
     lifted = np.array([[0.1, -1.0, 0.0], [0.1, 0.0, 0.0], [0.0, -5.0, -2000.0]])
     rows, parameters = np.hstack([grid(), lifted]), tire.parameters()
-    code, oracle = code_for(tire.book, language), code_for(tire.book, "numpy")
+    code, oracle = code_for(tire.symbolic_model, language), code_for(tire.symbolic_model, "numpy")
     forces = code.forces(rows, parameters)
     np.testing.assert_allclose(forces, oracle.forces(rows, parameters), rtol=1e-12, atol=1e-12)
     assert (forces[:, -3:] == 0).all()
@@ -264,10 +264,12 @@ def test_the_chain_rule_is_casadis(tire, routine):
     rows = np.stack([rng.uniform(-0.4, 0.6, 60), rng.uniform(-0.3, 0.3, 60), rng.uniform(500.0, 6000.0, 60)])
     parameters = tire.parameters()
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
-    by = x if routine == "jacobian_inputs" else p[: len(tire.book.coefficients)]
-    function = ca.Function("jacobian", [x, p], [ca.jacobian(casadi_expression(tire.book, "forces", x, p), by)])
+    by = x if routine == "jacobian_inputs" else p[: len(tire.symbolic_model.coefficients)]
+    function = ca.Function(
+        "jacobian", [x, p], [ca.jacobian(casadi_expression(tire.symbolic_model, "forces", x, p), by)]
+    )
     expected = np.stack([np.array(function(row, parameters)) for row in rows.T])
-    ours = getattr(code_for(tire.book, "c"), routine)(rows, parameters)
+    ours = getattr(code_for(tire.symbolic_model, "c"), routine)(rows, parameters)
     assert (np.abs(ours - expected) <= 1e-11 * np.abs(expected).max(axis=0) + 1e-12).all()
 
 
@@ -275,7 +277,7 @@ def test_derivatives_are_continuous_into_full_sliding(tire):
     """The forces have no kink there: the last bristle that sticks carries nothing."""
     begin = brentq(lambda alpha: evaluated(tire, [[0.0], [alpha], [3000.0]])["psi"][0] - 1 + 1e-9, 0.01, 0.3)
     rows = np.array([[0.0, 0.0], [begin * (1 - 1e-7), begin * (1 + 1e-7)], [3000.0, 3000.0]])
-    before, after = code_for(tire.book, "c").jacobian_inputs(rows, tire.parameters())
+    before, after = code_for(tire.symbolic_model, "c").jacobian_inputs(rows, tire.parameters())
     assert np.abs(before - after).max() < 1e-5 * tire.values["CALPHA"]
 
 

@@ -111,7 +111,7 @@ def test_names_and_numbers_are_taken_once(made):
 def test_every_code_agrees_and_differentiates(tire):
     rows = np.array([[0.05, -0.1, 0.0], [0.1, 0.02, -0.2], [900.0, 1300.0, 0.0]])
     parameters = tire.parameters()
-    results = {language: code_for(tire.book, language) for language in ("numpy", "c", "casadi", "batch")}
+    results = {language: code_for(tire.symbolic_model, language) for language in ("numpy", "c", "casadi", "batch")}
     for code in results.values():
         np.testing.assert_allclose(
             code.forces(rows, parameters), results["casadi"].forces(rows, parameters), rtol=1e-12
@@ -217,7 +217,7 @@ def written(path):
 def test_no_other_package_names_a_model_or_its_coefficients():
     # Names common to every model or every property file belong to no model.
     shared = {"FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL", "WIDTH", "RIM_RADIUS", "VERTICAL_STIFFNESS"}
-    own = {name for book in MODELS.values() for name, each in book.coefficients.items() if each.fitted} | set(MODELS)
+    own = {name for model in MODELS.values() for name, each in model.coefficients.items() if each.fitted} | set(MODELS)
     own |= {"SIGX", "SIGY", "SIGC", "SIGK", "VXLOW"}
     found = {}
     for folder in ("tires", "measurements", "estimation", "fitting", "fmu", "diagnosis", "tirefmu"):

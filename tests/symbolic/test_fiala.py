@@ -81,7 +81,7 @@ def test_it_computes_the_published_equations(rows):
 
 def test_every_code_agrees_and_differentiates(rows):
     parameters = TIRE.parameters()
-    results = {language: code_for(TIRE.book, language) for language in ("numpy", "c", "casadi", "batch")}
+    results = {language: code_for(TIRE.symbolic_model, language) for language in ("numpy", "c", "casadi", "batch")}
     for code in results.values():
         np.testing.assert_allclose(code.forces(rows, parameters), results["numpy"].forces(rows, parameters), rtol=1e-12)
         for routine in ("jacobian_inputs", "jacobian_parameters"):
@@ -94,14 +94,16 @@ def test_every_code_agrees_and_differentiates(rows):
 def by_casadi(routine, rows, parameters):
     """Return derivatives by the differentiation of CasADi, shape (n, n_forces, n_by)."""
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
-    by = x if routine == "jacobian_inputs" else p[: len(TIRE.book.coefficients)]
-    function = ca.Function("jacobian", [x, p], [ca.jacobian(casadi_expression(TIRE.book, "forces", x, p), by)])
+    by = x if routine == "jacobian_inputs" else p[: len(TIRE.symbolic_model.coefficients)]
+    function = ca.Function(
+        "jacobian", [x, p], [ca.jacobian(casadi_expression(TIRE.symbolic_model, "forces", x, p), by)]
+    )
     return np.stack([np.array(function(point, parameters)) for point in rows.T])
 
 
 def test_slopes_at_zero_are_the_stiffnesses():
     point = np.array([[0.0], [0.0], [LOAD], [10.0]])
-    for code in (code_for(TIRE.book, language) for language in ("numpy", "c")):
+    for code in (code_for(TIRE.symbolic_model, language) for language in ("numpy", "c")):
         slopes = code.jacobian_inputs(point, TIRE.parameters())[0, :, :2]
         assert slopes[0].tolist() == [VALUES["CSLIP"], 0.0]
         assert slopes[1].tolist() == pytest.approx([0.0, -VALUES["CALPHA"]])
@@ -117,7 +119,7 @@ def test_jacobians_are_finite_where_branches_meet(umin, point):
     tire = Tire("fiala", {**VALUES, "UMIN": umin})
     column = np.array([[*point, 0.0]]).T
     for language in ("numpy", "c", "batch"):
-        code = code_for(tire.book, language)
+        code = code_for(tire.symbolic_model, language)
         for routine in ("forces", "jacobian_inputs", "jacobian_parameters"):
             assert np.isfinite(getattr(code, routine)(column, tire.parameters())).all(), (language, routine)
 

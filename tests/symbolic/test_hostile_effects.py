@@ -17,7 +17,7 @@ from tirefmu.symbolic.contract import Role
 from tirefmu.symbolic.declarations import Coefficient, Section
 from tirefmu.symbolic.errors import EffectError
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.notation import Chapter
 from tirefmu.symbolic.printers.generate import render_model
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
@@ -38,13 +38,15 @@ def small_model():
         PKY1 = Coefficient("slip stiffness factor", start=1.0, flips=True)
 
     force = Chapter("Force")
-    book = model("mf96")
-    kappa, alpha, load = (quantity.symbol for quantity in book.inputs if quantity.name != "gamma")
+    symbolic_model = model_named("mf96")
+    kappa, alpha, load = (quantity.symbol for quantity in symbolic_model.inputs if quantity.name != "gamma")
     grip = force("1", "mu_y", Size.PDY1 + 0 * load, description="friction")
     force("2", "Fx", grip * kappa * load / Size.UNLOADED_RADIUS, "N", "longitudinal force")
     force("3", "Fy", Size.PKY1 * grip * sp.atan(alpha) * load, "N", "side force")
     roles = {"friction_x": Role("mu_y", ("PDY1",)), "friction_y": Role("mu_y", ("PDY1",))}
-    return Model("small", "A small model", book.inputs, book.outputs[:2], (Size,), (force,), roles=roles)
+    return Model(
+        "small", "A small model", symbolic_model.inputs, symbolic_model.outputs[:2], (Size,), (force,), roles=roles
+    )
 
 
 SMALL = small_model()

@@ -56,14 +56,16 @@ def values_of(tape, leaves):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_operations_compute_what_the_printed_code_computes(model, golden):
-    book, tape = MODELS[model], model_tape(MODELS[model])
-    printed, outputs = code_for(model, "numpy"), [quantity.name for quantity in book.outputs]
+    symbolic_model, tape = MODELS[model], model_tape(MODELS[model])
+    printed, outputs = code_for(model, "numpy"), [quantity.name for quantity in symbolic_model.outputs]
     rng = np.random.default_rng(4)
-    declarations = [each.neutral if each.neutral is not None else each.start for each in book.coefficients.values()]
-    options = [0.0] * (len(book.parameters) - len(declarations))
+    declarations = [
+        each.neutral if each.neutral is not None else each.start for each in symbolic_model.coefficients.values()
+    ]
+    options = [0.0] * (len(symbolic_model.parameters) - len(declarations))
     parameters = np.array([*(np.array(declarations) + rng.uniform(0.05, 0.2, len(declarations))), *options])
     for row in range(4):
-        inputs = np.array([ROWS[quantity.name][row] for quantity in book.inputs])
+        inputs = np.array([ROWS[quantity.name][row] for quantity in symbolic_model.inputs])
         found = values_of(tape, [*map(np.float64, inputs), *parameters, np.float64(0.0)])
         for routine, names in ((printed.forces, outputs), (printed.quantities, printed.quantities_names)):
             expected = routine(inputs[:, None], parameters)[:, 0]

@@ -11,7 +11,7 @@ from tirefmu.symbolic import models
 from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.model.structure import Structure
-from tirefmu.symbolic.models import MODELS, model, whole_library
+from tirefmu.symbolic.models import MODELS, model_named, whole_library
 from tirefmu.tires.code.printed import model_with, printed_folder
 
 ALL = sorted(MODELS)
@@ -21,34 +21,36 @@ def read_by(lines, targets):
     return {symbol.name for line in reaching(lines, set(targets)) for symbol in line.expression.free_symbols}
 
 
-def outside(book, names):
+def outside(model, names):
     """Return which of the names are inputs, coefficients or options: steps of lines may be merged."""
-    return set(names) & {*book.parameters, *(quantity.name for quantity in book.inputs)}
+    return set(names) & {*model.parameters, *(quantity.name for quantity in model.inputs)}
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_it_reaches_what_the_lines_reach(name):
-    book = MODELS[name]
+    model = MODELS[name]
     rng = random.Random(name)
-    targets = [quantity.name for quantity in book.outputs]
-    sets = [set(book.effects), set(), *({effect for effect in book.effects if rng.random() < 0.5} for _ in range(2))]
+    targets = [quantity.name for quantity in model.outputs]
+    sets = [set(model.effects), set(), *({effect for effect in model.effects if rng.random() < 0.5} for _ in range(2))]
     for effects in sets:
-        lines = book.lines(effects)
-        for wanted in ([*targets, *book.results], targets[:1], targets[-1:]):
-            assert outside(book, book.reached(wanted, effects)) == outside(book, read_by(lines, wanted)), effects
+        lines = model.lines(effects)
+        for wanted in ([*targets, *model.results], targets[:1], targets[-1:]):
+            assert outside(model, model.reached(wanted, effects)) == outside(model, read_by(lines, wanted)), effects
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_straight_rows_read_what_the_straight_lines_read(name):
-    book = MODELS[name]
-    lines = book.lines(straight=True)
-    for quantity in book.outputs:
-        assert outside(book, book.structure.straight[quantity.name]) == outside(book, read_by(lines, [quantity.name]))
+    model = MODELS[name]
+    lines = model.lines(straight=True)
+    for quantity in model.outputs:
+        assert outside(model, model.structure.straight[quantity.name]) == outside(
+            model, read_by(lines, [quantity.name])
+        )
 
 
 def test_the_stored_text_contains_all_of_it():
-    for book in MODELS.values():
-        assert Structure.from_text(book.structure.to_text("a test")) == book.structure
+    for model in MODELS.values():
+        assert Structure.from_text(model.structure.to_text("a test")) == model.structure
 
 
 def test_a_changed_model_does_not_use_it(made):
@@ -62,7 +64,7 @@ def test_a_changed_model_does_not_use_it(made):
 
 def test_it_is_stored_with_the_printed_code_for_exactly_these_effects():
     whole = whole_library(MODELS["fiala"])
-    printed_folder(model("fiala", whole))
+    printed_folder(model_named("fiala", whole))
     models._EXTENDED.clear()  # as in another process
     printed = model_with("fiala", whole)
     assert printed.stored is not None

@@ -63,4 +63,4 @@ def test_the_bench_tire_is_the_published_one_except_for_documented_values():
     changed = {name for name, value in trento.values.items() if tire.values[name] != value}
     assert changed == {name for name, value in BENCH_TIRE.items() if trento.values[name] != value}
     assert "camber_thrust" in tire.has
-    assert any(tire.values[name] for name in tire.book.owned("camber_thrust"))
+    assert any(tire.values[name] for name in tire.symbolic_model.owned("camber_thrust"))

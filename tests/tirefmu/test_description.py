@@ -16,7 +16,7 @@ from tirefmu.tires.property_file.reading import read_tir_with_notes
 
 FILES = ["MagicFormula52", "MagicFormula61", "MagicFormula62"]
 #: The models with the coefficients that these tests change.
-MAGIC = [name for name, book in MODELS.items() if "PDX1" in book.coefficients]
+MAGIC = [name for name, model in MODELS.items() if "PDX1" in model.coefficients]
 
 
 def generic(model="mf61", **values):
@@ -101,7 +101,7 @@ def test_a_file_of_the_field_is_reported_in_full(name, golden):
     assert reported["unknown"] == []
     assert {entry["key"] for entry in reported["unused"]} >= {"USE_MODE", "VERTICAL_DAMPING", "RIM_WIDTH"}
     assert set(reported["effects"]) | set(reported["effects_at_neutral"]) == reading.tire.has
-    assert set(reported["effects_absent"]) == reading.tire.book.effects.keys() - reading.tire.has
+    assert set(reported["effects_absent"]) == reading.tire.symbolic_model.effects.keys() - reading.tire.has
     assert reported["nominal"]["Fz"] == reading.tire.values["FNOMIN"]
     assert all(reported["values"][key] == value for key, value in reported["missing"].items())
 

@@ -20,10 +20,10 @@ from tirefmu.tires import published
 
 def test_every_effect_that_a_tire_can_have_is_listed(command):
     listed = {each["name"]: each for each in json.loads(command("effects", "--json", "-", "--quiet").out)["effects"]}
-    assert set(listed) == {*library(), *(name for book in MODELS.values() for name in book.effects)}
-    for name, book in MODELS.items():
+    assert set(listed) == {*library(), *(name for model in MODELS.values() for name in model.effects)}
+    for name, model in MODELS.items():
         defaults = {effect for effect, each in listed.items() if each["kind"] == "default" and name in each["models"]}
-        assert defaults == book.default_effects
+        assert defaults == model.default_effects
     out = command("effects").out
     assert all(name in out for name in listed)
 

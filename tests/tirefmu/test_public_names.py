@@ -14,7 +14,7 @@ import tirefmu.batch.fit_many
 import tirefmu.batch.intervals
 import tirefmu.batch.study
 from tirefmu import batch, diagnosis, evaluation, fitting, fmu, measurements, tires
-from tirefmu.symbolic.models import MODELS, model, whole_library
+from tirefmu.symbolic.models import MODELS, model_named, whole_library
 from tirefmu.tires.code.printed import printed_folder
 from tirefmu.tires.drawing import files as drawing
 
@@ -137,7 +137,7 @@ def test_a_tire_is_evaluated_fitted_and_exported_without_its_equations(tmp_path,
 
 def test_a_diagnosis_needs_no_equations():
     printed_folder(MODELS["fiala"])
-    printed_folder(model("fiala", whole_library(MODELS["fiala"])))
+    printed_folder(model_named("fiala", whole_library(MODELS["fiala"])))
     assert loaded_by(DIAGNOSIS, ("sympy", "matplotlib", "fmpy")) == []
 
 

@@ -37,10 +37,12 @@ def model(request):
 
 @pytest.fixture
 def parameters(model):
-    book = MODELS[model]
-    values = [declaration.generic if declaration.generic else 0.01 for declaration in book.coefficients.values()]
-    given = dict(zip(book.coefficients, values, strict=True)) | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    return np.array([given.get(name, 0.0) for name in book.parameters])
+    symbolic_model = MODELS[model]
+    values = [
+        declaration.generic if declaration.generic else 0.01 for declaration in symbolic_model.coefficients.values()
+    ]
+    given = dict(zip(symbolic_model.coefficients, values, strict=True)) | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    return np.array([given.get(name, 0.0) for name in symbolic_model.parameters])
 
 
 def rows_of(model, n, seed=1):
@@ -80,9 +82,9 @@ def test_forces_of_any_number_of_rows(model, parameters, n):
 @pytest.mark.parametrize("name", ["mf96", "mf61"])
 def test_inputs_in_any_memory_are_read_and_not_changed(name):
     """The address of an array is found in two ways: those that cannot be written have the slower one."""
-    book = MODELS[name]
-    coefficients = np.array([getattr(book.coefficients.get(p), "generic", 0.0) or 0.01 for p in book.parameters])
-    coefficients[len(book.coefficients) :] = 0.0
+    model = MODELS[name]
+    coefficients = np.array([getattr(model.coefficients.get(p), "generic", 0.0) or 0.01 for p in model.parameters])
+    coefficients[len(model.coefficients) :] = 0.0
     rows = rows_of(name, BLOCK + 3)
     expected = code_for(name, "batch").forces(rows, coefficients)
     fixed = rows.copy()
@@ -111,17 +113,17 @@ def test_jacobians(model, parameters, routine):
 
 
 def test_derivatives_by_inputs_do_not_depend_on_the_chunks(monkeypatch):
-    model, book = "mf61", MODELS["mf61"]
+    model, symbolic_model = "mf61", MODELS["mf61"]
     rows, values = (
         rows_of(model, 300),
-        np.array([0.3 if name == "UNLOADED_RADIUS" else 0.5 for name in book.parameters]),
+        np.array([0.3 if name == "UNLOADED_RADIUS" else 0.5 for name in symbolic_model.parameters]),
     )
-    values[len(book.coefficients) :] = 0.0  # options
+    values[len(symbolic_model.coefficients) :] = 0.0  # options
     rows[row_of(model, "alpha"), [5, 150]] = np.nan, 1e9  # no result, and outside the range of the kernel
     whole = code_for(model, "batch").jacobian_inputs(rows, values)
     monkeypatch.setattr(import_module("tirefmu.tires.code.batch_code"), "ROWS_IN_CACHE", 64)
     np.testing.assert_array_equal(code_for(model, "batch").jacobian_inputs(rows, values), whole)
-    assert whole.shape == (300, len(book.outputs), len(book.inputs))
+    assert whole.shape == (300, len(symbolic_model.outputs), len(symbolic_model.inputs))
     assert code_for(model, "batch").jacobian_inputs(rows[:, :0], values).shape == (0, *whole.shape[1:])
 
 
@@ -201,12 +203,12 @@ def test_the_memory_of_the_normal_equations_has_the_size_that_the_kernel_uses():
 
 @pytest.mark.parametrize("name", [name for name in MODELS if MODELS[name].options])
 def test_options_and_turn_slip_everywhere(name):
-    book = MODELS[name]
+    model = MODELS[name]
     rows = rows_of(name, 100)
     given = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    known = {key: each.generic for key, each in book.coefficients.items()} | given
-    for option in book.options:
-        values = np.array([known.get(key, float(key == option.parameter)) for key in book.parameters])
+    known = {key: each.generic for key, each in model.coefficients.items()} | given
+    for option in model.options:
+        values = np.array([known.get(key, float(key == option.parameter)) for key in model.parameters])
         assert_same(name, code_for(name, "batch").forces(rows, values), code_for(name, "numpy").forces(rows, values))
 
 
@@ -243,12 +245,12 @@ def test_flags_that_the_compiler_rejects_are_omitted(monkeypatch, tmp_path, para
 @pytest.mark.parametrize("factor", [3e6, 1e9, -1e9, 1e300])
 def test_factors_of_an_arcus_tangent_are_limited_as_angles_are(factor):
     """The kernels check the factor instead of the angle: rows beyond it are computed one by one."""
-    book = MODELS["mf61"]
-    given = {name: declared.generic or 0.01 for name, declared in book.coefficients.items()}
+    model = MODELS["mf61"]
+    given = {name: declared.generic or 0.01 for name, declared in model.coefficients.items()}
     given |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "PCX1": factor, "RCY1": factor}
-    parameters = np.array([given.get(name, 0.0) for name in book.parameters])
+    parameters = np.array([given.get(name, 0.0) for name in model.parameters])
     rows = rows_of("mf61", 100)
-    batch, one_by_one = (code_for(book, language).forces(rows, parameters) for language in ("batch", "c"))
+    batch, one_by_one = (code_for(model, language).forces(rows, parameters) for language in ("batch", "c"))
     assert np.array_equal(batch, one_by_one, equal_nan=True) == (abs(factor) > 1.8e7)
     # At 3e6 the angles are known to 1e-9.
     difference = np.abs(batch - one_by_one).max(axis=1)

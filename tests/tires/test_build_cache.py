@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.symbolic.models import model, with_library
+from tirefmu.symbolic.models import model_named, with_library
 from tirefmu.tires.code import build_cache, modules, printed
 from tirefmu.tires.code.build_cache import RECORD, cache_folder, cached
 
@@ -282,10 +282,10 @@ def test_the_cache_does_not_grow_without_limit(cache, aged, monkeypatch):
     assert size < 9999
     used = cached("middle", Maker())  # by this process, however long ago
     os.utime(used, (time.time() - 3 * 86_400.0,) * 2)
-    monkeypatch.setattr(build_cache, "MOST_BYTES", 4 * size)
+    monkeypatch.setattr(build_cache, "MAX_BYTES", 4 * size)
     cached("new", Maker())
     assert names(cache) == ["middle", "new", "not ours", "old", "recent"]
-    monkeypatch.setattr(build_cache, "MOST_BYTES", 0)
+    monkeypatch.setattr(build_cache, "MAX_BYTES", 0)
     cached("newer", Maker())
     assert names(cache) == ["middle", "new", "newer", "not ours", "recent"]  # may be in use, here and elsewhere
 
@@ -306,25 +306,25 @@ def test_the_default_cache_is_that_of_the_user(monkeypatch, tmp_path):
 
 
 def test_modified_generated_code_is_not_run(cache, monkeypatch, tmp_path):
-    book = model("mf61", with_library("mf61", ["speed_friction"], ()))
+    symbolic_model = model_named("mf61", with_library("mf61", ["speed_friction"], ()))
     calls = []
 
-    def rendered(book):  # the real code takes long
-        calls.append(book)
-        return {f"numpy/{book.name}.py": "def forces():\n    return 42\n"}
+    def rendered(symbolic_model):  # the real code takes long
+        calls.append(symbolic_model)
+        return {f"numpy/{symbolic_model.name}.py": "def forces():\n    return 42\n"}
 
     monkeypatch.setattr(printed, "_render", lambda: rendered)
 
     def fresh():
         modules._module.cache_clear()
-        return modules._module(book, book.name)
+        return modules._module(symbolic_model, symbolic_model.name)
 
     assert fresh().forces() == fresh().forces() == 42
     assert len(calls) == 1
     (entry,) = cache.iterdir()
     trap = tmp_path / "trap"
     for suffix in (".py", ".pyc"):
-        (entry / "numpy" / f"{book.name}{suffix}").write_text(f"open({str(trap)!r}, 'w')\n", encoding="ascii")
+        (entry / "numpy" / f"{symbolic_model.name}{suffix}").write_text(f"open({str(trap)!r}, 'w')\n", encoding="ascii")
         assert fresh().forces() == 42
     assert len(calls) == 3
     assert not trap.exists()

@@ -24,7 +24,7 @@ MAGIC = ("mf96", "mf52", "mf61", "mf62")
 
 def asymmetric(name):
     """Return a tire with plysteer, conicity and every other asymmetry."""
-    declarations = Tire(name, BODY).book.coefficients
+    declarations = Tire(name, BODY).symbolic_model.coefficients
     more = {
         "QSX1": 0.01,
         "QSX2": 0.5,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.hostile import HOSTILE
-from tirefmu.tires.drawing.chart_data import MOST_POINTS, chart_data
+from tirefmu.tires.drawing.chart_data import MAX_POINTS, chart_data
 from tirefmu.tires.drawing.figure import Cells, Figure, Panel, Series, band, in_rows
 from tirefmu.tires.drawing.picture import picture, png
 
@@ -60,7 +60,7 @@ def test_values_without_range_and_without_number_have_limits():
 
 
 def test_of_many_points_every_kth_is_taken_and_gaps_stay():
-    y = np.arange(2.5 * MOST_POINTS)
+    y = np.arange(2.5 * MAX_POINTS)
     y[7] = np.nan
     (series,) = charts(figure_of(Panel("x", "y", (Series("line", y, y),))))[0]["series"]
     assert series["step"] == 3

@@ -27,9 +27,9 @@ def address(array):
 
 def test_results_held_at_once_are_independent():
     tire = published("unicamp_small_tire")
-    book, parameters = tire.book, tire.parameters()
-    code, n = code_for(book.name, "batch"), LARGE // (len(book.inputs) * len(book.outputs)) + 1
-    first_rows, second_rows = rows_of(book.name, n, seed=1), rows_of(book.name, n, seed=2)
+    model, parameters = tire.symbolic_model, tire.parameters()
+    code, n = code_for(model.name, "batch"), LARGE // (len(model.inputs) * len(model.outputs)) + 1
+    first_rows, second_rows = rows_of(model.name, n, seed=1), rows_of(model.name, n, seed=2)
     first = code.jacobian_inputs(first_rows, parameters)
     by_slip, whole = first[:, :, 0], first.copy()
     second = code.jacobian_inputs(second_rows, parameters)

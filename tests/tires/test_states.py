@@ -131,7 +131,7 @@ def smooth(n, end=3.0):
 def test_the_course_converges_to_the_differential_equations(name):
     """Without lagged slips, the lines state_derivative are the right sides of the differential equations."""
     tire = tire_with(name, lags=False, **({"TNMU": 0.005} if name == "two_nodes" else {}))
-    code, parameters, states = code_for(tire.book, "numpy"), tire.parameters(), tire.states
+    code, parameters, states = code_for(tire.symbolic_model, "numpy"), tire.parameters(), tire.states
     fine = smooth(2401)
 
     def rates(t, x):
@@ -221,7 +221,7 @@ def test_an_effect_at_neutral_coefficients_does_nothing():
 def test_two_effects_share_a_state_that_they_declare_alike():
     tire = tire_with("heat_friction", "heat_stiffness")
     assert tire.states == ("tread_heat", "carcass_heat")
-    assert tire.book.owned("heat_friction", "heat_stiffness") >= {"HMU", "HK", "HTAU"}
+    assert tire.symbolic_model.owned("heat_friction", "heat_stiffness") >= {"HMU", "HK", "HTAU"}
 
 
 def test_a_tire_file_contains_the_state(tmp_path):

@@ -18,7 +18,7 @@ from tirefmu.tires import PUBLISHED, Tire, published, read_tir, tire_from, write
 from tirefmu.tires.definition import RANGES
 from tirefmu.tires.property_file import other_entries, reading
 from tirefmu.tires.property_file import text as form
-from tirefmu.tires.property_file.names import MOST_SEARCHED, not_given
+from tirefmu.tires.property_file.names import MAX_SEARCHED, not_given
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 from tirefmu.tires.property_file.writing import tir_text
 
@@ -31,16 +31,16 @@ texts = st.text(alphabet=st.one_of(st.characters(), st.sampled_from("'\"\\$!=[]\
 @st.composite
 def tires(draw):
     """Any tire: a file does not require that it is plausible."""
-    book = MODELS[draw(st.sampled_from(sorted(MODELS)))]
+    model = MODELS[draw(st.sampled_from(sorted(MODELS)))]
     ends = {key for pair in RANGES.values() for key in pair}  # drawn as ranges, which are never crossed
-    values = draw(st.dictionaries(st.sampled_from(sorted(book.coefficients.keys() - ends)), finite))
+    values = draw(st.dictionaries(st.sampled_from(sorted(model.coefficients.keys() - ends)), finite))
     values |= {"FNOMIN": draw(positive), "UNLOADED_RADIUS": draw(positive)}
-    effects = draw(st.none() | st.sets(st.sampled_from(sorted(book.effects))))
+    effects = draw(st.none() | st.sets(st.sampled_from(sorted(model.effects))))
     ranges = {}
     for name in draw(st.sets(st.sampled_from([*RANGES, "V", "T"]))):
         ranges[name] = tuple(sorted((draw(finite), draw(finite))))
     return Tire(
-        book.name,
+        model.name,
         values,
         effects=effects,
         signs=draw(st.sampled_from(["iso", "adapted-sae"])),
@@ -136,7 +136,7 @@ def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
     others = read_tir(tmp_path / "others.tir")
     assert others.values["PKY2"] == 1e6
     assert others.values["PKY1"] == -core.values["PKY1"] * 5e5
-    assert others.has == set(core.book.effects)
+    assert others.has == set(core.symbolic_model.effects)
     inputs = {"kappa": 0.05, "alpha": np.linspace(-0.2, 0.2, 9), "gamma": 0.03, "Fz": 900.0}
     ours, theirs = core.in_signs("iso").forces(**inputs), others.forces(**inputs)
     for name in ("Fx", "Fy", "Mz"):
@@ -324,9 +324,9 @@ def refused(folder, text, message):
 
 
 def test_a_file_of_any_size_is_one_line(tmp_path):
-    refused(tmp_path, BASE + "X = 1\n" * form.MOST_LINES, r"large\.tir: more than 50000 lines")
+    refused(tmp_path, BASE + "X = 1\n" * form.MAX_LINES, r"large\.tir: more than 50000 lines")
     refused(tmp_path, BASE + "[X]\nX = " + "9" * form.LONGEST_LINE, r"large\.tir:\d+: longer than 200000")
-    refused(tmp_path, BASE + " " * form.MOST_BYTES, r"cannot be read \(larger than 10 MB\)")
+    refused(tmp_path, BASE + " " * form.MAX_BYTES, r"cannot be read \(larger than 10 MB\)")
 
 
 @pytest.mark.parametrize("value", ["9" * 100_000, "9" * 100_000 + "x", "1e" + "9" * 100_000, "." + "9" * 100_000])
@@ -368,8 +368,8 @@ def test_each_key_is_read_once(tmp_path, monkeypatch):
 def test_the_search_for_similar_names_is_bounded(tmp_path, monkeypatch):
     searched = []
     monkeypatch.setattr(other_entries, "near_miss", lambda key, names: searched.append(key))
-    text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MOST_SEARCHED))
+    text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MAX_SEARCHED))
     (tmp_path / "many.tir").write_text(text, encoding="ascii")
     result = read_tir_with_notes(tmp_path / "many.tir")
-    assert len(searched) == MOST_SEARCHED
+    assert len(searched) == MAX_SEARCHED
     assert sum("no similar coefficients are looked for" in note for note in result.notes) == 1

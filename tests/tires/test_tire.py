@@ -51,7 +51,7 @@ def test_invalid_arguments(change, error, message):
 
 def test_missing_values_are_filled_in_and_listed():
     tire = Tire("mf96", {**SMALL, "PDY1": 1.2})
-    assert set(tire.defaulted) == tire.book.coefficients.keys() - {*SMALL, "PDY1"}
+    assert set(tire.defaulted) == tire.symbolic_model.coefficients.keys() - {*SMALL, "PDY1"}
     assert (tire.values["PDY2"], tire.values["LMUY"], tire.values["PCX1"]) == (0.0, 1.0, 1.6)
     assert Tire("mf96", tire.values).defaulted == ()
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from tirefmu.symbolic.errors import DataError, UnknownName
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.quantities import AT_ONCE
 from tirefmu.tires import Tire
 from tirefmu.tires.transient import followed, lagged_course, segment_starts
@@ -29,9 +29,9 @@ def lagged(t, slip, speed, sigma, *, hold):
 
 
 def lagging(name="mf61", *effects, **values):
-    book = model(name)
-    given = {key: value for key, value in {**BODY, **values}.items() if key in book.coefficients}
-    return Tire(name, given, effects=book.default_effects | set(effects))
+    symbolic_model = model_named(name)
+    given = {key: value for key, value in {**BODY, **values}.items() if key in symbolic_model.coefficients}
+    return Tire(name, given, effects=symbolic_model.default_effects | set(effects))
 
 
 def recording(n=40, step=0.05, seed=0):

@@ -9,7 +9,7 @@ from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.declarations import Coefficient, Effect
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import UnknownName
-from tirefmu.symbolic.models import MODELS, model
+from tirefmu.symbolic.models import MODELS, model_named
 from tirefmu.tires import published
 
 #: How a tire comes to have an effect: with the model, on request, or as an addition to any model.
@@ -26,10 +26,10 @@ def effects(name: str | None = None, only_model: str | None = None) -> list[dict
     [['mf52', 'mf61', 'mf62']]
     """
     if only_model is not None:
-        model(only_model)  # raises for an unknown one
+        model_named(only_model)  # raises for an unknown one
     known: dict[str, Effect | AddedEffect] = {**EFFECTS, **library()}
-    for book in MODELS.values():
-        known |= {effect.name: effect for effect in book.own_effects}
+    for model in MODELS.values():
+        known |= {effect.name: effect for effect in model.own_effects}
     if name is not None and name not in known:
         raise UnknownName("effect", name, known)
     found = [_effect(effect) for effect in known.values() if name in (None, effect.name)]
@@ -40,12 +40,12 @@ def effects(name: str | None = None, only_model: str | None = None) -> list[dict
 def _effect(effect: Effect | AddedEffect) -> dict[str, Any]:
     added = isinstance(effect, AddedEffect)
     if isinstance(effect, AddedEffect):
-        models = [name for name, book in MODELS.items() if book.has_place_for(effect)]
+        models = [name for name, model in MODELS.items() if model.has_place_for(effect)]
         coefficients = {declared.name: _coefficient(declared) for declared in effect.declarations}
     else:
-        models = [name for name, book in MODELS.items() if effect.name in book.effects]
+        models = [name for name, model in MODELS.items() if effect.name in model.effects]
         owned = [(MODELS[name], key) for name in models for key in sorted(MODELS[name].owned(effect.name))]
-        coefficients = {key: _coefficient(book.coefficients[key]) for book, key in owned}
+        coefficients = {key: _coefficient(model.coefficients[key]) for model, key in owned}
     optional = not added and any(MODELS[name].effects[effect.name].optional for name in models)
     detection = effect.detection
     return {
@@ -78,14 +78,14 @@ def models() -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "title": book.title,
-            "inputs": [quantity.name for quantity in book.inputs],
-            "outputs": [quantity.name for quantity in book.outputs],
-            "coefficients": len(book.coefficients),
-            "effects": sorted(book.default_effects),
-            "recipes": list(book.recipes),
+            "title": model.title,
+            "inputs": [quantity.name for quantity in model.inputs],
+            "outputs": [quantity.name for quantity in model.outputs],
+            "coefficients": len(model.coefficients),
+            "effects": sorted(model.default_effects),
+            "recipes": list(model.recipes),
         }
-        for name, book in MODELS.items()
+        for name, model in MODELS.items()
     ]
 
 

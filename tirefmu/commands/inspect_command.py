@@ -11,7 +11,7 @@ from tirefmu.symbolic.errors import TirefmuError
 from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, command_line, common, write_json
 
 #: Rows of a table in the terminal; page and JSON have all of them.
-MOST_ROWS = 14
+MAX_ROWS = 14
 
 
 @click.command()
@@ -70,7 +70,7 @@ def inspect(
     for each in inspections:
         terminal.heading(each.recording.source, texts.title(each))
         for name, _, content in texts.all_tables(each):
-            terminal.table(name, content, most=10_000 if every else MOST_ROWS)
+            terminal.table(name, content, most=10_000 if every else MAX_ROWS)
         for note in each.exclusion.notes if every else ():
             terminal.print(f"excluded from a fit: {note}")
     for path, kind in ((output, "page"), (selection, "selected rows")):

@@ -48,14 +48,14 @@ def init(
         if not table.is_file():
             raise TirefmuError(f"{table}: no such file")
     from tirefmu.estimation.nominal_values import NOMINAL
-    from tirefmu.symbolic.models import model as model_of
+    from tirefmu.symbolic.models import model_named
 
     from ..project.project_file import project_text
     from ..terminal import Terminal
     from .catalogue import effects as found_effects
 
     chosen = model or DEFAULT_MODEL
-    model_of(chosen)  # raises for an unknown one
+    model_named(chosen)  # raises for an unknown one
     for name in nominal or {}:
         if name not in NOMINAL:
             raise UnknownName("nominal value", name, NOMINAL)

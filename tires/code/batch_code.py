@@ -22,12 +22,12 @@ FloatArray = npt.NDArray[np.float64]
 ROWS_IN_CACHE = 1016
 
 
-def batch_code(book: Model) -> Code:
+def batch_code(model: Model) -> Code:
     """Return the batch kernels of a model.
 
     Raises `CompilerError` if they cannot be compiled.
     """
-    return _BatchCode(book)
+    return _BatchCode(model)
 
 
 def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> FloatArray:
@@ -93,9 +93,9 @@ def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> 
 class _BatchCode:
     """Kernels for whole tables; what they do not cover is computed row by row in C."""
 
-    def __init__(self, book: Model) -> None:
-        self._book = book
-        self._module = numpy_module(book)
+    def __init__(self, model: Model) -> None:
+        self._book = model
+        self._module = numpy_module(model)
         self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
         self.entries = jacobian_entries_of(self._module)
         self._kernels: dict[str, Kernel] = {}

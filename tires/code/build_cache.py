@@ -30,7 +30,7 @@ from tirefmu.symbolic.escaping import visible
 #: The file of an entry that holds the digests of the others.
 RECORD = "sha256sums"
 #: Size above which the entries that were not used for the longest time are removed, bytes.
-MOST_BYTES = 500_000_000
+MAX_BYTES = 500_000_000
 #: An entry used within this time may still be in use in another process and stays, s.
 IN_USE = 86_400.0
 #: Longest wait for another process that builds the same entry, s; afterwards it is built here, too.
@@ -271,7 +271,7 @@ def _prune(cache: Path) -> None:
     sizes = {path: sum(file.lstat().st_size for file in path.rglob("*")) for path in entries}
     total = sum(sizes.values())
     for path in sorted(entries, key=lambda path: path.lstat().st_mtime):
-        if total <= MOST_BYTES or time.time() - path.lstat().st_mtime < IN_USE:
+        if total <= MAX_BYTES or time.time() - path.lstat().st_mtime < IN_USE:
             return
         if path not in _used:
             removed = Path(tempfile.mkdtemp(prefix=_SCRATCH, dir=cache))

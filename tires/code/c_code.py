@@ -25,20 +25,20 @@ QUICKLY = ("-O1", "-fexpensive-optimizations")
 
 
 @lru_cache(maxsize=64)
-def c_code(book: Model) -> Code:
+def c_code(model: Model) -> Code:
     """Return the C code of a model, one object for each."""
-    return _CCode(book)
+    return _CCode(model)
 
 
-def compiled_model(book: Model, *, jacobians: bool = False) -> ctypes.CDLL:
+def compiled_model(model: Model, *, jacobians: bool = False) -> ctypes.CDLL:
     """Return the compiled code of a model: all routines but its Jacobians, or these.
 
     `jacobians`: Jacobians are most of the code: they are a library of their own, compiled when one is first used.
     Raises `CompilerError` if it cannot be compiled.
     """
-    name = f"{book.name}_jacobians" if jacobians else book.name
-    source = code_file(book, f"c/{name}.c")
-    headers = [source.with_name(f"{book.name}.h")]
+    name = f"{model.name}_jacobians" if jacobians else model.name
+    source = code_file(model, f"c/{name}.c")
+    headers = [source.with_name(f"{model.name}.h")]
     flags = ["-fvisibility=default", "-ffp-contract=fast", *(QUICKLY if jacobians else [])]
     fast = [*flags, f"-march={instruction_set()}"]
     try:
@@ -50,15 +50,15 @@ def compiled_model(book: Model, *, jacobians: bool = False) -> ctypes.CDLL:
 class _CCode:
     """The C source, compiled once on this machine."""
 
-    def __init__(self, book: Model) -> None:
-        self._book = book
-        self._library = compiled_model(book)
-        metadata = numpy_module(book)
+    def __init__(self, model: Model) -> None:
+        self._book = model
+        self._library = compiled_model(model)
+        metadata = numpy_module(model)
         self.quantities_names: tuple[str, ...] = metadata.QUANTITIES
         self._sizes = {
             "forces": (len(metadata.FORCES),),
             "quantities": (len(metadata.QUANTITIES),),
-            "drives": (len(book.drives),),
+            "drives": (len(model.drives),),
             "jacobian_inputs": (len(metadata.FORCES), len(metadata.INPUTS)),
             "jacobian_parameters": (len(metadata.FORCES), len(metadata.COEFFICIENTS)),
         }

@@ -29,23 +29,23 @@ ARRAYS = SimpleNamespace(
 )
 
 
-def casadi_code(book: Model) -> Code:
+def casadi_code(model: Model) -> Code:
     """Return the CasADi code of a model."""
-    return _CasadiCode(book)
+    return _CasadiCode(model)
 
 
-def casadi_expression(book: Model, routine: str, inputs: Any, parameters: Any, *, straight: bool = False) -> Any:
+def casadi_expression(model: Model, routine: str, inputs: Any, parameters: Any, *, straight: bool = False) -> Any:
     """Return the results of a routine as an expression, which CasADi can differentiate.
 
     `routine`: "forces", "quantities", ... `inputs`, `parameters`: columns. `straight`: as for `numpy_routine`. Returns:
     a column; of a Jacobian a matrix with one row a force.
 
-    >>> from tirefmu.symbolic.models import model
-    >>> x, p = ca.SX.sym("x", 4), ca.SX.sym("p", len(model("mf96").parameters))
-    >>> casadi_expression(model("mf96"), "forces", x, p).shape
+    >>> from tirefmu.symbolic.models import model_named
+    >>> x, p = ca.SX.sym("x", 4), ca.SX.sym("p", len(model_named("mf96").parameters))
+    >>> casadi_expression(model_named("mf96"), "forces", x, p).shape
     (3, 1)
     """
-    function = numpy_routine(book, routine, straight=straight)
+    function = numpy_routine(model, routine, straight=straight)
     results = function(ca.vertsplit(inputs), ca.vertsplit(parameters), ARRAYS)
     if routine.startswith("jacobian_"):
         return ca.vertcat(*(ca.horzcat(*row) for row in results))
@@ -53,18 +53,18 @@ def casadi_expression(book: Model, routine: str, inputs: Any, parameters: Any, *
 
 
 @lru_cache(maxsize=64)
-def casadi_function(book: Model, routine: str) -> Any:
+def casadi_function(model: Model, routine: str) -> Any:
     """Return a routine as a casadi.Function of the columns `inputs` and `parameters`."""
-    inputs, parameters = ca.SX.sym("inputs", len(book.inputs)), ca.SX.sym("parameters", len(book.parameters))
-    results = casadi_expression(book, routine, inputs, parameters)
+    inputs, parameters = ca.SX.sym("inputs", len(model.inputs)), ca.SX.sym("parameters", len(model.parameters))
+    results = casadi_expression(model, routine, inputs, parameters)
     return ca.Function(routine, [inputs, parameters], [results], ["inputs", "parameters"], ["results"])
 
 
 class _CasadiCode:
     """Every routine as a casadi.Function over columns."""
 
-    def __init__(self, book: Model) -> None:
-        self._book, module = book, numpy_module(book)
+    def __init__(self, model: Model) -> None:
+        self._book, module = model, numpy_module(model)
         self.quantities_names: tuple[str, ...] = module.QUANTITIES
         self.entries = jacobian_entries_of(module)
 

@@ -54,12 +54,12 @@ class Code(Protocol):
         """Go through the rows, `size` at a time: which they are and the derivatives of `entries`, until the next."""
 
 
-def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> npt.NDArray[np.bool_]:
+def straight_rows(model: Model, inputs: FloatArray, parameters: FloatArray) -> npt.NDArray[np.bool_]:
     """Return the rows in which no effect on demand acts and every option that matters has its first value.
 
     `inputs`, shape (n_inputs, n). `parameters`, shape (n_parameters,). Returns shape (n,).
     """
-    options, requesting = _deciding(book)
+    options, requesting = _deciding(model)
     if parameters[options].any():
         return np.zeros(inputs.shape[1], dtype=np.bool_)
     if not requesting:
@@ -67,20 +67,20 @@ def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> np
     return np.asarray((inputs[requesting] == 0).all(axis=0), dtype=np.bool_)
 
 
-def all_straight(book: Model, inputs: FloatArray, parameters: FloatArray) -> bool:
+def all_straight(model: Model, inputs: FloatArray, parameters: FloatArray) -> bool:
     """Return whether all rows are straight (`straight_rows`), in less time than to find out which ones are."""
-    options, requesting = _deciding(book)
+    options, requesting = _deciding(model)
     # For a hundred rows, any() takes several times as long as count_nonzero().
     return not np.count_nonzero(parameters[options]) and not any(np.count_nonzero(inputs[i]) for i in requesting)
 
 
 @lru_cache(maxsize=64)
-def _deciding(book: Model) -> tuple[npt.NDArray[np.intp], list[int]]:
+def _deciding(model: Model) -> tuple[npt.NDArray[np.intp], list[int]]:
     """Return the indices of the parameters and of the inputs that have to be 0 in straight rows."""
-    module = numpy_module(book)  # has the names without a pass over the lines
-    parameters, inputs = list(module.PARAMETERS), [quantity.name for quantity in book.inputs]
+    module = numpy_module(model)  # has the names without a pass over the lines
+    parameters, inputs = list(module.PARAMETERS), [quantity.name for quantity in model.inputs]
     options = np.array([parameters.index(name) for name in module.STRAIGHT_OPTIONS], dtype=np.intp)
-    return options, [inputs.index(name) for _, name in book.on_demand]
+    return options, [inputs.index(name) for _, name in model.on_demand]
 
 
 def jacobian_entries_of(module: ModuleType) -> npt.NDArray[np.intp]:

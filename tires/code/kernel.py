@@ -41,9 +41,9 @@ class Kernel:
     Raises `CompilerError` if there is no compiler, or none of the flags suits it.
     """
 
-    def __init__(self, book: Model, routine: str, n_results: int) -> None:
+    def __init__(self, model: Model, routine: str, n_results: int) -> None:
         self.n_results = n_results
-        self._call = getattr(loaded_kernel(book, routine), f"{book.name}_batch_{routine}")
+        self._call = getattr(loaded_kernel(model, routine), f"{model.name}_batch_{routine}")
         self._call.restype = None
         self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 4]
 
@@ -103,8 +103,8 @@ class ChosenDerivatives:
     Raises `CompilerError` if it cannot be compiled.
     """
 
-    def __init__(self, book: Model) -> None:
-        self._call = getattr(loaded_kernel(book, "jacobian_parameters"), f"{book.name}_batch_chosen_derivatives")
+    def __init__(self, model: Model) -> None:
+        self._call = getattr(loaded_kernel(model, "jacobian_parameters"), f"{model.name}_batch_chosen_derivatives")
         self._call.restype = None
         self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 2, ctypes.c_size_t,
                                *[ctypes.c_void_p] * 3]  # fmt: skip
@@ -122,18 +122,18 @@ class ChosenDerivatives:
         return results, undone
 
 
-def loaded_kernel(book: Model, routine: str) -> ctypes.CDLL:
+def loaded_kernel(model: Model, routine: str) -> ctypes.CDLL:
     """Return the library of a routine's kernel, built by the first flags that the compiler takes.
 
     Raises `CompilerError` if there is no compiler, or none of the flags suits it.
     """
-    name = f"{book.name}_batch_{routine}"
-    source = code_file(book, f"c/{name}.c")
+    name = f"{model.name}_batch_{routine}"
+    source = code_file(model, f"c/{name}.c")
     refused = CompilerError(f"{name}: no compiler")
     for chosen in FLAGS:
         try:
             return loaded_library(
-                name, [source], headers=[source.with_name(f"{book.name}.h")],
+                name, [source], headers=[source.with_name(f"{model.name}.h")],
                 flags=["-fvisibility=default", *chosen], machine=processor(),
             )  # fmt: skip
         except CompilerError as error:

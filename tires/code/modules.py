@@ -22,18 +22,18 @@ state_laws: Any = import_module("tirefmu.generated.numpy.state_laws")
 wheel_kinematics: Any = import_module("tirefmu.generated.numpy.wheel_kinematics")
 
 
-def numpy_module(book: Model) -> ModuleType:
+def numpy_module(model: Model) -> ModuleType:
     """Return the Python module of a model: tables of names, and every routine but its Jacobians.
 
     Raises `TirefmuError` if the code in the package has been printed from other equations.
     """
-    module = _module(book, book.name)
-    if book.parameters != module.PARAMETERS or tuple(q.name for q in book.inputs) != module.INPUTS:
-        raise TirefmuError(f'the generated code of {book.name} is stale: run "tirefmu generate"')
+    module = _module(model, model.name)
+    if model.parameters != module.PARAMETERS or tuple(q.name for q in model.inputs) != module.INPUTS:
+        raise TirefmuError(f'the generated code of {model.name} is stale: run "tirefmu generate"')
     return module
 
 
-def numpy_routine(book: Model, routine: str, *, straight: bool = False) -> Callable[..., Any]:
+def numpy_routine(model: Model, routine: str, *, straight: bool = False) -> Callable[..., Any]:
     """Return a printed function of a model; its Jacobians have a module of their own.
 
     `routine`: "forces", "quantities", "drives", "relaxation", "jacobian_inputs" or "jacobian_parameters". `straight`:
@@ -42,17 +42,17 @@ def numpy_routine(book: Model, routine: str, *, straight: bool = False) -> Calla
     routine.
     """
     is_jacobian = routine.startswith("jacobian_")
-    module = _module(book, f"{book.name}_jacobians") if is_jacobian else numpy_module(book)
+    module = _module(model, f"{model.name}_jacobians") if is_jacobian else numpy_module(model)
     general: Callable[..., Any] = getattr(module, routine)
     return getattr(module, f"{routine}_straight", general) if straight else general
 
 
 @lru_cache(maxsize=128)
-def _module(book: Model, file: str) -> ModuleType:
-    packaged = packaged_file(book, f"numpy/{file}.py")
+def _module(model: Model, file: str) -> ModuleType:
+    packaged = packaged_file(model, f"numpy/{file}.py")
     if packaged:
         return import_module(f"tirefmu.generated.{packaged.removesuffix('.py').replace('/', '.')}")
-    return _loaded(printed_folder(book), file)
+    return _loaded(printed_folder(model), file)
 
 
 @lru_cache(maxsize=128)

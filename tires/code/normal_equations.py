@@ -78,8 +78,8 @@ class EquationsKernel:
     Raises `CompilerError` if it cannot be compiled.
     """
 
-    def __init__(self, book: Model) -> None:
-        self._call = getattr(loaded_kernel(book, "jacobian_parameters"), f"{book.name}_batch_normal_equations")
+    def __init__(self, model: Model) -> None:
+        self._call = getattr(loaded_kernel(model, "jacobian_parameters"), f"{model.name}_batch_normal_equations")
         self._call.restype = None
         self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 9]
 

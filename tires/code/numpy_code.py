@@ -19,16 +19,16 @@ FloatArray = npt.NDArray[np.float64]
 CHUNK = 8192
 
 
-def numpy_code(book: Model) -> Code:
+def numpy_code(model: Model) -> Code:
     """Return the NumPy code of a model."""
-    return _NumpyCode(book)
+    return _NumpyCode(model)
 
 
 class _NumpyCode:
     """The NumPy module, some thousand rows at a time."""
 
-    def __init__(self, book: Model) -> None:
-        self._book, self._module = book, numpy_module(book)
+    def __init__(self, model: Model) -> None:
+        self._book, self._module = model, numpy_module(model)
         self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
         self.entries = jacobian_entries_of(self._module)
 

@@ -22,7 +22,7 @@ from typing import Any
 from tirefmu.symbolic.added import AddedEffect, texts_digest
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import MODELS, WITH_EFFECTS, model
+from tirefmu.symbolic.models import MODELS, WITH_EFFECTS, model_named
 
 from .build_cache import cached, intact_entry
 
@@ -38,31 +38,31 @@ def model_with(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     Returns: one object for one model and the same effects. Raises `UnknownName, EffectError`: as
     `tirefmu.symbolic.models.model`.
     """
-    return model(name, added, find=_printed_structure)
+    return model_named(name, added, find=_printed_structure)
 
 
-def code_file(book: Model, name: str) -> Path:
+def code_file(model: Model, name: str) -> Path:
     """Return a file of a model's code, printed where it is missing.
 
     `name`: relative to the folder of all code, such as "c/mf61_jacobians.c". Returns: headers that it includes are in
     the same folder. Raises `ModelError` if the model violates its declarations. Raises `TirefmuError` if the code
     cannot be written.
     """
-    packaged = packaged_file(book, name)
-    return Path(str(files("tirefmu.generated"))) / packaged if packaged else printed_folder(book) / name
+    packaged = packaged_file(model, name)
+    return Path(str(files("tirefmu.generated"))) / packaged if packaged else printed_folder(model) / name
 
 
-def packaged_file(book: Model, name: str) -> str:
+def packaged_file(model: Model, name: str) -> str:
     """Return the path of a file of a model's code below `generated/`, or "" if the package does not have it."""
-    if book.stored is None:  # changed, or with effects for which nothing was printed
+    if model.stored is None:  # changed, or with effects for which nothing was printed
         return ""
-    path = f"{WITH_EFFECTS}/{name}" if book.added else name
-    if book.added and _manifest()[WITH_EFFECTS].get(book.name) != texts_digest(book.added):
+    path = f"{WITH_EFFECTS}/{name}" if model.added else name
+    if model.added and _manifest()[WITH_EFFECTS].get(model.name) != texts_digest(model.added):
         return ""
     return path if path in _manifest()["files"] else ""
 
 
-def printed_folder(book: Model) -> Path:
+def printed_folder(model: Model) -> Path:
     """Return the folder of a printed model, printing it where it is not there yet.
 
     Returns: with numpy/, c/ and structure/ below it, and the Python files compiled. Raises `ModelError` if the model
@@ -70,7 +70,7 @@ def printed_folder(book: Model) -> Path:
     """
 
     def write(folder: Path) -> None:
-        for name, text in _render()(book).items():
+        for name, text in _render()(model).items():
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="ascii", newline="\n")
@@ -79,9 +79,9 @@ def printed_folder(book: Model) -> Path:
                 py_compile.compile(str(path), cfile=str(compiled), dfile=name, doraise=True)
 
     try:
-        return cached(_entry_of(book), write)
+        return cached(_entry_of(model), write)
     except OSError as error:
-        raise TirefmuError(f"the code of {book.name} cannot be written ({error.strerror or error})") from error
+        raise TirefmuError(f"the code of {model.name} cannot be written ({error.strerror or error})") from error
 
 
 @lru_cache(maxsize=1)
@@ -103,12 +103,12 @@ def _manifest() -> dict[str, Any]:
 
 
 @lru_cache(maxsize=64)
-def _entry_of(book: Model) -> str:
+def _entry_of(model: Model) -> str:
     """Return the name of the cache's entry for a model."""
     declared = (
-        (*book.equations, *book.coefficients.values(), book.roles) if book.name not in _manifest()["lines"] else ()
+        (*model.equations, *model.coefficients.values(), model.roles) if model.name not in _manifest()["lines"] else ()
     )
-    return _entry(book.name, book.added, "\0".join(map(repr, declared)))
+    return _entry(model.name, model.added, "\0".join(map(repr, declared)))
 
 
 def _entry(name: str, added: Sequence[AddedEffect], declared: str = "") -> str:

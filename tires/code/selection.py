@@ -7,7 +7,7 @@ from functools import lru_cache
 
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import model as model_of
+from tirefmu.symbolic.models import model_named
 
 from .batch_code import batch_code
 from .c_code import c_code
@@ -47,7 +47,7 @@ def code_for(model: str | Model, language: str) -> Code:
     >>> code_for("mf96", "numpy").quantities_names[-2:]
     ('M_zr', 's')
     """
-    return _code_for(model_of(model) if isinstance(model, str) else model, language)
+    return _code_for(model_named(model) if isinstance(model, str) else model, language)
 
 
 def fastest_code(model: str | Model, n_rows: int = MANY_ROWS) -> Code:
@@ -72,16 +72,16 @@ def fastest_code(model: str | Model, n_rows: int = MANY_ROWS) -> Code:
 
 
 @lru_cache(maxsize=64)
-def _code_for(book: Model, language: str) -> Code:
+def _code_for(model: Model, language: str) -> Code:
     kinds: dict[str, Callable[[Model], Code]] = {
         "numpy": numpy_code, "c": c_code, "casadi": _casadi_code, "batch": batch_code,
     }  # fmt: skip
     if language not in kinds:
         raise UnknownName("language of the generated code", language, LANGUAGES)
-    return kinds[language](book)
+    return kinds[language](model)
 
 
-def _casadi_code(book: Model) -> Code:
+def _casadi_code(model: Model) -> Code:
     from .casadi_code import casadi_code  # CasADi takes its time to load
 
-    return casadi_code(book)
+    return casadi_code(model)

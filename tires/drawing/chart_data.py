@@ -15,7 +15,7 @@ from tirefmu.symbolic.escaping import script_json
 from .figure import Cells, Figure, Panel, Series
 
 #: Largest number of points of a series; of more, every k-th one is taken.
-MOST_POINTS = 8_000
+MAX_POINTS = 8_000
 
 
 def chart_data(figure: Figure) -> str:
@@ -41,7 +41,7 @@ def _panel(figure: Figure, panel: Panel) -> dict[str, Any]:
 
 def _series(series: Series) -> dict[str, Any]:
     points = series.points
-    step = 1 if series.kind == "band" else max(1, -(-points.shape[1] // MOST_POINTS))
+    step = 1 if series.kind == "band" else max(1, -(-points.shape[1] // MAX_POINTS))
     gap = np.isnan(points[0] + points[1])  # where a line is interrupted
     x, y = points[:, gap | (np.arange(points.shape[1]) % step == 0)]
     return {**vars(series), "step": step, "x": _encoded(x), "y": _encoded(y)}

@@ -3,7 +3,7 @@
 /** Room for the axes of a chart in pixels of the page, and pixels for an inch of a panel's height. */
 const AXIS = { x: 36, y: 62 };
 const PER_INCH = 77;
-const LEAST_HEIGHT = 190;
+const MIN_HEIGHT = 190;
 const FONT = "12px system-ui, sans-serif";
 /** Corners of markers, in halves of their size. */
 const MARKERS = {
@@ -112,7 +112,7 @@ class PanelChart {
   }
 
   size() {
-    return { width: Math.max(this.box.clientWidth, 150), height: Math.max(this.panel.height * PER_INCH, LEAST_HEIGHT) };
+    return { width: Math.max(this.box.clientWidth, 150), height: Math.max(this.panel.height * PER_INCH, MIN_HEIGHT) };
   }
 
   options() {

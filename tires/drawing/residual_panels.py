@@ -17,9 +17,9 @@ FloatArray = npt.NDArray[np.float64]
 #: Inputs in the order of the columns of panels.
 INPUTS = ("alpha", "kappa", "Fz", "gamma", "p", "V", "T")
 #: Smallest range of an input as a share of its magnitude: the noise of a held load or pressure gives no panel.
-LEAST_RANGE = 0.02
+MIN_RANGE = 0.02
 #: Bins of a panel with equal numbers of rows, and the smallest number of rows of a bin.
-BINS, LEAST_ROWS = 16, 5
+BINS, MIN_ROWS = 16, 5
 #: Points of a panel.
 POINTS = 1000
 
@@ -60,7 +60,7 @@ def residuals_over_inputs(
 
 def _varies(column: pd.Series) -> bool:
     known = column.dropna().to_numpy(dtype=np.float64)
-    return bool(len(known) and np.ptp(known) > LEAST_RANGE * np.abs(known).max())
+    return bool(len(known) and np.ptp(known) > MIN_RANGE * np.abs(known).max())
 
 
 def _panel(column: pd.Series, residual: FloatArray, channel: str, signs: str) -> Panel:
@@ -89,4 +89,4 @@ def _bins(x: FloatArray, known: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[n
     # The largest value begins a bin too: otherwise the two highest levels of a held input would share one.
     number = np.searchsorted(edges, x, side="right")
     found = [np.flatnonzero(known & (number == i)) for i in range(1, len(edges) + 1)]
-    return [rows for rows in found if len(rows) >= LEAST_ROWS]
+    return [rows for rows in found if len(rows) >= MIN_ROWS]

@@ -27,7 +27,7 @@ FloatArray = npt.NDArray[np.float64]
 #: Slips beyond these are not drawn, however far the tire is known.
 WIDEST = {"kappa": (-1.0, 1.0), "alpha": (-radians(20.0), radians(20.0))}
 #: Largest longitudinal slip that can be requested.
-MOST_KAPPA = 10.0
+MAX_KAPPA = 10.0
 #: What is drawn over which slip, the other slip being 0.
 PURE = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
 #: Longitudinal slips that are marked where Fy is drawn against Fx.
@@ -37,7 +37,7 @@ NEAR_LOAD, NEAR_ZERO = 0.1, {"gamma": radians(0.5), "alpha": radians(0.5), "kapp
 #: Measured rows are drawn within this distance of the pressure of the curves, Pa.
 NEAR_PRESSURE = 3000.0
 #: Crosses of a curve, because more would cover it.
-MOST_CROSSES = 400
+MAX_CROSSES = 400
 _POINTS = 301  # of a curve
 
 
@@ -144,7 +144,7 @@ class Sketch:
             rows = rows[rows[name].abs() <= NEAR_ZERO[name]] if name in rows else rows
         if "p" in self.tire.inputs and "p" in rows:  # the pressure of the curves
             rows = rows[(rows["p"] - self.tire.nominal("p")).abs() <= NEAR_PRESSURE]
-        return some_of(rows.dropna(subset=["kappa", "alpha", *channels]), MOST_CROSSES)
+        return some_of(rows.dropna(subset=["kappa", "alpha", *channels]), MAX_CROSSES)
 
     def footnotes(self, crosses: str = "at any slip") -> list[str]:
         """Return what all figures have in common, which rows crosses are, and which loads are beyond the range."""
@@ -186,9 +186,9 @@ def _checked(loads: Sequence[float]) -> tuple[float, ...]:
 
 
 def _checked_range(kappa: Sequence[float]) -> tuple[float, float]:
-    if len(kappa) != 2 or not -MOST_KAPPA <= kappa[0] < kappa[1] <= MOST_KAPPA:
+    if len(kappa) != 2 or not -MAX_KAPPA <= kappa[0] < kappa[1] <= MAX_KAPPA:
         given = ", ".join(f"{value:g}" for value in kappa)
-        raise TirefmuError(f"range of kappa {given}: two numbers from {-MOST_KAPPA:g} to {MOST_KAPPA:g}, ascending")
+        raise TirefmuError(f"range of kappa {given}: two numbers from {-MAX_KAPPA:g} to {MAX_KAPPA:g}, ascending")
     return float(kappa[0]), float(kappa[1])
 
 

@@ -45,7 +45,7 @@ def model_of(
     if format_ is None or not unquoted(format_.value):
         raise TirError(f"{path}: no FITTYP in [MODEL]: which model is it?")
     spelled = unquoted(format_.value).upper()
-    files = {name: book.property_file for name, book in MODELS.items()}
+    files = {name: model.property_file for name, model in MODELS.items()}
     for name, file in files.items():
         if folded(spelled) in map(folded, file.formats):
             return name, (f"no FITTYP: {name} by PROPERTY_FILE_FORMAT '{spelled}'",)
@@ -75,7 +75,7 @@ def _numbered(entry: Entry, path: Path) -> str:
     number, _ = number_and_rest(entry.value)
     if math.isnan(number):
         raise TirError(f"{path}:{entry.line}: FITTYP = {quoted(entry.value)} is not a number")
-    fittyp = {name: book.property_file.fittyp for name, book in MODELS.items() if book.property_file.fittyp}
+    fittyp = {name: model.property_file.fittyp for name, model in MODELS.items() if model.property_file.fittyp}
     for name, numbers in fittyp.items():
         if number in numbers:
             return name

@@ -54,7 +54,7 @@ RANGE_SECTIONS = {
 #: The inputs whose range no section of the field holds, by their key in [TIREFMU_RANGES].
 OWN_RANGES = {"V": "V", "phit": "PHIT", "T": "TEMPERATURE", "t": "TIME"}
 #: Unknown keys for which a similar coefficient is looked for.
-MOST_SEARCHED = 500
+MAX_SEARCHED = 500
 #: The section that names the coefficients that were not given.
 ASSUMED = "TIREFMU_ASSUMED"
 #: The section that names the units of retained entries without a known unit.
@@ -73,8 +73,8 @@ def unit_of(key: str) -> str | None:
     >>> unit_of("WIDTH"), unit_of("BELT_IYY"), unit_of("PRICE")
     ('m', 'kg m^2', None)
     """
-    for book in MODELS.values():
-        for section in book.sections:
+    for model in MODELS.values():
+        for section in model.sections:
             if key in section.coefficients:
                 return section.coefficients[key].unit
     return OTHER_KEYS.get(key)
@@ -103,7 +103,7 @@ def aliases() -> frozenset[str]:
     >>> "IP_NOM" in aliases()
     True
     """
-    return frozenset(alias for book in MODELS.values() for alias in book.property_file.aliases)
+    return frozenset(alias for model in MODELS.values() for alias in model.property_file.aliases)
 
 
 def folded(format_: str) -> str:
@@ -124,34 +124,34 @@ def model_by_coefficients(format_: str, keys: Collection[str]) -> str | None:
     >>> model_by_coefficients("USER", {"PKY6", "Q_CAM3"}), model_by_coefficients("USER", {"PCX1"})
     ('mf62', None)
     """
-    sharing = [book for book in MODELS.values() if folded(format_) in map(folded, book.property_file.shared_formats)]
-    for book in sorted(sharing, key=lambda book: -max(book.property_file.fittyp, default=0)):
-        other = book.property_file.differs_from
+    sharing = [model for model in MODELS.values() if folded(format_) in map(folded, model.property_file.shared_formats)]
+    for model in sorted(sharing, key=lambda model: -max(model.property_file.fittyp, default=0)):
+        other = model.property_file.differs_from
         known = MODELS[other].coefficients.keys() if other else set()
-        if (book.coefficients.keys() - known) & set(keys):
-            return book.name
+        if (model.coefficients.keys() - known) & set(keys):
+            return model.name
     return None
 
 
-def model_lines(book: Model) -> dict[str, str]:
+def model_lines(model: Model) -> dict[str, str]:
     """Return the entries of [MODEL] in every written file, by key; those of the file that was read replace them.
 
     >>> model_lines(MODELS["mf61"])
     {'FITTYP': '61', 'PROPERTY_FILE_FORMAT': "'USER'"}
     """
-    file = book.property_file
+    file = model.property_file
     number = {"FITTYP": str(file.fittyp[0])} if file.fittyp else {}
     return {**number, "PROPERTY_FILE_FORMAT": f"'{file.written_format}'", **file.header}
 
 
-def written_sections(book: Model) -> tuple[str, ...]:
+def written_sections(model: Model) -> tuple[str, ...]:
     """Return the titles of the sections that are written for any tire of a model, in their order.
 
     >>> written_sections(MODELS["mf96"])[:4]
     ('MDI_HEADER', 'UNITS', 'MODEL', 'DIMENSION')
     """
     ranges = (title for title, _ in RANGE_SECTIONS.values())
-    titles = ["MDI_HEADER", "UNITS", "MODEL", *(section.title for section in book.sections), *ranges]
+    titles = ["MDI_HEADER", "UNITS", "MODEL", *(section.title for section in model.sections), *ranges]
     return tuple(dict.fromkeys(titles))
 
 
@@ -165,23 +165,23 @@ def not_given(tire: TireDefinition) -> tuple[str, ...]:
     ('PKY2',)
     """
     assumed = {name for section, _, text in tire.other_entries if section == ASSUMED for name in listed(text)}
-    missing = [name for name in tire.book.coefficients if name in assumed or name in tire.defaulted]
+    missing = [name for name in tire.symbolic_model.coefficients if name in assumed or name in tire.defaulted]
     return tuple(name for name in missing if name not in silent_coefficients(tire))
 
 
 def silent_coefficients(tire: TireDefinition) -> frozenset[str]:
     """Return the coefficients of added effects that a tire does not have: its file does not contain them."""
-    beyond = {effect.name for effect in tire.book.added} - tire.has
-    return tire.book.owned(*sorted(beyond)) if beyond else frozenset()
+    beyond = {effect.name for effect in tire.symbolic_model.added} - tire.has
+    return tire.symbolic_model.owned(*sorted(beyond)) if beyond else frozenset()
 
 
-def assumed_lines(names: Collection[str], book: Model) -> tuple[OtherEntry, ...]:
+def assumed_lines(names: Collection[str], model: Model) -> tuple[OtherEntry, ...]:
     """Return the lines of [TIREFMU_ASSUMED] that name coefficients, one for each section.
 
     >>> assumed_lines({"PKY2", "PKY1"}, MODELS["mf96"])
     (('TIREFMU_ASSUMED', 'LATERAL_COEFFICIENTS', "'PKY1,PKY2'"),)
     """
-    found = {section.title: [name for name in section.coefficients if name in names] for section in book.sections}
+    found = {section.title: [name for name in section.coefficients if name in names] for section in model.sections}
     return tuple((ASSUMED, title, f"'{','.join(those)}'") for title, those in found.items() if those)
 
 
@@ -194,7 +194,7 @@ def listed(text: str) -> tuple[str, ...]:
     return tuple(name for name in (part.strip() for part in unquoted(text).split(",")) if name)
 
 
-def in_written_order(entries: Iterable[OtherEntry], book: Model) -> tuple[OtherEntry, ...]:
+def in_written_order(entries: Iterable[OtherEntry], model: Model) -> tuple[OtherEntry, ...]:
     """Return retained entries in the order of a written file: by section, each in its own order.
 
     >>> entries = [("SHAPE", "", "1 0"), ("MODEL", "USE_MODE", "14"), ("SHAPE", "", "1 1")]
@@ -202,6 +202,6 @@ def in_written_order(entries: Iterable[OtherEntry], book: Model) -> tuple[OtherE
     (('MODEL', 'USE_MODE', '14'), ('SHAPE', '', '1 0'), ('SHAPE', '', '1 1'))
     """
     entries = list(entries)
-    order = dict.fromkeys(["", *written_sections(book), *(section for section, _, _ in entries)])
+    order = dict.fromkeys(["", *written_sections(model), *(section for section, _, _ in entries)])
     position = {title: i for i, title in enumerate(order)}
     return tuple(sorted(entries, key=lambda line: position[line[0]]))

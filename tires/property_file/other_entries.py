@@ -9,13 +9,13 @@ from pathlib import Path
 from tirefmu.symbolic.errors import LISTED_BY, TirError
 from tirefmu.symbolic.model import Model
 
-from .names import HEADER, KEPT_UNITS, MOST_SEARCHED, OtherEntry, aliases, model_lines, near_miss, unit_of
+from .names import HEADER, KEPT_UNITS, MAX_SEARCHED, OtherEntry, aliases, model_lines, near_miss, unit_of
 from .text import Entry, Row, number_and_rest
 from .unit_system import UnitSystem
 
 
 def other_entries(
-    lines: Iterable[Entry | Row], book: Model, units: UnitSystem, path: Path
+    lines: Iterable[Entry | Row], model: Model, units: UnitSystem, path: Path
 ) -> tuple[tuple[OtherEntry, ...], list[str]]:
     """Return the lines of a file that its model does not read, as they are written again.
 
@@ -23,9 +23,9 @@ def other_entries(
     the file, and notes about them. Raises `TirError` if a key almost is a coefficient in a file that only tirefmu
     writes.
 
-    >>> from tirefmu.symbolic.models import model
+    >>> from tirefmu.symbolic.models import model_named
     >>> inches = UnitSystem({"LENGTH": 0.0254}, {"LENGTH": "'inch'"})
-    >>> other_entries([Entry("DIMENSION", "RIM_WIDTH", "10.0", 8)], model("mf61"), inches, Path("x.tir"))
+    >>> other_entries([Entry("DIMENSION", "RIM_WIDTH", "10.0", 8)], model_named("mf61"), inches, Path("x.tir"))
     ((('DIMENSION', 'RIM_WIDTH', '0.254'),), [])
     """
     lines = sorted(lines, key=lambda line: line.line)
@@ -34,18 +34,18 @@ def other_entries(
     for line in lines:
         if isinstance(line, Row):
             entries.append((line.section, "", line.text))
-        elif _is_informative(line, book):
+        elif _is_informative(line, model):
             entries.append((line.section, line.key, _in_si(line, units)))
             informative.append(line)
-    notes = _notes_on_similar_keys(informative, book, path)
+    notes = _notes_on_similar_keys(informative, model, path)
     if units.other_units and any(_has_unknown_unit(line) for line in lines):
         entries += [(KEPT_UNITS, key, unit) for key, unit in units.other_units.items()]
         notes.append("other entries and tables without a known unit stay in the file's units")
     return tuple(entries), notes
 
 
-def _is_informative(entry: Entry, book: Model) -> bool:
-    expected = {"MDI_HEADER": HEADER, "MODEL": model_lines(book)}.get(entry.section, {})
+def _is_informative(entry: Entry, model: Model) -> bool:
+    expected = {"MDI_HEADER": HEADER, "MODEL": model_lines(model)}.get(entry.section, {})
     return expected.get(entry.key, "").casefold() != entry.value.casefold() and entry.key != "FITTYP"
 
 
@@ -63,18 +63,18 @@ def _has_unknown_unit(line: Entry | Row) -> bool:
     return unit_of(line.key) is None and not math.isnan(number_and_rest(line.value)[0])
 
 
-def _notes_on_similar_keys(entries: Iterable[Entry], book: Model, path: Path) -> list[str]:
+def _notes_on_similar_keys(entries: Iterable[Entry], model: Model, path: Path) -> list[str]:
     """Return a note for each key that almost is a coefficient, or refuse it."""
-    titles = {section.title for section in book.sections}
+    titles = {section.title for section in model.sections}
     notes: list[str] = []
     for searched, entry in enumerate(entry for entry in entries if _may_be_similar(entry, titles)):
-        if searched == MOST_SEARCHED:
+        if searched == MAX_SEARCHED:
             notes.append(f"line {entry.line}: no similar coefficients are looked for from here on")
             break
-        near = near_miss(entry.key, book.coefficients)
-        if near and (book.property_file.strict or entry.section.startswith("TIREFMU")):
+        near = near_miss(entry.key, model.coefficients)
+        if near and (model.property_file.strict or entry.section.startswith("TIREFMU")):
             raise TirError(
-                f"{path}:{entry.line}: unknown key {entry.key} of {book.name}: did you mean {near}? "
+                f"{path}:{entry.line}: unknown key {entry.key} of {model.name}: did you mean {near}? "
                 f"{LISTED_BY['coefficient']} lists all coefficients"
             )
         if near:

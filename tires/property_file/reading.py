@@ -124,25 +124,25 @@ class _Reader:
         added = tuple(self._added(self._take(ADDED, key)) for key in self._keys_of(ADDED))
         named = listed(own["EFFECTS"].value) if "EFFECTS" in own else ()
         try:
-            book = model_with(name, with_library(name, named, added))
+            model = model_with(name, with_library(name, named, added))
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
-        self._refuse_rows(book)
-        self._refuse_own(own, book)
-        values = dict(self._values(book))
+        self._refuse_rows(model)
+        self._refuse_own(own, model)
+        values = dict(self._values(model))
         values |= {key.removeprefix("CORE_"): self._number(own[key], 1.0) for key in own if key.startswith("CORE_")}
         self._add_radius(values)
         self._refuse_crossed(values)
-        effects = self._effects(own, book) if "EFFECTS" in own else self._effects_by_coefficients(values, book)
-        assumed = self._assume(values, book, book.default_effects if effects is None else effects)
-        ranges = {**dict(self._ranges(book)), **dict(self._own_ranges())}
+        effects = self._effects(own, model) if "EFFECTS" in own else self._effects_by_coefficients(values, model)
+        assumed = self._assume(values, model, model.default_effects if effects is None else effects)
+        ranges = {**dict(self._ranges(model)), **dict(self._own_ranges())}
         about = [self._take("TIREFMU_ABOUT", key) for key in self._keys_of("TIREFMU_ABOUT")]
         about_texts = {entry.key.lower(): _text(entry, self.path) for entry in about}
         title = _text(own["NAME"], self.path) if "NAME" in own else self.path.stem
         side = self._side()
-        others, other_notes = other_entries([*self.rows, *self.unread.values()], book, self.units, self.path)
+        others, other_notes = other_entries([*self.rows, *self.unread.values()], model, self.units, self.path)
         self.notes += other_notes
-        entries = in_written_order([*others, *assumed], book)
+        entries = in_written_order([*others, *assumed], model)
         try:
             tire = Tire(name, values, effects, name=title, about=about_texts, ranges=ranges, side=side, added=added,
                         other_entries=entries)  # fmt: skip
@@ -192,10 +192,10 @@ class _Reader:
             del self.unread[each]
         return entry
 
-    def _values(self, book: Model) -> Iterator[tuple[str, float]]:
-        spelled = book.property_file.aliases
-        spellings = {known: alias for alias, known in spelled.items() if alias not in book.coefficients}
-        for name, declaration in book.coefficients.items():
+    def _values(self, model: Model) -> Iterator[tuple[str, float]]:
+        spelled = model.property_file.aliases
+        spellings = {known: alias for alias, known in spelled.items() if alias not in model.coefficients}
+        for name, declaration in model.coefficients.items():
             entry = self._find(name, declaration.section)
             if (entry is None or not entry.value) and name in spellings:
                 entry = self._find(spellings[name], declaration.section) or entry
@@ -206,8 +206,8 @@ class _Reader:
                     raise TirError(f"{self._line_of(entry)}: {entry.key} has no value: a tire needs it")
                 continue
             self.given[name] = entry
-            in_si = entry.key in book.property_file.in_si
-            factor = self.units.factor(declaration.unit, declaration.section, per_angle=book.property_file.per_angle)
+            in_si = entry.key in model.property_file.in_si
+            factor = self.units.factor(declaration.unit, declaration.section, per_angle=model.property_file.per_angle)
             number = self._number(entry, 1.0 if in_si else factor)
             if number == 0.0 and name in BODY and declaration.assumed is not None:
                 self.notes.append(
@@ -216,10 +216,10 @@ class _Reader:
                 continue
             yield name, number
 
-    def _ranges(self, book: Model) -> Iterator[tuple[str, tuple[float, float]]]:
+    def _ranges(self, model: Model) -> Iterator[tuple[str, tuple[float, float]]]:
         """Yield the ranges of a model that has no coefficients for them."""
         for name, (section, unit) in RANGE_SECTIONS.items():
-            ends = [self._find(key, section) for key in RANGES[name] if key not in book.coefficients]
+            ends = [self._find(key, section) for key in RANGES[name] if key not in model.coefficients]
             given = [entry for entry in ends if entry is not None and unquoted(entry.value)]
             numbers = [self._number(entry, self.units.factor(unit, section)) for entry in given]
             if len(numbers) == 2:
@@ -264,51 +264,51 @@ class _Reader:
         """Return the effect whose file is in a line of ours."""
         return read_effect(_text(entry, self.path), self._line_of(entry))
 
-    def _effects(self, own: dict[str, Entry], book: Model) -> frozenset[str]:
+    def _effects(self, own: dict[str, Entry], model: Model) -> frozenset[str]:
         try:
-            return book.known_effects(listed(own["EFFECTS"].value))
+            return model.known_effects(listed(own["EFFECTS"].value))
         except UnknownName as error:
             raise TirError(f"{self._line_of(own['EFFECTS'])}: {error}") from None
 
-    def _effects_by_coefficients(self, values: Mapping[str, float], book: Model) -> frozenset[str] | None:
+    def _effects_by_coefficients(self, values: Mapping[str, float], model: Model) -> frozenset[str] | None:
         """Return the effects of a file that names none, or None where they are the default ones."""
-        beyond = {effect.name for effect in book.added}
+        beyond = {effect.name for effect in model.added}
         found = {}
-        for effect in book.effects.keys() - book.default_effects - beyond:
-            own = sorted(book.owned(effect) & values.keys())
-            if acting := [name for name in own if values[name] != book.coefficients[name].neutral]:
+        for effect in model.effects.keys() - model.default_effects - beyond:
+            own = sorted(model.owned(effect) & values.keys())
+            if acting := [name for name in own if values[name] != model.coefficients[name].neutral]:
                 found[effect] = ", ".join(acting)
         self.notes += [f"the tire has the effect {effect}: {found[effect]} given" for effect in sorted(found)]
-        return book.default_effects | beyond - library().keys() | found.keys() if found else None
+        return model.default_effects | beyond - library().keys() | found.keys() if found else None
 
-    def _assume(self, values: dict[str, float], book: Model, effects: frozenset[str]) -> tuple[OtherEntry, ...]:
+    def _assume(self, values: dict[str, float], model: Model, effects: frozenset[str]) -> tuple[OtherEntry, ...]:
         """Fill in missing coefficients, as other programs do, and return the lines that name them.
 
         The tire fills in those at the model's default and those that only an absent effect reads.
         """
-        named = self._named_as_assumed(book)
-        for name, declaration in book.coefficients.items():
+        named = self._named_as_assumed(model)
+        for name, declaration in model.coefficients.items():
             if name not in values and declaration.assumed is not None:
                 named.add(name)
                 values[name] = declaration.assumed
-        defaults = Tire(book.name, dict.fromkeys(INDISPENSABLE, 1.0)).values
-        idle = book.owned(*sorted(book.effects.keys() - effects))
+        defaults = Tire(model.name, dict.fromkeys(INDISPENSABLE, 1.0)).values
+        idle = model.owned(*sorted(model.effects.keys() - effects))
         for name in named & values.keys():
             if name in INDISPENSABLE:
                 continue
-            if name in idle or repr(values[name]) == repr(defaults.get(name, book.coefficients[name].default)):
+            if name in idle or repr(values[name]) == repr(defaults.get(name, model.coefficients[name].default)):
                 del values[name]
-        return assumed_lines(named & values.keys(), book)
+        return assumed_lines(named & values.keys(), model)
 
-    def _named_as_assumed(self, book: Model) -> set[str]:
+    def _named_as_assumed(self, model: Model) -> set[str]:
         """Return the coefficients that a file of ours lists as not given."""
         names: set[str] = set()
         for key in self._keys_of(ASSUMED):
             entry = self._take(ASSUMED, key)
             for name in listed(entry.value):
-                if name not in book.coefficients:
-                    known = nearest(name, book.coefficients, LISTED_BY["coefficient"])
-                    raise TirError(f"{self._line_of(entry)}: unknown coefficient {name} of {book.name}{known}")
+                if name not in model.coefficients:
+                    known = nearest(name, model.coefficients, LISTED_BY["coefficient"])
+                    raise TirError(f"{self._line_of(entry)}: unknown coefficient {name} of {model.name}{known}")
                 names.add(name)
         return names
 
@@ -320,19 +320,19 @@ class _Reader:
             return side
         return ""
 
-    def _refuse_rows(self, book: Model) -> None:
-        strict = {*STRICT, *(section.title for section in book.sections)}
+    def _refuse_rows(self, model: Model) -> None:
+        strict = {*STRICT, *(section.title for section in model.sections)}
         for row in self.rows:
             if row.section in strict and not row.in_table:
                 line = quoted(without_comment(row.text).strip())
                 raise TirError(f"{self.path}:{row.line}: {line} in [{row.section}] is not 'KEY = value'")
 
-    def _refuse_own(self, own: dict[str, Entry], book: Model) -> None:
-        known = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in book.coefficients)]
+    def _refuse_own(self, own: dict[str, Entry], model: Model) -> None:
+        known = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in model.coefficients)]
         for key, entry in own.items():
             if key not in known:
                 hint = nearest(key, known, LISTED_BY["coefficient"])
-                raise TirError(f"{self._line_of(entry)}: unknown key {key} of {book.name}{hint}")
+                raise TirError(f"{self._line_of(entry)}: unknown key {key} of {model.name}{hint}")
 
 
 def _text(entry: Entry, path: Path) -> str:

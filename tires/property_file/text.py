@@ -18,7 +18,7 @@ from tirefmu.symbolic.escaping import excerpt, quoted
 
 #: The largest file that is read, bytes, and the most lines; files in use have a few hundred lines, those with long
 #: tables some ten thousand. The longest line, characters: an added effect's file is one.
-MOST_BYTES, MOST_LINES, LONGEST_LINE = 10_000_000, 50_000, 200_000
+MAX_BYTES, MAX_LINES, LONGEST_LINE = 10_000_000, 50_000, 200_000
 #: The longest text of a number, characters. The exact decimals of the smallest doubles have 1,077.
 LONGEST_NUMBER = 1500
 
@@ -56,11 +56,11 @@ def read_lines(path: Path) -> list[Entry | Row]:
     """Read the entries and rows of a .tir file.
 
     Returns: in the file's order; comments, blank lines and prose before the first section are skipped. Raises
-    `TirError` if the file cannot be read, is larger than `MOST_BYTES`, `MOST_LINES` or `LONGEST_LINE`, or a section's
+    `TirError` if the file cannot be read, is larger than `MAX_BYTES`, `MAX_LINES` or `LONGEST_LINE`, or a section's
     name is broken.
     """
     try:
-        content = read_bounded(path, MOST_BYTES)
+        content = read_bounded(path, MAX_BYTES)
     except OSError as error:
         raise TirError(f"{path}: cannot be read ({error.strerror or error})") from error
     text = _decoded(content)
@@ -78,8 +78,8 @@ def parse_lines(text: str, path: Path) -> list[Entry | Row]:
     lines: list[Entry | Row] = []
     section, in_table = "", False
     raw_lines = _LINE_END.split(text)
-    if len(raw_lines) > MOST_LINES:
-        raise TirError(f"{path}: more than {MOST_LINES} lines: not a .tir file")
+    if len(raw_lines) > MAX_LINES:
+        raise TirError(f"{path}: more than {MAX_LINES} lines: not a .tir file")
     for number, raw in enumerate(raw_lines, start=1):
         if len(raw) > LONGEST_LINE:
             raise TirError(f"{path}:{number}: longer than {LONGEST_LINE} characters: not a .tir file")

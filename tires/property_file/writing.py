@@ -65,9 +65,9 @@ def tir_text(tire: TireDefinition) -> str:
     '[MDI_HEADER]'
     """
     tire = tire.in_signs("iso")
-    entries = [line for line in in_written_order(tire.other_entries, tire.book) if line[0] != ASSUMED]
+    entries = [line for line in in_written_order(tire.other_entries, tire.symbolic_model) if line[0] != ASSUMED]
     replaced = {(section, key) for section, key, _ in entries if key}
-    sections: dict[str, list[str]] = {title: [] for title in ("", *written_sections(tire.book))}
+    sections: dict[str, list[str]] = {title: [] for title in ("", *written_sections(tire.symbolic_model))}
     for section, key, line in _own_lines(tire):
         if (section, key) not in replaced:
             sections[section].append(line)
@@ -82,16 +82,16 @@ def tir_text(tire: TireDefinition) -> str:
 
 def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
     """Yield section, key and line of all entries that other programs read."""
-    book = tire.book
+    model = tire.symbolic_model
     yield from (("MDI_HEADER", key, f"{key} = {value}") for key, value in HEADER.items())
     yield from (("UNITS", key, f"{key} = '{unit}'") for key, unit in WRITTEN.items())
-    yield from (("MODEL", key, f"{key} = {value}") for key, value in model_lines(book).items())
+    yield from (("MODEL", key, f"{key} = {value}") for key, value in model_lines(model).items())
     if tire.side:
         yield "MODEL", "TYRESIDE", f"TYRESIDE = '{tire.side.upper()}'"
-    values = tire.parameters()[: len(book.coefficients)].tolist()  # options are no property of a tire
-    written = dict(zip(book.coefficients, values, strict=True))
+    values = tire.parameters()[: len(model.coefficients)].tolist()  # options are no property of a tire
+    written = dict(zip(model.coefficients, values, strict=True))
     silent = silent_coefficients(tire)
-    for section in book.sections:
+    for section in model.sections:
         for name, declaration in section.coefficients.items():
             if name in written and name not in silent:
                 yield (
@@ -108,14 +108,14 @@ def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
 def _only_here(tire: TireDefinition) -> list[str]:
     """Return the lines of what a .tir file cannot state otherwise."""
     own = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
-    absent = [effect for name, effect in tire.book.effects.items() if name not in tire.has]
-    if tire.has != tire.book.default_effects:
-        own["EFFECTS"] = f"'{','.join(name for name in tire.book.effects if name in tire.has)}'"
+    absent = [effect for name, effect in tire.symbolic_model.effects.items() if name not in tire.has]
+    if tire.has != tire.symbolic_model.default_effects:
+        own["EFFECTS"] = f"'{','.join(name for name in tire.symbolic_model.effects if name in tire.has)}'"
     # An absent effect may rescale a coefficient for other readers; its own value is stored here with every digit.
     own |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
     own_files = [effect for effect in tire.added if library().get(effect.name) != effect]
     ranges = {key: tire.ranges[name] for name, key in OWN_RANGES.items() if name in tire.ranges}
-    assumed = {key: text for _, key, text in assumed_lines(not_given(tire), tire.book)}
+    assumed = {key: text for _, key, text in assumed_lines(not_given(tire), tire.symbolic_model)}
     return [
         "[TIREFMU]",
         *(f"{key} = {value}" for key, value in own.items()),

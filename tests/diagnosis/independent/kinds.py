@@ -88,12 +88,12 @@ def case_of(kind: str, number: int) -> Case:
     noise, signs = float(rng.choice([0.6, 1.0, 1.5])), str(rng.choice(list(REVERSED)))
     rate, least, most = ORDINARY[rng.choice(len(ORDINARY), p=[0.2, 0.3, 0.3, 0.12, 0.08])]
     rate, rows = EXTREME.get((kind, number), (rate, int(rng.integers(least, most))))
-    hidden, book, unknown, layout = _chosen(kind, number % NUMBER_OF_CASES[kind])
+    hidden, model, unknown, layout = _chosen(kind, number % NUMBER_OF_CASES[kind])
     gone = list(MISSING)[number // 2 % len(MISSING)] if kind == "null" and number % 2 and number > 4 else ""
     base = _baseline(rng, kind, layout, hidden, gone)
     strength = 1.5 if kind == "confounded" else float(rng.choice([0.7, 1.0, 1.5])) if kind == "single" else 1.0
-    tire = specimen(rng, str(rng.choice(list(CLASSES))), (*base, *book), dict.fromkeys(book, strength))
-    acting = _Acting(tire, (*(name for name in hidden if name not in book), unknown), strength, rng)
+    tire = specimen(rng, str(rng.choice(list(CLASSES))), (*base, *model), dict.fromkeys(model, strength))
+    acting = _Acting(tire, (*(name for name in hidden if name not in model), unknown), strength, rng)
     bench = program(rng, tire, rate, rows, layout)
     other = "full" if layout in ("pure", "one_sided", "small_slip", "warming") else layout
     trial = program(rng, tire, rate, max(200, min(TEST_ROWS, rows)), other)
@@ -118,7 +118,7 @@ def case_of(kind: str, number: int) -> Case:
     return Case(
         name, hidden, base, tire.nominal,
         *(_in_signs(one, signs) for one in (table, truth, test, operating)),
-        lambda: library_tire(tire, (*base, *book)), frozenset(book), signs, unknown,
+        lambda: library_tire(tire, (*base, *model)), frozenset(model), signs, unknown,
     )  # fmt: skip
 
 
@@ -182,8 +182,8 @@ def _chosen(kind: str, number: int) -> tuple[tuple[str, ...], tuple[str, ...], s
     """Return hidden effects, those of them in the form of the book, the unknown structure, and the program."""
     if kind == "single":
         one = (*SINGLES, *IN_BOOK_FORM)[number]
-        book = (one,) if number >= len(SINGLES) else ()
-        return (one,), book, "", "turning" if one == "turn_slip" else "full"
+        model = (one,) if number >= len(SINGLES) else ()
+        return (one,), model, "", "turning" if one == "turn_slip" else "full"
     if kind in ("double", "triple"):
         return TOGETHER[kind][number], (), "", "full"
     if kind == "confounded":

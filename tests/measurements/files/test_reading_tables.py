@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tirefmu.measurements import Recording, check_plausible, read_recording, recording_from, write_table
-from tirefmu.measurements.files.columns import MOST_COLUMNS
+from tirefmu.measurements.files.columns import MAX_COLUMNS
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -233,6 +233,6 @@ def test_golden_inputs_are_plausible(trento_table):
 
 def test_a_table_of_any_width_is_one_line(tmp_path):
     path = tmp_path / "wide.csv"
-    path.write_text("alpha,Fz," + ",".join(f"c{i}" for i in range(MOST_COLUMNS)) + "\n", encoding="ascii")
-    with pytest.raises(DataError, match=rf"wide\.csv: {MOST_COLUMNS + 2} columns: at most {MOST_COLUMNS} are read"):
+    path.write_text("alpha,Fz," + ",".join(f"c{i}" for i in range(MAX_COLUMNS)) + "\n", encoding="ascii")
+    with pytest.raises(DataError, match=rf"wide\.csv: {MAX_COLUMNS + 2} columns: at most {MAX_COLUMNS} are read"):
         read_recording(path)
