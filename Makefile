@@ -3,7 +3,7 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer
+PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
@@ -94,10 +94,11 @@ hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasAD
 readers: $(VENV)/installed-dev  ## MFeval, OpenTirePython and Chrono on files of convert: TIREFMU_MFEVAL, TIREFMU_OPENTIRE, TIREFMU_CHRONO are their paths
 	$(BIN)/pytest tests/hosts/test_readers.py -rP
 
-check: $(VENV)/installed-dev types  ## lint, format, types, and generated/ compared with the equations
+check: $(VENV)/installed-dev types  ## lint, format, types, imports, and generated/ compared with the equations
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	cd .types && ../$(BIN)/lint-imports --config ../pyproject.toml --no-cache --no-logo
 	$(BIN)/tirefmu generate --check
 
 generate: $(VENV)/installed  ## write generated/

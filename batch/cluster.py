@@ -8,7 +8,7 @@ from importlib.metadata import version
 from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from tirefmu.symbolic.errors import FitError
+from tirefmu.boundary.errors import FitError
 
 from .execution import WAITING, Lost, single_threaded
 

@@ -63,7 +63,7 @@ def cross_validate(
     >>> bench = VirtualBench(published("trento_hoosier")).run(alpha_sweeps([700.0]))
     >>> cross_validate(bench, "mf96", folds=1)
     Traceback (most recent call last):
-    tirefmu.symbolic.errors.FitError: 1 folds: at least two are required
+    tirefmu.boundary.errors.FitError: 1 folds: at least two are required
     """
     if options.get("start") is not None:
         options["start"] = tire_from(options["start"])  # workers read no files

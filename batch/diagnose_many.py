@@ -14,12 +14,12 @@ from typing import Any
 
 import pandas as pd
 
+from tirefmu.boundary.errors import DataError, FitError, TirefmuError, path_from
+from tirefmu.boundary.escaping import file_name
 from tirefmu.diagnosis import diagnose, export_and_simulate, write_report
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.measurements.files.reading import READERS
 from tirefmu.symbolic.added import AddedEffect
-from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, path_from
-from tirefmu.symbolic.escaping import file_name
 from tirefmu.tires import Tire, TireLike, tire_from
 from tirefmu.tires.drawing.page import page_text, write_page
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import pandas as pd
 
+from tirefmu.boundary.errors import DataError, FitError, TirefmuError, path_from
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, recordings_from
-from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, path_from
 from tirefmu.tires import tire_from
 from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.tire import Tire

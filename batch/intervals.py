@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from tirefmu.boundary.errors import UnknownName, no_single_text
 from tirefmu.fitting import FitResult
 from tirefmu.fitting.resampling.bootstrap import (
     ReplicateTask,
@@ -16,7 +17,6 @@ from tirefmu.fitting.resampling.bootstrap import (
 )
 from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
 from tirefmu.measurements import Recording, TableLike, recordings_from
-from tirefmu.symbolic.errors import UnknownName, no_single_text
 from tirefmu.symbolic.models import model_named
 
 from .workers import all_results
@@ -93,7 +93,7 @@ def bootstrap(
     >>> import tirefmu
     >>> tirefmu.bootstrap(None, [], replicates=5)
     Traceback (most recent call last):
-    tirefmu.symbolic.errors.FitError: 5 bootstrap replicates: at least 40 are required
+    tirefmu.boundary.errors.FitError: 5 bootstrap replicates: at least 40 are required
     """
     recordings = recordings_from(tables, signs=signs)
     tasks = replicate_tasks(result, recordings, replicates, seed)
@@ -146,7 +146,7 @@ def profile(
 
     >>> profile(None, "PKY1")
     Traceback (most recent call last):
-    tirefmu.symbolic.errors.WrongType: coefficients is 'PKY1' (str): it has to be a list of names, such as ['PKY1']
+    tirefmu.boundary.errors.WrongType: coefficients is 'PKY1' (str): it has to be a list of names, such as ['PKY1']
     """
     no_single_text("coefficients", coefficients)
     tasks = side_tasks(result, coefficients)

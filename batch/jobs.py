@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from tirefmu.boundary.bounded_file import toml_file
+from tirefmu.boundary.errors import FitError, path_from
+from tirefmu.boundary.escaping import file_name, quoted
 from tirefmu.measurements.files.reading import READERS
-from tirefmu.symbolic.bounded_file import toml_file
-from tirefmu.symbolic.errors import FitError, path_from
-from tirefmu.symbolic.escaping import file_name, quoted
 
 from .resumable import Job
 from .toml_file import check_keys

@@ -12,7 +12,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError, TirefmuError
+from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.tires.drawing.whole_file import write_whole
 
 from .execution import Lost

@@ -14,12 +14,12 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.errors import DataError, FmuError, UnknownName, path_from
 from tirefmu.fmu.comparison.resources import axes_of_inputs
 from tirefmu.fmu.simulation.archive import unpacked
 from tirefmu.fmu.simulation.simulate import read_description, simulate
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.measurements.channels import OUTPUTS
-from tirefmu.symbolic.errors import DataError, FmuError, UnknownName, path_from
 from tirefmu.tires.drawing.whole_file import write_whole
 from tirefmu.tires.signs import convert_signs
 
@@ -104,7 +104,7 @@ def study(
 
     >>> study("tire.fmu", "missing.toml", "runs")
     Traceback (most recent call last):
-    tirefmu.symbolic.errors.FitError: missing.toml: cannot be read (No such file or directory)
+    tirefmu.boundary.errors.FitError: missing.toml: cannot be read (No such file or directory)
     """
     fmu, folder = path_from(fmu), path_from(folder)
     plan = plan if isinstance(plan, Study) else read_study(plan)

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from tirefmu.symbolic.bounded_file import toml_file
-from tirefmu.symbolic.errors import FitError, path_from
-from tirefmu.symbolic.escaping import quoted
+from tirefmu.boundary.bounded_file import toml_file
+from tirefmu.boundary.errors import FitError, path_from
+from tirefmu.boundary.escaping import quoted
 
 from .toml_file import check_keys, is_number
 

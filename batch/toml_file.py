@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import Any
 
-from tirefmu.symbolic.errors import FitError, UnknownName
-from tirefmu.symbolic.escaping import quoted
+from tirefmu.boundary.errors import FitError, UnknownName
+from tirefmu.boundary.escaping import quoted
 
 KINDS = {
     str: "a text", list: "a list of texts", dict: "a table of numbers", int: "a whole number", bool: "true or false",

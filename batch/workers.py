@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
-from tirefmu.symbolic.errors import FitError
+from tirefmu.boundary.errors import FitError
 
 from .cluster import completed_on_cluster
 from .execution import Lost, completed

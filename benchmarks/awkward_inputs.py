@@ -21,10 +21,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.fitting import fit as fit_tire
 from tirefmu.measurements import check_convention, recordings_from
-from tirefmu.symbolic.errors import TirefmuError
 
 DOCUMENT = Path(__file__).parents[1] / "docs" / "awkward_inputs.md"
 #: A table, or the text of a file.

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.escaping import figure_text
 from tirefmu.measurements import Recording
-from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import Tire
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, curve, measured
 from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from tirefmu.boundary.errors import TirefmuError, path_from
 from tirefmu.measurements import Recording
-from tirefmu.symbolic.errors import TirefmuError, path_from
 from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.drawing.picture import write_figures
 

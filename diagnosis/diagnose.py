@@ -6,13 +6,13 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
+from tirefmu.boundary.errors import UnknownName, no_single_text
 from tirefmu.estimation.nominal_values import check_nominal
 from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.measurements import Recording, TableLike, check_convention, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.added import AddedEffect
-from tirefmu.symbolic.errors import UnknownName, no_single_text
 from tirefmu.symbolic.models import model_named, whole_library
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire

@@ -16,10 +16,10 @@ import click
 import sympy
 
 import tirefmu
+from tirefmu.boundary.escaping import html_text
 from tirefmu.cli import cli
 from tirefmu.commands.catalogue import effects, models, published_tires
 from tirefmu.symbolic.added import library
-from tirefmu.symbolic.escaping import html_text
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.pages.mathml import equation_mathml

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import pandas as pd
 
-from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
 #: Names of nominal values, and the coefficient that each sets.
@@ -30,7 +30,7 @@ def check_nominal(nominal: Mapping[str, float], model: Model, tables: Iterable[p
     >>> check_nominal({"Fz0": 0.22, "R0": 0.23}, model_named("mf96"), [pd.DataFrame({"Fz": [220.0, 700.0, 1120.0]})])
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.FitError: nominal Fz0 = 0.22 N is far from the median of Fz, 700 N: in another unit?
+    tirefmu.boundary.errors.FitError: nominal Fz0 = 0.22 N is far from the median of Fz, 700 N: in another unit?
     """
     tables = tuple(tables)
     for name, value in nominal.items():

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements.recording import Recording
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import reversed_columns
 
 from .smoothing import smoothed

@@ -9,9 +9,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from tirefmu.boundary.errors import TirefmuError, UnknownName, path_from
+from tirefmu.boundary.escaping import html_text, script_json
 from tirefmu.measurements import Recording
-from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
-from tirefmu.symbolic.escaping import html_text, script_json
 from tirefmu.tires import Tire, TireLike, tire_from
 from tirefmu.tires.drawing.chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
 from tirefmu.tires.drawing.page import style_sheet, write_page

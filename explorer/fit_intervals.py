@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from tirefmu.symbolic.bounded_file import read_bounded
-from tirefmu.symbolic.errors import TirefmuError, nearest
+from tirefmu.boundary.bounded_file import read_bounded
+from tirefmu.boundary.errors import TirefmuError, nearest
 from tirefmu.tires import TireLike, tire_from
 
 #: Upper limit of the file, bytes.

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tirefmu.boundary.escaping import excerpt
 from tirefmu.measurements import CHANNELS, INPUTS, OUTPUTS, Recording, exclude_rows, group_by_condition
-from tirefmu.symbolic.escaping import excerpt
 
 from .tire_data import shown
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
+from tirefmu.boundary.escaping import script_text
 from tirefmu.symbolic.declarations import Quantity
-from tirefmu.symbolic.escaping import script_text
 from tirefmu.symbolic.printers.languages import printer
 from tirefmu.symbolic.printers.languages.program import Program, Selection, program
 from tirefmu.tires import Tire

@@ -7,8 +7,8 @@ from dataclasses import replace
 from math import degrees, isfinite
 from typing import Any
 
+from tirefmu.boundary.escaping import excerpt, file_name
 from tirefmu.symbolic.declarations import Coefficient, Quantity
-from tirefmu.symbolic.escaping import excerpt, file_name
 from tirefmu.tires import Tire
 from tirefmu.tires.definition import RANGES as RANGE_KEYS
 

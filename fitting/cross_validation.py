@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.estimation.nominal_values import NOMINAL
 from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
 from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
-from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 

@@ -9,10 +9,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.measurements import TableLike, check_convention, recordings_from
 from tirefmu.measurements.provenance import table_digest
-from tirefmu.symbolic.errors import FitError
 from tirefmu.tires import TireLike
 
 from .fit_run import FitRun

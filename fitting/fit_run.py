@@ -10,8 +10,8 @@ from math import nan
 import numpy as np
 import pandas as pd
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.measurements.recording import distinct
-from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.property_file.names import assumed_lines, in_written_order
 from tirefmu.tires.tire import Tire

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from math import inf
 
-from tirefmu.symbolic.errors import FitError
+from tirefmu.boundary.errors import FitError
 
 #: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
 STIFFNESS_WEIGHT = 10.0

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from tirefmu.boundary.errors import FitError, TirError, UnknownName, WrongType, no_single_text
 from tirefmu.estimation.nominal_values import NOMINAL, check_nominal
 from tirefmu.measurements import Recording
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.errors import FitError, TirError, UnknownName, WrongType, no_single_text
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import model_named, with_library
 from tirefmu.tires import TireLike, tire_from

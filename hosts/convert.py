@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.fitting import fit
 from tirefmu.measurements import CHANNELS
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 

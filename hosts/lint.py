@@ -7,8 +7,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.symbolic.errors import UnknownName
-from tirefmu.symbolic.escaping import quoted
+from tirefmu.boundary.errors import UnknownName
+from tirefmu.boundary.escaping import quoted
 from tirefmu.tires import Tire
 from tirefmu.tires.property_file.reading import read_tir
 

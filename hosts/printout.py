@@ -9,8 +9,8 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
-from tirefmu.symbolic.escaping import excerpt
+from tirefmu.boundary.errors import TirefmuError, UnknownName
+from tirefmu.boundary.escaping import excerpt
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.languages import printer

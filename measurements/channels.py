@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf, radians
 
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 
 
 @dataclass(frozen=True)

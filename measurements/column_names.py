@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable
 
-from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.boundary.errors import DataError, UnknownName
 
 from .channels import CHANNELS, INPUTS, channel
 from .units import unit_named
@@ -100,7 +100,7 @@ def check_names(names: Iterable[str], source: str, required: Collection[str] = I
     >>> check_names(["SlipAngle", "Fz"], "a.csv")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: column 'SlipAngle' is not a channel: did you mean alpha? ...
+    tirefmu.boundary.errors.DataError: a.csv: column 'SlipAngle' is not a channel: did you mean alpha? ...
     """
     given = list(names)
     for name in given:

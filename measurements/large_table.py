@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 from tirefmu.tires.signs import convert_signs, reversed_columns
 
 from .channels import OUTPUTS
@@ -135,7 +135,7 @@ class Recording:
         >>> Recording(pd.DataFrame({"Fz": [900.0], "FX": [1.0]}), "iso", "a.csv").measured()
         Traceback (most recent call last):
         ...
-        tirefmu.symbolic.errors.DataError: a.csv: column 'FX' is not a channel: did you mean Fx? ...
+        tirefmu.boundary.errors.DataError: a.csv: column 'FX' is not a channel: did you mean Fx? ...
         """
         check_names(map(str, self.table.columns), self.source, OUTPUTS)
         found = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from tirefmu.symbolic.escaping import excerpt
+from tirefmu.boundary.escaping import excerpt
 from tirefmu.tires.notebook import html_summary, html_table
 
 from .channels import CHANNELS

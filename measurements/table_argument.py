@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError, WrongType
+from tirefmu.boundary.errors import DataError, WrongType
 
 from .channels import CHANNELS
 from .column_names import check_names
@@ -65,7 +65,7 @@ def recording_from(
     >>> recording_from(None)
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.WrongType: table is None: it has to be the path of a file, a DataFrame or a Recording
+    tirefmu.boundary.errors.WrongType: table is None: it has to be the path of a file, a DataFrame or a Recording
     """
     if isinstance(table, Recording):
         if table.checked and where is None and signs in (None, table.signs):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.boundary.errors import DataError, UnknownName
 
 PSI = 6894.757293168361  # Pa, from the pound-force and the inch
 POUND = 4.4482216152605  # N, exact

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from tirefmu.batch.fit_many import fit_many
     from tirefmu.batch.intervals import bootstrap, profile
     from tirefmu.batch.study import study
+    from tirefmu.boundary.errors import TirefmuError
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, check, export
     from tirefmu.measurements import Recording, VirtualBench, read_recording
-    from tirefmu.symbolic.errors import TirefmuError
     from tirefmu.tires import Tire, published
     from tirefmu.tires import read_tir as load
     from tirefmu.tires.drawing.files import draw
@@ -35,7 +35,7 @@ _ON_DEMAND = {
     "FitResult": "fitting",
     "Recording": "measurements",
     "Tire": "tires",
-    "TirefmuError": "symbolic.errors",
+    "TirefmuError": "boundary.errors",
     "VirtualBench": "measurements",
     "bootstrap": "batch.intervals",
     "check": "fmu",

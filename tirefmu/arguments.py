@@ -12,8 +12,8 @@ from typing import Any
 
 import click
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.errors import TirefmuError
 
 #: The models of the package; the equations take too long to load for a help text.
 _MODELS = json.loads((files("tirefmu.generated") / "MANIFEST.json").read_text(encoding="ascii"))["lines"]

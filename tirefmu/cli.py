@@ -14,8 +14,8 @@ from typing import Any
 
 import click
 
-from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.symbolic.escaping import excerpt, visible
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.escaping import excerpt, visible
 
 from .arguments import (
     FILE,

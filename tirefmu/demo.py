@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.diagnosis import diagnose, draw_residual_maps, export_and_simulate, residual_map, write_report
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.reporting.curves_figure import curves_figure
@@ -28,7 +29,6 @@ from tirefmu.measurements import Noise, Recording, VirtualBench, trento_program,
 from tirefmu.measurements.inspection.figures import inspection_figures
 from tirefmu.measurements.inspection.inspection import inspect
 from tirefmu.measurements.inspection.report import write_inspection
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import Tire, published
 from tirefmu.tires.code import chosen_derivatives, fastest_code
 from tirefmu.tires.drawing.labels import drawn_unit

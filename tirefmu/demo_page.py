@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.tires.drawing.figure import Figure
 from tirefmu.tires.drawing.page import page_text, write_page
 

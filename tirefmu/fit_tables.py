@@ -9,7 +9,7 @@ from rich.console import RenderableType
 from rich.style import StyleType
 from rich.table import Table
 
-from tirefmu.symbolic.escaping import excerpt, visible
+from tirefmu.boundary.escaping import excerpt, visible
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult

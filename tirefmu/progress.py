@@ -8,7 +8,7 @@ from time import monotonic
 
 from rich.console import Console
 
-from tirefmu.symbolic.escaping import visible
+from tirefmu.boundary.escaping import visible
 
 from .forecast import Forecast, left_text, seconds_left
 

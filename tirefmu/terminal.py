@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tirefmu.symbolic.escaping import visible
+from tirefmu.boundary.escaping import visible
 from tirefmu.tires import Tire
 
 from . import progress

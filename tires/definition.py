@@ -12,9 +12,9 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.boundary.errors import TireError, UnknownName, no_single_text
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.declarations import Coefficient
-from tirefmu.symbolic.errors import TireError, UnknownName, no_single_text
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 from tirefmu.symbolic.models import with_library
 from tirefmu.symbolic.options import OPTIONS

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.symbolic.model import Model
 
 from .code import Code, code_for, fastest_code

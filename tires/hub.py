@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.symbolic.declarations import Quantity
-from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.wheel.quantities import (
     CARRIER,
     CONTACT_FORCES,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from tirefmu.symbolic.errors import TireError, UnknownName, WrongType
+from tirefmu.boundary.errors import TireError, UnknownName, WrongType
 
 from .property_file.reading import read_tir
 from .published_tires import PUBLISHED, published
@@ -48,7 +48,7 @@ def tire_from(tire: TireLike, parameter: str = "tire", *, radius: float | None =
     >>> tire_from("trento")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.UnknownName: unknown tire file or published tire 'trento': did you mean trento_hoosier? ...
+    tirefmu.boundary.errors.UnknownName: unknown tire file or published tire 'trento': did you mean trento_hoosier? ...
     """
     if isinstance(tire, Tire):
         _refuse_radius(radius, tire.name or "the tire")

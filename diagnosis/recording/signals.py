@@ -10,9 +10,9 @@ import numpy.typing as npt
 import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.estimation.smoothing import smoothed
 from tirefmu.measurements.channels import OUTPUTS
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import rolled_distance

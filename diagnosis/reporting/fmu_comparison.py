@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.fmu import export
 from tirefmu.fmu.comparison.result import EVALUATION_TOLERANCE
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.measurements import Recording, TableLike, recording_from, recordings_from
 from tirefmu.measurements.recording import distinct
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import TABLE_INPUTS
 from tirefmu.tires.tire import Tire
 

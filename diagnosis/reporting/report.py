@@ -9,9 +9,9 @@ from typing import Any
 
 from markupsafe import Markup
 
+from tirefmu.boundary.errors import DataError, path_from
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.measurements.provenance import provenance
-from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.drawing.figure import Figure
 from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.tire import Tire

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.errors import DataError, nearest
 from tirefmu.measurements import Recording, TableLike, levels, recording_from
-from tirefmu.symbolic.errors import DataError, nearest
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.drawing.figure import Cells, Figure, Panel, Series
 from tirefmu.tires.drawing.labels import axis_label, drawn_unit, note, per_si

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.boundary.errors import EffectError
+from tirefmu.boundary.escaping import toml_string
 from tirefmu.symbolic.added import AddedEffect, read_effect
-from tirefmu.symbolic.errors import EffectError
-from tirefmu.symbolic.escaping import toml_string
 from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution

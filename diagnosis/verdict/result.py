@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.errors import DataError, UnknownName, path_from
 from tirefmu.symbolic.added import AddedEffect, effect_text
-from tirefmu.symbolic.errors import DataError, UnknownName, path_from
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from tirefmu.symbolic.escaping import visible
+from tirefmu.boundary.escaping import visible
 from tirefmu.tires.notebook import html_details, html_summary, html_table
 
 from .findings import Finding

@@ -29,8 +29,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.symbolic.contract import PhysicalConstraint
-from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires.tire import Tire
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.errors import DataError, FitError, UnknownName
 from tirefmu.measurements import (
     EXCLUSION_REASONS,
     Finding,
@@ -19,7 +20,6 @@ from tirefmu.measurements import (
 )
 from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.measurements.quality.row_exclusion import check_inputs
-from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
 #: The inputs of which at least one has to vary by `MIN_VARIATION` for a channel to be fitted; none for My.

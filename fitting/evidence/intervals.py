@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.code.modules import numpy_module

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 
 FloatArray = npt.NDArray[np.float64]
 #: Standard deviation of normal noise divided by the median of its magnitude.

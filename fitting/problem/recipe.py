@@ -13,14 +13,13 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.bounded_file import toml_content, toml_file
+from tirefmu.boundary.errors import DataError, FitError, UnknownName
 from tirefmu.measurements.channels import CHANNELS
 from tirefmu.measurements.row_selection.expression import Selection, parse_range, parse_selection
-from tirefmu.symbolic.bounded_file import toml_content, toml_file
 from tirefmu.symbolic.effects import EFFECTS
-from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import MODELS
-from tirefmu.symbolic.models import model_named
+from tirefmu.symbolic.models import MODELS, model_named
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling")

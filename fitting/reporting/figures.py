@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tirefmu.boundary.errors import FitError
+from tirefmu.boundary.escaping import figure_text
 from tirefmu.measurements import TableLike
-from tirefmu.symbolic.errors import FitError
-from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import TireLike
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
 from tirefmu.tires.drawing.labels import (

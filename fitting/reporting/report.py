@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from tirefmu.boundary.errors import FitError, path_from
 from tirefmu.measurements import Finding, TableLike, recordings_from
 from tirefmu.measurements.provenance import provenance
-from tirefmu.symbolic.errors import FitError, path_from
 from tirefmu.tires.drawing.figure import Figure
 from tirefmu.tires.drawing.page import page_text, write_page
 

@@ -20,9 +20,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.measurements import Recording, group_by_condition, phases
 from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
-from tirefmu.symbolic.errors import FitError
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.slope_targets import SlopeTarget

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 
-from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.boundary.errors import FitError, UnknownName
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..evidence.uncertainty import QUANTILE, sandwich

@@ -15,8 +15,8 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.bounded_file import read_bounded
-from tirefmu.symbolic.errors import FitError
+from tirefmu.boundary.bounded_file import read_bounded
+from tirefmu.boundary.errors import FitError
 
 from ..problem.recipe import Freed
 from .records import StageFit

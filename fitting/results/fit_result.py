@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.measurements import Finding, TableLike
-from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.tire import Tire
 
 from ..constraints.physical import TOLERANCE

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.measurements import TableLike, recording_from
-from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 

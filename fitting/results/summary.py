@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from tirefmu.symbolic.escaping import excerpt, visible
+from tirefmu.boundary.escaping import excerpt, visible
 from tirefmu.tires.notebook import html_details, html_summary, html_table
 from tirefmu.tires.tire import Tire
 

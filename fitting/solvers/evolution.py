@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.errors import FitError
+from tirefmu.boundary.errors import FitError
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import TOLERANCE, Constraint

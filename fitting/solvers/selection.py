@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.boundary.errors import FitError, UnknownName
 
 from ..constraints.physical import Constraint
 from ..problem.weighted_residuals import Problem

@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.errors import DataError, path_from
+from tirefmu.boundary.escaping import excerpt
 from tirefmu.measurements.quality.convention import convention_notes
 from tirefmu.measurements.recording import Recording
 from tirefmu.measurements.table_argument import TableLike, recording_from
-from tirefmu.symbolic.errors import DataError, path_from
-from tirefmu.symbolic.escaping import excerpt
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
 from tirefmu.tires.signs import convert_signs
 

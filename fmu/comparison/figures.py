@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.errors import FmuError
-from tirefmu.symbolic.escaping import figure_text
+from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.escaping import figure_text
 from tirefmu.tires.drawing.figure import Figure, Panel, Series
 from tirefmu.tires.drawing.labels import note
 from tirefmu.tires.drawing.style import BLACK, BLUE, GRAY, RED

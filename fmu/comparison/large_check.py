@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.boundary.escaping import excerpt
 from tirefmu.measurements.large_table import LargeTable
 from tirefmu.measurements.quality.convention import convention_notes
 from tirefmu.measurements.recording import Recording
 from tirefmu.measurements.thresholds import LOGGING_GAP
-from tirefmu.symbolic.escaping import excerpt
 from tirefmu.tires import TABLE_OUTPUTS
 from tirefmu.tires.signs import convert_signs
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tirefmu.boundary.errors import FmuError, path_from
 from tirefmu.measurements import Recording
 from tirefmu.measurements.provenance import provenance
-from tirefmu.symbolic.errors import FmuError, path_from
 from tirefmu.tires.drawing.labels import drawn_unit, per_si
 from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.drawing.residual_panels import residuals_over_inputs

@@ -7,9 +7,9 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from tirefmu.symbolic.bounded_file import read_bounded
-from tirefmu.symbolic.errors import FmuError, TirefmuError
-from tirefmu.symbolic.escaping import excerpt
+from tirefmu.boundary.bounded_file import read_bounded
+from tirefmu.boundary.errors import FmuError, TirefmuError
+from tirefmu.boundary.escaping import excerpt
 from tirefmu.tires import Tire, read_tir
 
 #: The largest resources/interface.json, bytes.

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from tirefmu.symbolic.escaping import visible
+from tirefmu.boundary.escaping import visible
 from tirefmu.tires.drawing.labels import drawn_unit, per_si
 from tirefmu.tires.notebook import html_summary, html_table
 

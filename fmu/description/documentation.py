@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from tirefmu.symbolic.errors import FmuError
-from tirefmu.symbolic.escaping import html_text
+from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.escaping import html_text
 from tirefmu.tires import Tire
 
 from .model_description import Header

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from tirefmu.boundary.errors import FmuError, UnknownName
 from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Quantity
-from tirefmu.symbolic.errors import FmuError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from tirefmu.symbolic.wheel.quantities import SPIN

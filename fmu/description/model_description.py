@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-from tirefmu.symbolic.escaping import xml_text
+from tirefmu.boundary.escaping import xml_text
 
 from .arrays import gather
 from .units import base_unit

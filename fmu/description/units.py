@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 
-from tirefmu.symbolic.errors import FmuError, nearest
+from tirefmu.boundary.errors import FmuError, nearest
 
 #: The factors of products, quotients and powers, as exponents of base units.
 #: The FMI standard treats rad as a base unit.
@@ -42,7 +42,7 @@ def base_unit(unit: str) -> dict[str, int | float]:
     >>> base_unit("Nm")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.FmuError: unit 'Nm': unknown factor 'Nm': did you mean N? ...
+    tirefmu.boundary.errors.FmuError: unit 'Nm': unknown factor 'Nm': did you mean N? ...
     """
     if unit in SHIFTED:
         return dict(SHIFTED[unit])

@@ -10,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from platform import machine
 
-from tirefmu.symbolic.errors import FmuError
+from tirefmu.boundary.errors import FmuError
 from tirefmu.tires.code.compiler import (
     CompilerError,
     CrossCompiler,

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.symbolic.errors import FmuError
+from tirefmu.boundary.errors import FmuError
 from tirefmu.tires.code.compiler import CrossCompiler
 
 

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tirefmu.symbolic.errors import FmuError, WrongType, path_from
+from tirefmu.boundary.errors import FmuError, WrongType, path_from
 from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 from tirefmu.tires.roads.opencrg import read_crg
@@ -181,7 +181,7 @@ def fmi_version(fmi: Any) -> int:
     >>> fmi_version("1.0")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.FmuError: FMI 1.0 is not supported: supported are 2 and 3
+    tirefmu.boundary.errors.FmuError: FMI 1.0 is not supported: supported are 2 and 3
     """
     if isinstance(fmi, bool) or not isinstance(fmi, (int, float, str)):
         raise WrongType("fmi", fmi, "2 or 3, as a number or a text")

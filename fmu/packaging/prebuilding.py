@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
-from tirefmu.symbolic.errors import FmuError
+from tirefmu.boundary.errors import FmuError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 

@@ -11,7 +11,7 @@ from importlib.resources import files
 from math import isfinite
 from pathlib import Path
 
-from tirefmu.symbolic.errors import FmuError
+from tirefmu.boundary.errors import FmuError
 from tirefmu.tires import Tire
 from tirefmu.tires.code.printed import code_file
 

@@ -6,8 +6,8 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from tirefmu.symbolic.errors import FmuError, path_from
-from tirefmu.symbolic.escaping import c_string
+from tirefmu.boundary.errors import FmuError, path_from
+from tirefmu.boundary.escaping import c_string
 from tirefmu.symbolic.printers.definitions import comment
 from tirefmu.tires import Tire, TireLike, tire_from
 from tirefmu.tires.code.compiler import suffix

@@ -9,8 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from tirefmu.symbolic.errors import FmuError, path_from
-from tirefmu.symbolic.escaping import visible
+from tirefmu.boundary.errors import FmuError, path_from
+from tirefmu.boundary.escaping import visible
 from tirefmu.tires import Tire, TireLike, tire_from
 from tirefmu.tires.property_file.writing import tir_text
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from math import inf, isfinite
 
+from tirefmu.boundary.escaping import c_string
 from tirefmu.symbolic.added.state import SPEED
-from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.printers.definitions import comment
 from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES, SPIN

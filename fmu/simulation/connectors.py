@@ -7,8 +7,8 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.symbolic.errors import FmuError
-from tirefmu.symbolic.escaping import visible
+from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.escaping import visible
 
 from .archive import DESCRIPTION, unpacked
 

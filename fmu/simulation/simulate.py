@@ -24,9 +24,9 @@ import fmpy
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.bounded_file import read_bounded
-from tirefmu.symbolic.errors import FmuError
-from tirefmu.symbolic.escaping import excerpt
+from tirefmu.boundary.bounded_file import read_bounded
+from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.escaping import excerpt
 
 from .archive import DESCRIPTION, unpacked
 from .slave import ANSWER, ARRAYS, JOB, OUTPUTS, Rejected, Slave

@@ -147,7 +147,7 @@ static inline double fast_atan(double x)
     return REDUCTION_IS_EXACT ? NUMBER_ALONE(number_atan, x) : atan(x);
 }
 
-/* Every named quantity of the book. */
+/* Every named quantity of the model. */
 void fiala_quantities(const double inputs[], const double parameters[], double results[])
 {
     const double kappa = inputs[FIALA_kappa];

@@ -240,7 +240,7 @@ static EXPANDED pair fast_pair_atan(pair x)
     return PAIR(called_atan(PAIR_AT(x, 0)), called_atan(PAIR_AT(x, 1)));
 }
 
-/* Every named quantity of the book. */
+/* Every named quantity of the model. */
 void mf52_quantities(const double inputs[], const double parameters[], double results[])
 {
     const double kappa = inputs[MF52_kappa];

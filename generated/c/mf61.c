@@ -282,7 +282,7 @@ static EXPANDED pair fast_pair_pow(pair x, pair y)
     return PAIR(called_pow(PAIR_AT(x, 0), PAIR_AT(y, 0)), called_pow(PAIR_AT(x, 1), PAIR_AT(y, 1)));
 }
 
-/* Every named quantity of the book. */
+/* Every named quantity of the model. */
 void mf61_quantities(const double inputs[], const double parameters[], double results[])
 {
     const double kappa = inputs[MF61_kappa];

@@ -42,7 +42,7 @@ REACH = (
 
 
 def quantities(inputs, parameters, xp=np):
-    """Every named quantity of the book."""
+    """Every named quantity of the model."""
     kappa, alpha, Fz = inputs
     (
         UNLOADED_RADIUS, FNOMIN, CKAPPA, CALPHA, MUX, MUY, PATCH, NSTIFF, NMU, NPATCH, SIGNS

@@ -46,7 +46,7 @@ REACH = (
 
 
 def quantities(inputs, parameters, xp=np):
-    """Every named quantity of the book."""
+    """Every named quantity of the model."""
     kappa, alpha, Fz, V = inputs
     (
         UNLOADED_RADIUS, WIDTH, FNOMIN, VERTICAL_STIFFNESS, VERTICAL_DAMPING, CSLIP, CALPHA, CGAMMA,

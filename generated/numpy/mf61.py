@@ -115,7 +115,7 @@ REACH = (
 
 
 def quantities(inputs, parameters, xp=np):
-    """Every named quantity of the book."""
+    """Every named quantity of the model."""
     kappa, alpha, gamma, Fz, p, V, phit = inputs
     (
         LONGVL, VXLOW, UNLOADED_RADIUS, WIDTH, RIM_RADIUS, INFLPRES, NOMPRES, FNOMIN,

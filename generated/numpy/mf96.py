@@ -64,7 +64,7 @@ REACH = (
 
 
 def quantities(inputs, parameters, xp=np):
-    """Every named quantity of the book."""
+    """Every named quantity of the model."""
     kappa, alpha, gamma, Fz = inputs
     (
         UNLOADED_RADIUS, FNOMIN, LFZ0, LCX, LMUX, LEX, LKXK, LHX, LVX, LCY, LMUY, LEY, LKA, LHY, LVY,

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError, TirefmuError
+from tirefmu.boundary.errors import DataError, TirefmuError
 
 from ..channels import CHANNELS, INPUTS, channel
 from ..column_names import check_names
@@ -72,7 +72,7 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     >>> parse_header(["kappa", "Alpha"], "a.csv")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha? ...
+    tirefmu.boundary.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha? ...
     """
     if len(headers) > MAX_COLUMNS:
         raise DataError(f"{source}: {len(headers)} columns: at most {MAX_COLUMNS} are read")
@@ -150,7 +150,7 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, location: 
     >>> check_finite(np.array([0.0, np.nan]), "alpha", "a.csv", lambda row: f"line {row + 2}")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows): up to 20 % are excluded
+    tirefmu.boundary.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows): up to 20 % are excluded
     """
     infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
     for bad, kind, most in ((infinite, "infinite", 0.0), (unknown, "NaN", MAX_INCOMPLETE)):

@@ -13,7 +13,7 @@ from typing import TextIO
 
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..channels import CHANNELS
 from ..recording import Recording

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..recording import Recording
 from . import native_reader

@@ -7,7 +7,7 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from tirefmu.symbolic.errors import DataError, nearest, path_from
+from tirefmu.boundary.errors import DataError, nearest, path_from
 from tirefmu.tires.signs import reversed_columns
 
 from ..quality.incomplete_rows import without_incomplete_rows

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
+from tirefmu.boundary.errors import DataError, TirefmuError, nearest
 
 from ..channels import CHANNELS, OUTPUTS, Channel
 from ..column_names import intended_channel

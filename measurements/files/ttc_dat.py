@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..recording import Recording
 from .ttc_channels import bench_recording, has_bench_names

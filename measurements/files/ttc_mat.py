@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..channels import CHANNELS
 from ..recording import Recording

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
+from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 
 from ..channels import CHANNELS
 from ..recording import Recording

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from .parquet_table import EXTRA
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.escaping import figure_text
+from tirefmu.boundary.escaping import figure_text
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, in_rows, measured
 from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si
 from tirefmu.tires.drawing.style import BLACK, BLUE, GRAY, GREEN, LIGHT_GRAY, ORANGE, RED, level_styles, some_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from tirefmu.symbolic.errors import DataError, path_from
+from tirefmu.boundary.errors import DataError, path_from
 from tirefmu.tires.drawing.page import page_text, write_page
 
 from ..findings.finding import Finding, verdict_on

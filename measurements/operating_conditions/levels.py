@@ -7,7 +7,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..channels import CHANNELS
 from ..thresholds import LOAD_TOLERANCE, MIN_LEVEL_PROMINENCE, MIN_LEVEL_SHARE, MIN_ROWS_AT_LEVELS

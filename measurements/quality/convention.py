@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 from tirefmu.tires.signs import REVERSED, SIGNS
 
 from ..recording import Recording, once
@@ -106,7 +106,7 @@ def check_convention(recording: Recording) -> None:
     >>> check_convention(Recording(sweep, "iso", "a.csv"))
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: Fx falls with kappa, in iso it rises: no convention fits: ...
+    tirefmu.boundary.errors.DataError: a.csv: Fx falls with kappa, in iso it rises: no convention fits: ...
     """
     for note in convention_notes(recording):
         raise DataError(note)

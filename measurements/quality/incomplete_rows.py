@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..channels import INPUTS
 from ..recording import Recording

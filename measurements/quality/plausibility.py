@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..channels import CHANNELS
 from ..recording import Recording
@@ -57,7 +57,7 @@ def check_plausible(recording: Recording) -> None:
     >>> check_plausible(Recording(pd.DataFrame({"alpha": [0.0, 12.0]}), "iso", "a.csv"))
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: alpha reaches 12 rad: in degrees? declare it: 'alpha [deg]'
+    tirefmu.boundary.errors.DataError: a.csv: alpha reaches 12 rad: in degrees? declare it: 'alpha [deg]'
     """
     for problem in _problems(recording):
         raise DataError(f"{recording.source}: {problem}")

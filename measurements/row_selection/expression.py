@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
-from tirefmu.symbolic.escaping import excerpt
+from tirefmu.boundary.errors import DataError, TirefmuError, nearest
+from tirefmu.boundary.escaping import excerpt
 
 from ..channels import CHANNELS
 from ..column_names import intended_channel
@@ -77,7 +77,7 @@ def parse_selection(expression: str) -> Selection:
     >>> parse_selection("t > 2 min and pressure > 70 kPa")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: where 't > 2 min and pressure > 70 kPa': unknown name 'pressure': did you ...
+    tirefmu.boundary.errors.DataError: where 't > 2 min and pressure > 70 kPa': unknown name 'pressure': did you ...
     """
     parser = _Parser(expression)
     matches = parser.selection()

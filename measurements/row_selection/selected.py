@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..channels import CHANNELS
 from ..operating_conditions.phases import phases

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 from tirefmu.tires import tire_from
 from tirefmu.tires.signs import convert_signs
 

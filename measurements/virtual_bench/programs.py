@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 from tirefmu.tires.signs import reversed_columns
 
 from ..channels import INPUTS

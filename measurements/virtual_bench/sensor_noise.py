@@ -9,7 +9,7 @@ from math import pi, radians
 import numpy as np
 from numpy.typing import NDArray
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 
 from ..channels import CHANNELS, channel
 

@@ -12,10 +12,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
+from tirefmu.boundary.errors import EffectError, nearest
+from tirefmu.boundary.escaping import quoted, toml_string, visible
+
 from ..contract import ROLES
 from ..detection import Confounded, Detection, Form
-from ..errors import EffectError, nearest
-from ..escaping import quoted, toml_string, visible
 from ..quantities import ALPHA, BEYOND, FX, FY, FZ, GAMMA, KAPPA, MX, MY, MZ, PHIT, P, V
 from ..reserved import LONGEST_NAME, no_coefficient, no_effect
 from .checks import LONGEST_TEXT, MAX_COEFFICIENTS

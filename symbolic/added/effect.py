@@ -9,9 +9,10 @@ from functools import cached_property, partial
 from types import new_class
 from typing import TYPE_CHECKING
 
+from tirefmu.boundary.errors import EffectError
+
 from ..declarations import Coefficient, Section
 from ..detection import Detection
-from ..errors import EffectError
 from .formula_names import names_in
 from .state import State
 

@@ -26,11 +26,12 @@ from dataclasses import replace
 from math import isfinite
 from typing import Any
 
-from ..bounded_file import toml_content
+from tirefmu.boundary.bounded_file import toml_content
+from tirefmu.boundary.errors import EffectError
+from tirefmu.boundary.escaping import quoted, toml_string, visible
+
 from ..declarations import Coefficient, Effect
 from ..detection import Detection
-from ..errors import EffectError
-from ..escaping import quoted, toml_string, visible
 from ..reserved import no_coefficient, no_effect
 from .checks import LONGEST_FILE, check_effect
 from .detection_file import detection_text, known_keys, read_detection

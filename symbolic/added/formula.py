@@ -19,8 +19,9 @@ from typing import Any
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
-from ..errors import EffectError, nearest
-from ..escaping import quoted
+from tirefmu.boundary.errors import EffectError, nearest
+from tirefmu.boundary.escaping import quoted
+
 from ..functions import absolute, sgn, sgn1
 
 #: Limits of a formula: characters; nesting depth (n for a sum of n terms); names, numbers and operations.
@@ -71,7 +72,7 @@ def formula(text: str, location: str) -> sp.Expr:
     >>> formula("T/(2 - 2)", "example")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.EffectError: example: 'T / (2 - 2)' divides by 0
+    tirefmu.boundary.errors.EffectError: example: 'T / (2 - 2)' divides by 0
     """
     try:
         expression = _read(_tree(text), location)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ..errors import EffectError, nearest
-from ..escaping import quoted, toml_string
+from tirefmu.boundary.errors import EffectError, nearest
+from tirefmu.boundary.escaping import quoted, toml_string
+
 from ..reserved import no_state
 from .detection_file import known_keys
 from .state import FITTED, KINDS, PATHS, SPEED, WITH_FITTED_START, State, with_speeds

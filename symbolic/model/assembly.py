@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import sympy as sp
 
+from tirefmu.boundary.errors import EffectError, nearest
+from tirefmu.boundary.escaping import quoted
+
 from ..added import AddedEffect
 from ..declarations import Effect
-from ..errors import EffectError, nearest
-from ..escaping import quoted
 from ..notation import Chapter, Equation, Variant
 from .lines import reaching, replaced
 

@@ -13,6 +13,8 @@ from importlib import import_module
 from importlib.resources.abc import Traversable
 from typing import TYPE_CHECKING
 
+from tirefmu.boundary.errors import UnknownName, no_single_text
+
 from ..added import AddedEffect
 from ..added.checks import check_effects
 from ..added.effect import sections_of
@@ -20,7 +22,6 @@ from ..added.state import LINES, State
 from ..declarations import Coefficient, Effect, Option
 from ..detection import Detection
 from ..effects import EFFECTS
-from ..errors import UnknownName, no_single_text
 from ..options import OPTIONS, signs
 from .declaration import ModelDeclaration
 from .extension import check_names, further_inputs, has_place

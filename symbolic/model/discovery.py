@@ -5,7 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from pkgutil import iter_modules
 
-from ..errors import ModelError
+from tirefmu.boundary.errors import ModelError
+
 from .definition import Model
 
 

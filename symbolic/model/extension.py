@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 
+from tirefmu.boundary.errors import EffectError
+
 from ..added import AddedEffect
 from ..added.state import SLIDING_POWER
 from ..declarations import Quantity
 from ..effects import EFFECTS
-from ..errors import EffectError
 from ..options import OPTIONS
 from ..quantities import BEYOND, OWN_SPEED
 

@@ -15,8 +15,9 @@ import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from tirefmu.boundary.errors import ModelError
+
 from ..declarations import Coefficient, Quantity
-from ..errors import ModelError
 from ..options import signs
 from ..printers.operations import Tape, taped
 from ..quantities import V

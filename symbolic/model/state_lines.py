@@ -10,11 +10,12 @@ from collections.abc import Callable, Iterable, Sequence
 
 import sympy as sp
 
+from tirefmu.boundary.errors import EffectError, nearest
+
 from ..added.effect import AddedEffect, owners_of
 from ..added.formula import formula
 from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State
 from ..declarations import Effect
-from ..errors import EffectError, nearest
 from ..functions import absolute, sgn, where
 from ..notation import Chapter, Equation
 

@@ -13,7 +13,7 @@ from functools import cached_property
 from importlib.resources.abc import Traversable
 from typing import Any
 
-from ..errors import ModelError
+from tirefmu.boundary.errors import ModelError
 
 
 @dataclass(frozen=True)

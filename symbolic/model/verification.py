@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from tirefmu.boundary.errors import ModelError, nearest
+
 from ..contract import ROLES
-from ..errors import ModelError, nearest
 from ..quantities import BEYOND
 from .definition import INDISPENSABLE, Model
 from .sign_law import check_reversal, check_signs

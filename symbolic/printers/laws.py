@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from textwrap import fill, indent, wrap
 
-from ..escaping import python_comment
+from tirefmu.boundary.escaping import python_comment
+
 from ..laws import LAWS, Law
 from .c import PRINTER
 from .definitions import comment, definitions

@@ -11,9 +11,10 @@ from dataclasses import replace
 
 import sympy as sp
 
+from tirefmu.boundary.errors import TirefmuError
+
 from ..added.state import State
 from ..declarations import Quantity
-from ..errors import TirefmuError
 from ..functions import absolute, where
 from ..model import Model
 from ..model.lines import reaching

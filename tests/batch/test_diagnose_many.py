@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 
 from tirefmu.batch.diagnose_many import diagnose_many
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import published
 
 #: The same in Python and on the command line.

@@ -9,7 +9,7 @@ import pytest
 
 from tirefmu.batch.cluster import completed_on_cluster
 from tirefmu.batch.execution import Lost, completed
-from tirefmu.symbolic.errors import FitError
+from tirefmu.boundary.errors import FitError
 
 END = "__import__('os')._exit(3)"
 SLOW = "__import__('time').sleep(0.5) or {}"

@@ -13,9 +13,9 @@ import pytest
 
 from tirefmu.batch.fit_many import fit_many, run, task_of
 from tirefmu.batch.jobs import FitJob, read_jobs
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import published
 
 from .test_execution import cluster

@@ -7,10 +7,10 @@ import json
 import pytest
 
 from tirefmu.batch.intervals import bootstrap, profile
+from tirefmu.boundary.errors import FitError
 from tirefmu.cli import main
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, read_recording, write_table
-from tirefmu.symbolic.errors import FitError
 from tirefmu.tires import published
 
 from .test_execution import cluster

@@ -11,9 +11,9 @@ import pytest
 
 from tirefmu.batch.study import study
 from tirefmu.batch.study_file import read_study
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.fmu import export
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import published
 
 

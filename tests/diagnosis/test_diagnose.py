@@ -8,6 +8,8 @@ import pandas as pd
 import pytest
 
 import tirefmu
+from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
+from tirefmu.boundary.escaping import visible
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.reporting import curves_figure, report
 from tirefmu.diagnosis.reporting.memory_figure import memory_figure
@@ -22,8 +24,6 @@ from tirefmu.diagnosis.verdict.result import Diagnosis
 from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.added import library
-from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
-from tirefmu.symbolic.escaping import visible
 
 from ..declared_flags import declared_flags, flags
 from ..hostile import HOSTILE, Skeleton, is_plain

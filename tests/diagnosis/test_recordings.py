@@ -9,11 +9,11 @@ import pandas as pd
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.cli import main
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.recording.measurement_artefacts import ripple
 from tirefmu.diagnosis.recording.signals import signals_of
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import Tire, published
 
 from .suite import make_case

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.diagnosis import ResidualMap, draw_residual_maps, residual_map
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, trento_program
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import SIGNS, Tire, published
 
 TIRE = published("trento_hoosier")

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.diagnosis.probing.effect_probing import _edges
 from tirefmu.diagnosis.recording.signals import signals_of
 from tirefmu.diagnosis.thresholds import HOLDOUT_EVERY
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import convert_signs
 
 OUTPUTS = ["Fx", "Fy", "Mz"]

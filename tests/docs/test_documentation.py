@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 import tirefmu
+from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.cli import cli, main
 from tirefmu.measurements.units import UNITS
 from tirefmu.project.project_file import SECTIONS
-from tirefmu.symbolic.errors import LISTED_BY
 from tirefmu.symbolic.models import MODELS
 
 ROOT = Path(__file__).parents[2]

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.estimation.correlation import correlation_length, effective_sample_size
-from tirefmu.symbolic.errors import DataError
 
 
 def autoregressive(rho, rows, seed):

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.measurements.recording import Recording
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.hub import wheel_motion
 
 

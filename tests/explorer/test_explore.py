@@ -11,13 +11,13 @@ from hashlib import sha256
 import pytest
 
 from tests.hostile import HOSTILE, Skeleton
+from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.cli import main
 from tirefmu.explorer.explore import page_text
 from tirefmu.explorer.fit_intervals import fit_intervals
 from tirefmu.symbolic.added import AddedEffect
 from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.declarations import Coefficient
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.tires import published, read_tir
 
 #: Upper limit of the texts of an effect, in characters.

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.demo import bench_tire
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.constraint_functions import measured_values
@@ -24,7 +25,6 @@ from tirefmu.fitting.constraints.physical import (
     operating_range,
 )
 from tirefmu.fitting.constraints.verification import VerifiedConstraints
-from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import code_for
 

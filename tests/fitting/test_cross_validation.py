@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import cross_validate, cross_validation
 from tirefmu.measurements import Noise, group_by_condition
 from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
-from tirefmu.symbolic.errors import FitError
 
 LOADS, CAMBERS = (220.0, 400.0, 600.0, 800.0, 1000.0, 1120.0), (0.0, 2.0, 4.0)
 

@@ -8,6 +8,7 @@ from math import inf
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import Constraint
 from tirefmu.fitting.problem.rows import Rows
@@ -16,7 +17,6 @@ from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
 from tirefmu.fitting.solvers.selection import METHODS, solver_for
-from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import code_for, forces_of_each
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import DataError, FitError
 from tirefmu.estimation.slip_slope import read_slope
 from tirefmu.fitting.evidence.curves import compare
 from tirefmu.fitting.reporting.figures import _weighting, draw_figures
@@ -28,7 +29,6 @@ from tirefmu.measurements import (
     small_tire_program,
     trento_program,
 )
-from tirefmu.symbolic.errors import DataError, FitError
 from tirefmu.tires import SIGNS, Tire, published
 from tirefmu.tires.code.modules import numpy_routine
 

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.fitting import fit
 from tirefmu.fitting.data.fit_data import prepare
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate
-from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.symbolic.models import model_named
 
 BOOK = model_named("mf96")

@@ -8,9 +8,9 @@ from math import inf
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import DataError, FitError, UnknownName
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
-from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.models import model_named
 
 BOOK = model_named("mf96")

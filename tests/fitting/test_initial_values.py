@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.fitting import fit
 from tirefmu.fitting.data.initial_values import readings, starting_values
 from tirefmu.measurements import Noise
-from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
 

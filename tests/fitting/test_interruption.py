@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import fit
 from tirefmu.fitting.fit_run import FitRun
 from tirefmu.fitting.results.checkpoint import Checkpoint
 from tirefmu.fitting.solvers.interruption import Interruption
-from tirefmu.symbolic.errors import FitError
 
 STAGES = ["Fy: core, load, combined slip", "Fy", "Fx, Fy, Mz, random rows", "Fx, Fy, Mz, all rows"]
 

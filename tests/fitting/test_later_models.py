@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import chosen_constraints
 from tirefmu.measurements import Recording
-from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 

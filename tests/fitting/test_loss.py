@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.fitting import fit
 from tirefmu.fitting.problem.loss import LOSSES, loss_named, robust_scale
 from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.problem.weights import equal_weights, limits_of, noise_weights
 from tirefmu.measurements import ChannelNoise, Noise, Recording
-from tirefmu.symbolic.errors import UnknownName
 
 SIZE = 15.0  # N, of the noise
 FREE = ("PCY1", "PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PHY1", "PVY1")

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import FitError, TirefmuError, UnknownName
 from tirefmu.fitting import RECIPES, load_recipe
 from tirefmu.fitting.problem.recipe import Freed
-from tirefmu.symbolic.errors import FitError, TirefmuError, UnknownName
 from tirefmu.symbolic.models import MODELS
 
 DEG = radians(1.0)

@@ -8,6 +8,8 @@ from html.parser import HTMLParser
 
 import pytest
 
+from tirefmu.boundary.errors import FitError
+from tirefmu.boundary.escaping import figure_text, visible
 from tirefmu.fitting.constraints.verification import Margin
 from tirefmu.fitting.data.fit_data import ExcludedRows
 from tirefmu.fitting.evidence.consistency import Disagreement
@@ -17,8 +19,6 @@ from tirefmu.fitting.evidence.undetermined import Undetermined
 from tirefmu.fitting.reporting.report import report_page, write_report
 from tirefmu.fitting.results.records import HeldOut
 from tirefmu.measurements.provenance import provenance, table_digest
-from tirefmu.symbolic.errors import FitError
-from tirefmu.symbolic.escaping import figure_text, visible
 from tirefmu.tires.drawing.figure import Figure, Panel
 
 from ..hostile import HOSTILE, Skeleton, is_plain

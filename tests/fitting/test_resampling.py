@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.fitting import fit
 from tirefmu.fitting.evidence.uncertainty import QUANTILE, sandwich
 from tirefmu.fitting.resampling.bootstrap import (
@@ -21,7 +22,6 @@ from tirefmu.fitting.resampling.bootstrap import (
 from tirefmu.fitting.resampling.leverage import corrections, corrections_of
 from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
 from tirefmu.measurements import Noise
-from tirefmu.symbolic.errors import FitError, UnknownName
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.fitting import load_recipe
 from tirefmu.fitting.solvers.ipopt import SolverResult
 from tirefmu.fitting.solvers.restarts import best_end
-from tirefmu.symbolic.errors import UnknownName
 
 LOWER, UPPER = np.array([-10.0, -10.0]), np.array([10.0, 10.0])
 PROBLEM = SimpleNamespace(free=("RBY2", "RBY3"), scale=np.array([2.0, 0.5]))

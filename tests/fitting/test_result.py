@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.fitting.constraints.verification import Margin
 from tirefmu.fitting.evidence.uncertainty import QUANTILE
 from tirefmu.fitting.results.records import StageFit, quality
-from tirefmu.symbolic.errors import UnknownName
 
 NUMBERS = arrays(np.float64, st.integers(2, 30), elements=st.floats(-1e4, 1e4))
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW, read_slope
 from tirefmu.fitting import fit
 from tirefmu.fitting.evidence.uncertainty import uncertainty
 from tirefmu.fitting.problem.slope_targets import SlopeTarget
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
-from tirefmu.symbolic.errors import FitError
 
 from .test_uncertainty import FREE, correlated, sweeps
 

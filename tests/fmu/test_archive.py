@@ -9,9 +9,9 @@ import zipfile
 
 import pytest
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu.simulation import archive
 from tirefmu.fmu.simulation.archive import unpacked
-from tirefmu.symbolic.errors import FmuError
 
 DESCRIPTION = b'<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0"/>'
 

@@ -11,9 +11,9 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu.packaging.export import export
-from tirefmu.symbolic.errors import FmuError
 
 from .conftest import ERROR, OK
 

@@ -10,12 +10,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError, FmuError
 from tirefmu.fmu import check
 from tirefmu.fmu.comparison.check import largest_difference
 from tirefmu.fmu.comparison.figures import draw_check
 from tirefmu.fmu.packaging.export import export
 from tirefmu.measurements.recording import Recording
-from tirefmu.symbolic.errors import DataError, FmuError
 from tirefmu.tires.signs import convert_signs
 
 

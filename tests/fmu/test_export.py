@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu import export
 from tirefmu.fmu.description.documentation import LICENSE
 from tirefmu.fmu.packaging.export import c_identifier
-from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import published, read_tir
 
 ROOT = Path(__file__).parents[2]

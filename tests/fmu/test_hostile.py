@@ -15,11 +15,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu import check
 from tirefmu.fmu.packaging.binaries import binary_path
 from tirefmu.fmu.simulation import simulate
-from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires.property_file.writing import tir_text
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the hostile FMU is written for POSIX systems")

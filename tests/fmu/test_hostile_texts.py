@@ -10,17 +10,17 @@ from dataclasses import replace
 import pytest
 from hypothesis import example, given, settings
 
+from tirefmu.boundary.errors import FmuError, TirefmuError
+from tirefmu.boundary.escaping import toml_string
 from tirefmu.fmu.description.documentation import index_html
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.description.model_description import Header, model_description
 from tirefmu.fmu.description.terminals_and_icons import terminals
 from tirefmu.fmu.packaging.written_headers import model_config
 from tirefmu.symbolic.added import read_effect
-from tirefmu.symbolic.errors import FmuError, TirefmuError
-from tirefmu.symbolic.escaping import toml_string
 from tirefmu.tires import published, read_tir, write_tir
 
-from ..symbolic.hostile import NASTY, hostile_texts
+from ..boundary.hostile import NASTY, hostile_texts
 
 WORDS = "plain"
 

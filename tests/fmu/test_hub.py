@@ -11,10 +11,10 @@ import pytest
 from fmpy.validation import validate_fmu
 from scipy.spatial.transform import Rotation
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
-from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, MOTION, ROAD, SPIN, WRENCH
 from tirefmu.tires.hub import hub_wrench, wheel_motion
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.packaging.road_file import ROAD_FILE
 from tirefmu.fmu.simulation.simulate import loaded
-from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires.roads.opencrg import read_crg
 
 OK, DISCARD = 0, 2

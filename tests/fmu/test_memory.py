@@ -10,9 +10,9 @@ import pytest
 from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu import check, export
 from tirefmu.fmu.simulation.simulate import loaded
-from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
 
 OK, ERROR = 0, 3

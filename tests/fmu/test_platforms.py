@@ -10,11 +10,11 @@ import zipfile
 
 import pytest
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu import export
 from tirefmu.fmu.packaging import binaries, cross_compiler
 from tirefmu.fmu.packaging.binaries import binary_path, chosen_platforms
 from tirefmu.fmu.packaging.cross_compiler import PLATFORMS, universal
-from tirefmu.symbolic.errors import FmuError
 
 #: The first bytes of a binary: its format, and the offset of the processor type.
 FORMATS = {

@@ -18,11 +18,11 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu import export
 from tirefmu.fmu.packaging import prebuilding, prebuilt
 from tirefmu.fmu.packaging.export import fmi_headers
 from tirefmu.fmu.packaging.prebuilt import VALUES_FILE, generic, values_file
-from tirefmu.symbolic.errors import FmuError
 
 from .conftest import ERROR, OK
 from .test_robustness import SANITIZERS

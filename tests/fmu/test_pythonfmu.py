@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from fmpy.validation import validate_fmu
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu import check, export
 from tirefmu.fmu.packaging.binaries import host_platform
-from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import read_tir
 
 OK, DISCARD = 0, 2

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.packaging.sti import export_sti
-from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.wheel.quantities import CARRIER, WRENCH
 from tirefmu.tires.code.compiler import suffix
 from tirefmu.tires.hub import wheel_motion

@@ -14,10 +14,10 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd, read_ssm, read_ssv
 from lxml import etree
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu import export_parameters, export_system
 from tirefmu.fmu.simulation.connectors import connectors
-from tirefmu.symbolic.errors import FmuError
 
 from .conftest import OK
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu.description.units import FACTORS, base_unit
-from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.models import MODELS
 
 

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 from fmpy.validation import validate_fmu
 
+from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu import check
-from tirefmu.symbolic.errors import FmuError
 
 OK, DISCARD, ERROR = 0, 2, 3
 NAMES = ("first", "mf52", "mf61", "rolling")

@@ -11,7 +11,7 @@ import sys
 
 import pytest
 
-from tirefmu.symbolic.errors import LONGEST, TirefmuError
+from tirefmu.boundary.errors import LONGEST, TirefmuError
 
 from .kinds import KINDS
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.fitting.results.checkpoint import Checkpoint, FitState
 from tirefmu.measurements import read_recording
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.drawing.whole_file import write_whole
 
 from .harmful import HARMFUL, READ
@@ -30,7 +30,7 @@ import json, resource, sys
 from pathlib import Path
 from tests.fuzz.kinds import KINDS
 from tirefmu.measurements.files import native_reader
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 kind, folder = KINDS[sys.argv[1]], Path(sys.argv[2])
 size = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + {MEMORY}, resource.RLIM_INFINITY))

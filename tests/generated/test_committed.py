@@ -20,9 +20,9 @@ from tirefmu.tires.code.printed import code_file
 COMMITTED = Path(tirefmu.generated.__file__).parent
 PROGRAM = """
 import sys
-from tirefmu.symbolic.models import model
+from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.printers.generate import render_model
-sys.stdout.buffer.write("".join(f"{name}:{text}" for name, text in render_model(model("mf96")).items()).encode())
+sys.stdout.buffer.write("".join(f"{name}:{text}" for name, text in render_model(model_named("mf96")).items()).encode())
 """
 
 

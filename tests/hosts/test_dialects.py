@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.hosts.convert import convert
 from tirefmu.hosts.dialects import HOSTS
 from tirefmu.hosts.lint import lint
 from tirefmu.hosts.self_test import operating_conditions
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, read_tir
 

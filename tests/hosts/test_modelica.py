@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, TOLERANCE
 from tirefmu.tires import Tire
 

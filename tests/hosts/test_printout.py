@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.hosts.printout import generate, printed, program_of
 from tirefmu.hosts.self_test import operating_conditions, reference
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.printers.languages import LANGUAGES
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, Selection
 from tirefmu.tires import read_tir

@@ -2,10 +2,10 @@
 
 import pytest
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.measurements.channels import CHANNELS, INPUTS, OUTPUTS, channel
 from tirefmu.measurements.column_names import intended_channel, unit_in_name
 from tirefmu.measurements.units import unit_named
-from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS
 
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.measurements import CHANNELS, Recording, recording_from
-from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.tires.signs import REVERSED, SIGNS
 
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.measurements.units import UNITS, to_si, unit_named
-from tirefmu.symbolic.errors import DataError, UnknownName
 
 
 @pytest.mark.parametrize(

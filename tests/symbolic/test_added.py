@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import EffectError, UnknownName
 from tirefmu.symbolic.added import effect_text, library, read_effect
 from tirefmu.symbolic.added.formula import formula, formula_text
-from tirefmu.symbolic.errors import EffectError, UnknownName
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, read_tir
 

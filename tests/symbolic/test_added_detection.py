@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import EffectError
 from tirefmu.diagnosis.probing.confounding import EXPLANATIONS
 from tirefmu.symbolic.added import effect_text, folder, library, read_effect
 from tirefmu.symbolic.added.detection_file import FORM_KEYS, INPUTS, KEYS, OUTPUTS, read_detection
 from tirefmu.symbolic.added.file import read_declared
 from tirefmu.symbolic.detection import Detection
 from tirefmu.symbolic.effects import EFFECTS
-from tirefmu.symbolic.errors import EffectError
 from tirefmu.symbolic.models import MODELS
 
 OWN = """

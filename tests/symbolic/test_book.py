@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.symbolic.effects import EFFECTS
-from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import MODELS, model_named
 from tirefmu.symbolic.notation import Choice, Switch, Variant

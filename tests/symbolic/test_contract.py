@@ -10,13 +10,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import ModelError
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
 from tirefmu.fitting.problem.recipe import load_recipe
 from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.contract import PropertyFile, Role, positive
-from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.model.discovery import register
 from tirefmu.symbolic.model.verification import verify
 from tirefmu.symbolic.models import MODELS

@@ -7,8 +7,8 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import EffectError
 from tirefmu.symbolic.added.formula import DEEPEST, LARGEST, LONGEST, formula, formula_text
-from tirefmu.symbolic.errors import EffectError
 
 
 @pytest.mark.parametrize(

@@ -11,18 +11,18 @@ import pytest
 import sympy as sp
 from hypothesis import example, given, settings
 
+from tirefmu.boundary.errors import EffectError
 from tirefmu.symbolic.added import AddedEffect, effect_text, read_effect
 from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.contract import Role
 from tirefmu.symbolic.declarations import Coefficient, Section
-from tirefmu.symbolic.errors import EffectError
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.notation import Chapter
 from tirefmu.symbolic.printers.generate import render_model
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
-from .hostile import NASTY, hostile_texts
+from ..boundary.hostile import NASTY, hostile_texts
 
 CODE = NASTY[1]
 WORDS = "a plain text"

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
+from tirefmu.boundary.errors import ModelError
 from tirefmu.symbolic import models
-from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.model.structure import Structure
 from tirefmu.symbolic.models import MODELS, model_named, whole_library

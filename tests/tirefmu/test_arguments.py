@@ -7,11 +7,11 @@ import pandas as pd
 import pytest
 
 import tirefmu
+from tirefmu.boundary.errors import DataError, FmuError, TirefmuError, TirError, UnknownName, WrongType
 from tirefmu.diagnosis import residual_map
 from tirefmu.fitting import assign_folds, cross_validate, draw_figures, fit
 from tirefmu.fmu.packaging.export import fmi_version
 from tirefmu.measurements import Noise, Recording, alpha_sweeps, recording_from, recordings_from
-from tirefmu.symbolic.errors import DataError, FmuError, TirefmuError, TirError, UnknownName, WrongType
 
 NAME = "trento_hoosier"
 

@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
 
+from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.measurements import Noise, VirtualBench, small_tire_program, write_table
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, Tire, published
 from tirefmu.tires.drawing import files

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.escaping import toml_string
 from tirefmu.cli import main
 from tirefmu.symbolic.added import effect_text, read_effect
-from tirefmu.symbolic.escaping import toml_string
 from tirefmu.tires import published, write_tir
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
 

@@ -13,12 +13,12 @@ import pandas as pd
 import pytest
 
 import tirefmu
+from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.cli import cli
 from tirefmu.commands.command_help import EXAMPLES
 from tirefmu.commands.fit_command import _testable
 from tirefmu.measurements import Recording
 from tirefmu.progress import FitProgress
-from tirefmu.symbolic.errors import LISTED_BY
 from tirefmu.tires import published
 
 #: A name that a shell would not leave alone.

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from tests.hostile import HOSTILE, Skeleton
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import cli
 from tirefmu.project.limited import TimeLimitReached, run_limited
 from tirefmu.project.project_file import SECTIONS, project_text, read_project
 from tirefmu.project.records import Records
 from tirefmu.project.run import run_project
 from tirefmu.project.steps import steps_of
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.terminal import Terminal
 
 from .conftest import EFFECTS

@@ -9,9 +9,9 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
+from tirefmu.boundary.errors import LONGEST, TirefmuError, UnknownName
 from tirefmu.cli import main
 from tirefmu.fit_tables import LONGEST_CELL, plain_table
-from tirefmu.symbolic.errors import LONGEST, TirefmuError, UnknownName
 from tirefmu.terminal import Terminal
 from tirefmu.tires import published
 

@@ -9,10 +9,10 @@ import pytest
 
 from tirefmu.batch.jobs import OPTIONS
 from tirefmu.batch.study_file import KEYS
+from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.fitting.problem.recipe import RECIPES, STAGE_KEYS
 from tirefmu.measurements import CHANNELS
 from tirefmu.project.project_file import SECTIONS
-from tirefmu.symbolic.errors import LISTED_BY
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, published
 from tirefmu.tires.property_file.units import UNITS as TIR_UNITS

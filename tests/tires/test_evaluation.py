@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.tires import Tire, convert_signs
 from tirefmu.tires.signs import MIRRORED
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.tires.hub import hub_wrench, wheel_motion
 
 RANDOM = np.random.default_rng(11)

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.tires import PUBLISHED, published, read_tir
 
 #: The UNICAMP paper's tables 2 and 3.

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.boundary.errors import DataError
 from tirefmu.tires.roads.opencrg import read_crg
 from tirefmu.tires.roads.road import Road
 

@@ -7,7 +7,7 @@ import itertools
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.tires import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS, convert_signs
 from tirefmu.tires.signs import reversed_columns
 

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 from scipy.integrate import solve_ivp
 
+from tirefmu.boundary.errors import EffectError
 from tirefmu.symbolic.added import library, read_effect
-from tirefmu.symbolic.errors import EffectError
 from tirefmu.tires import Tire, read_tir
 from tirefmu.tires.code import code_for
 from tirefmu.tires.evaluation import quantities

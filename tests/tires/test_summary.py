@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tirefmu.symbolic.errors import TireError, UnknownName
+from tirefmu.boundary.errors import TireError, UnknownName
 from tirefmu.tires import PUBLISHED, Tire, published
 
 SIZE = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.symbolic.errors import TireError, TirError
+from tirefmu.boundary.errors import TireError, TirError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, Tire, published, read_tir, tire_from, write_tir
 from tirefmu.tires.definition import RANGES

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic.errors import TirError
+from tirefmu.boundary.errors import TirError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import read_tir, write_tir
 from tirefmu.tires.property_file.names import not_given

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.symbolic.errors import TirError
+from tirefmu.boundary.errors import TirError
 from tirefmu.tires import read_tir, write_tir
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 from tirefmu.tires.property_file.units import UNITS

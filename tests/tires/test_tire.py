@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic.errors import DataError, TireError, UnknownName
+from tirefmu.boundary.errors import DataError, TireError, UnknownName
 from tirefmu.tires import PUBLISHED, Forces, Tire, convert_signs, published
 
 SMALL = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3}

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.quantities import AT_ONCE
 from tirefmu.tires import Tire

@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.declarations import Coefficient, Effect
 from tirefmu.symbolic.effects import EFFECTS
-from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.models import MODELS, model_named
 from tirefmu.tires import published
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.errors import TirefmuError
 
 from ..arguments import (
     FILE,
@@ -177,7 +177,7 @@ def _error_lines(summary: dict[str, Any]) -> list[str]:
 
 def user_effect(path: Path) -> Any:
     """Return the effect of an effect file."""
+    from tirefmu.boundary.bounded_file import text_file
     from tirefmu.symbolic.added import read_effect
-    from tirefmu.symbolic.bounded_file import text_file
 
     return read_effect(text_file(path, TirefmuError), str(path))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tirefmu.symbolic.escaping import command_text
+from tirefmu.boundary.escaping import command_text
 
 from ..arguments import FILE, check_output_paths, common, write_json
 

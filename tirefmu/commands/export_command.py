@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 
 from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, common, write_json
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.symbolic.escaping import command_text, file_name
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.escaping import command_text, file_name
 
 from ..arguments import (
     FILE,

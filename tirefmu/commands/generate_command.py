@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.symbolic.printers.languages import LANGUAGES
 
 from ..arguments import FILE, check_input_paths, check_output_paths, common, names, write_json

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 
 from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, command_line, common, write_json
 

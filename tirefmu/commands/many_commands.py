@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 
 from ..arguments import (
     FILE,

@@ -11,9 +11,9 @@ from typing import Any
 
 import click
 
+from tirefmu.boundary.errors import TirefmuError, UnknownName
+from tirefmu.boundary.escaping import command_text
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
-from tirefmu.symbolic.escaping import command_text
 
 from ..arguments import FILE, MODEL, SIGNS, Pairs, check_output_paths, common, names, write_json
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from threading import Event, Timer
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 
 #: What an error of the command line begins with.
 ERROR = "tirefmu: error: "

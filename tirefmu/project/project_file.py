@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tirefmu.symbolic.bounded_file import toml_file
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
-from tirefmu.symbolic.escaping import quoted, toml_string
+from tirefmu.boundary.bounded_file import toml_file
+from tirefmu.boundary.errors import TirefmuError, UnknownName
+from tirefmu.boundary.escaping import quoted, toml_string
 
 #: Default time limit of a diagnosis, seconds. Judgement: longer than all other steps of a measured recording together.
 TIME_LIMIT = 900.0

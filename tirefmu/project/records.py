@@ -10,8 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from tirefmu.symbolic.bounded_file import read_bounded
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.bounded_file import read_bounded
+from tirefmu.boundary.errors import TirefmuError
 
 from .steps import Step
 

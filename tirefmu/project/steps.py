@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tirefmu.symbolic.escaping import file_name
+from tirefmu.boundary.escaping import file_name
 
 from .project_file import Project
 

@@ -20,8 +20,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.symbolic.escaping import visible
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.escaping import visible
 
 from .build_cache import cached
 

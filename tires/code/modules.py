@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.symbolic.model import Model
 
 from .printed import packaged_file, printed_folder

@@ -19,8 +19,8 @@ from importlib.util import MAGIC_NUMBER
 from pathlib import Path
 from typing import Any
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.symbolic.added import AddedEffect, texts_digest
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS, WITH_EFFECTS, model_named
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.escaping import script_json
+from tirefmu.boundary.escaping import script_json
 
 from .figure import Cells, Figure, Panel, Series
 

@@ -7,7 +7,7 @@ from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError
 
 LIBRARY, LIBRARY_SCRIPT, LIBRARY_STYLE = "uplot", "uPlot.iife.js", "uPlot.min.css"
 

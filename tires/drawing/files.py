@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
+from tirefmu.boundary.errors import TirefmuError, UnknownName, path_from
 
 from ..tire_argument import TireLike, tire_from
 from .picture import DPI, picture, rendered

@@ -11,7 +11,7 @@ from typing import Any
 from jinja2 import DictLoader, Environment, StrictUndefined
 from markupsafe import Markup
 
-from tirefmu.symbolic.escaping import visible
+from tirefmu.boundary.escaping import visible
 
 from .chart_data import chart_data
 from .chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 
 from ..definition import TireDefinition
 from .labels import axis_label, held_text, letter, note, per_si

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
-from tirefmu.symbolic.escaping import figure_text
+from tirefmu.boundary.errors import TirefmuError, UnknownName
+from tirefmu.boundary.escaping import figure_text
 
 from ..definition import TireDefinition
 from ..evaluation import Conventions, evaluate

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from tirefmu.symbolic.errors import TirError, nearest
-from tirefmu.symbolic.escaping import excerpt, quoted
+from tirefmu.boundary.errors import TirError, nearest
+from tirefmu.boundary.escaping import excerpt, quoted
 from tirefmu.symbolic.models import MODELS
 
 from .names import folded, model_by_coefficients

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterable
 from pathlib import Path
 
-from tirefmu.symbolic.errors import LISTED_BY, TirError
+from tirefmu.boundary.errors import LISTED_BY, TirError
 from tirefmu.symbolic.model import Model
 
 from .names import HEADER, KEPT_UNITS, MAX_SEARCHED, OtherEntry, aliases, model_lines, near_miss, unit_of

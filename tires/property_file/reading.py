@@ -17,9 +17,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from tirefmu.boundary.errors import LISTED_BY, TirefmuError, TirError, UnknownName, nearest, path_from
+from tirefmu.boundary.escaping import excerpt, quoted
 from tirefmu.symbolic.added import AddedEffect, library, read_effect
-from tirefmu.symbolic.errors import LISTED_BY, TirefmuError, TirError, UnknownName, nearest, path_from
-from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 from tirefmu.symbolic.models import with_library
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping, MutableMapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.symbolic.errors import TirError, nearest
-from tirefmu.symbolic.escaping import quoted
+from tirefmu.boundary.errors import TirError, nearest
+from tirefmu.boundary.escaping import quoted
 
 from .names import IDLE_UNITS
 from .text import Entry, unquoted

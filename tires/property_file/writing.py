@@ -8,9 +8,9 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from tirefmu.boundary.errors import TirError, path_from
+from tirefmu.boundary.escaping import visible
 from tirefmu.symbolic.added import effect_text, library
-from tirefmu.symbolic.errors import TirError, path_from
-from tirefmu.symbolic.escaping import visible
 
 from ..definition import RANGES, TireDefinition
 from .names import (

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.bounded_file import read_bounded
-from tirefmu.symbolic.errors import DataError, nearest, path_from
-from tirefmu.symbolic.escaping import quoted
+from tirefmu.boundary.bounded_file import read_bounded
+from tirefmu.boundary.errors import DataError, nearest, path_from
+from tirefmu.boundary.escaping import quoted
 
 from .road import Road
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ...errors import UnknownName
+from tirefmu.boundary.errors import UnknownName
 
 if TYPE_CHECKING:
     from .program import Program

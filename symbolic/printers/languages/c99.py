@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...escaping import c_comment
+from tirefmu.boundary.escaping import c_comment
+
 from ..definitions import comment
 from ..routines import Routine
 from .expressions import C99Printer

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ...escaping import python_comment
+from tirefmu.boundary.escaping import python_comment
+
 from ..expressions import CasadiPrinter
 from .layout import Layout, filled, wrapped
 from .program import TOLERANCE, Program

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ...escaping import c_comment
+from tirefmu.boundary.escaping import c_comment
+
 from ..routines import Routine
 from .expressions import JavaScriptPrinter
 from .layout import Layout, filled

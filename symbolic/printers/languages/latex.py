@@ -8,7 +8,8 @@ from itertools import groupby
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
-from ...escaping import latex_text, line_comment
+from tirefmu.boundary.escaping import latex_text, line_comment
+
 from ...notation import Equation
 from .layout import Layout, filled
 from .program import Program

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from ...escaping import line_comment
+from tirefmu.boundary.escaping import line_comment
+
 from ..routines import Routine, chosen_routines
 from .expressions import MatlabPrinter
 from .layout import Layout, filled, wrapped

@@ -6,9 +6,10 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.escaping import c_comment, python_comment
+
 from ...declarations import Quantity
-from ...errors import TirefmuError
-from ...escaping import c_comment, python_comment
 from ..routines import Routine
 from ..states import ENDINGS
 from .expressions import ModelicaPrinter

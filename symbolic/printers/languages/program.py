@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from tirefmu.boundary.errors import TirefmuError
+
 from ...declarations import Quantity
-from ...errors import TirefmuError
 from ...model import Model
 from ...model.lines import reaching, reduced
 from ...notation import Equation

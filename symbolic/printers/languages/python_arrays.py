@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from ...escaping import python_comment
+from tirefmu.boundary.escaping import python_comment
+
 from ..routines import Routine, chosen_routines
 from .array_libraries import JAX, NUMPY, TORCH, ArrayLibrary
 from .layout import Layout, filled, wrapped

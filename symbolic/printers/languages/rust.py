@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...escaping import c_comment
+from tirefmu.boundary.escaping import c_comment
+
 from ..routines import Routine
 from .expressions import RustPrinter
 from .layout import Layout, filled

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from textwrap import fill, indent
 
+from tirefmu.boundary.escaping import python_comment
+
 from ...declarations import Quantity
-from ...escaping import python_comment
 from ...wheel.kinematics import FUNCTIONS, KinematicFunction
 from ..definitions import calling_math, comment, definitions
 from ..expressions import PlainCPrinter

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.measurements import (
     check_plausible,
     convention_notes,
@@ -11,7 +12,6 @@ from tirefmu.measurements import (
     read_recording,
 )
 from tirefmu.measurements.findings.two_tires import two_tires
-from tirefmu.symbolic.errors import DataError, TirefmuError
 
 
 def good_table(rows=600):

@@ -6,8 +6,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.measurements import INPUTS, check_plausible, coverage_notes, exclude_rows, read_recording
-from tirefmu.symbolic.errors import TirefmuError
 
 DAT = b"""Tire_Name=Somebody's 16x7.5-10\tISO False
 ET\tV\tSA\tIA\tP\tFX\tFY\tFZ\tMX\tMZ\tTSTC\tSL

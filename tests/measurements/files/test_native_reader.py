@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import read_recording
 from tirefmu.measurements.files import native_reader
-from tirefmu.symbolic.errors import DataError
 
 CHANNELS = ("ET", "SA", "IA", "FY", "SL")
 

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 from tirefmu.measurements import Recording, check_plausible, read_recording, recording_from, write_table
 from tirefmu.measurements.files.columns import MAX_COLUMNS
-from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

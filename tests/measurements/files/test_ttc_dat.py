@@ -5,9 +5,9 @@ from math import radians
 import numpy as np
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import read_recording
 from tirefmu.measurements.units import POUND, PSI
-from tirefmu.symbolic.errors import DataError
 
 NAMES = ["ET", "V", "N", "SA", "IA", "RL", "RE", "P", "FX", "FY", "FZ", "MX", "MZ", "TSTI", "TSTC", "TSTO", "AmbTmp",
          "SR", "SL"]  # fmt: skip

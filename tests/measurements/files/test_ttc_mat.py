@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import check_plausible, convention_notes, levels, read_recording
-from tirefmu.symbolic.errors import DataError
 
 ROWS = 12
 SI = {"ET": "sec", "V": "kph", "SA": "deg", "IA": "deg", "P": "kPa", "FX": "N", "FY": "N", "FZ": "N",

@@ -4,8 +4,8 @@ from math import radians
 
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import read_recording
-from tirefmu.symbolic.errors import DataError
 
 CHANNELS = [
     "MEASNUMB  measurement point              -         1         0         0",

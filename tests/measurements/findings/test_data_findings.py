@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import (
     Recording,
     VirtualBench,
@@ -19,7 +20,6 @@ from tirefmu.measurements import (
     trento_program,
 )
 from tirefmu.measurements.row_selection.expression import parse_selection
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import published
 
 STEP = 0.01

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import find_peaks
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import level_tolerance, levels
 from tirefmu.measurements.operating_conditions.levels import _peaks, _prominences
-from tirefmu.symbolic.errors import DataError
 
 
 def test_a_tolerance_is_positive():

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import Recording, check_convention, convention_notes, fitting_conventions
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import SIGNS
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import Recording, check_plausible
-from tirefmu.symbolic.errors import DataError
 
 
 def recording(signs="iso", declared="", **columns) -> Recording:

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import (
     EXCLUSION_REASONS,
     Recording,
@@ -17,7 +18,6 @@ from tirefmu.measurements import (
     trento_program,
 )
 from tirefmu.measurements.thresholds import SETTLING_TIME
-from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import published
 
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import Recording, recordings_from, selected
 from tirefmu.measurements.row_selection.expression import KEYWORDS, NAMES, parse_range, parse_selection
-from tirefmu.symbolic.errors import DataError
 
 ROWS = 600
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.measurements import (
     ChannelNoise,
     Noise,
@@ -27,7 +28,6 @@ from tirefmu.measurements import (
 )
 from tirefmu.measurements import TestedTire as AnyTire  # pytest takes a Test... for a class of tests
 from tirefmu.measurements.virtual_bench.sensor_noise import correlated
-from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.tires.signs import SIGNS, convert_signs
 
 

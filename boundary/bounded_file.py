@@ -69,7 +69,7 @@ def toml_content(text: str, source: str, error: type[TirefmuError]) -> dict[str,
     >>> toml_content("a." * 20 + "b = 1", "a.toml", TirefmuError)
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.TirefmuError: a.toml: a key or a value has more than 20 levels
+    tirefmu.boundary.errors.TirefmuError: a.toml: a key or a value has more than 20 levels
     """
     structure = _TEXT_OR_COMMENT.sub("", text)
     levels = accumulate(_LEVEL[sign] for sign in re.findall(r"[\[\]{}]", structure))

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.symbolic import errors
-from tirefmu.symbolic.errors import TirefmuError, UnknownName, nearest
+from tirefmu.boundary import errors
+from tirefmu.boundary.errors import TirefmuError, UnknownName, nearest
 
 MANY = [f"name_{number:02d}" for number in range(30)]
 

@@ -13,7 +13,7 @@ from io import StringIO
 import pytest
 from hypothesis import example, given, settings
 
-from tirefmu.symbolic import escaping
+from tirefmu.boundary import escaping
 
 from .hostile import NASTY, hostile_texts
 

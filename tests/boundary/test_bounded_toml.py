@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 
 from tirefmu.batch.jobs import read_jobs
 from tirefmu.batch.study_file import read_study
+from tirefmu.boundary.bounded_file import DEEPEST, MAX_BYTES, toml_content
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.commands.diagnose_command import user_effect
 from tirefmu.fitting.problem.recipe import load_recipe
 from tirefmu.project.project_file import read_project
 from tirefmu.symbolic.added import read_effect
-from tirefmu.symbolic.bounded_file import DEEPEST, MAX_BYTES, toml_content
-from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import published, read_tir, write_tir
 
 ROOT = Path(__file__).parents[2]
@@ -99,7 +99,7 @@ def test_toml_is_parsed_in_one_module():
     packages = [path.parent for path in ROOT.glob("*/__init__.py") if path.parent.name != "tests"]
     files = [path for package in packages for path in package.rglob("*.py")]
     found = [path for path in files if re.search("^ *(import|from) tomllib", path.read_text(encoding="utf-8"), re.M)]
-    assert [str(path.relative_to(ROOT)) for path in found] == [str(Path("symbolic", "bounded_file.py"))]
+    assert [str(path.relative_to(ROOT)) for path in found] == [str(Path("boundary", "bounded_file.py"))]
 
 
 #: Characters that begin, end or escape a text, a comment, a key, an array or a table.

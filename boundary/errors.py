@@ -83,7 +83,7 @@ def no_single_text(parameter: str, names: object) -> None:
     >>> no_single_text("effects", "plysteer")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.WrongType: effects is 'plysteer' (str): it has to be a list of names, such as ['plysteer']
+    tirefmu.boundary.errors.WrongType: effects is 'plysteer' (str): it has to be a list of names, such as ['plysteer']
     """
     if isinstance(names, str):
         raise WrongType(parameter, names, f"a list of names, such as [{names[:40]!r}]")
@@ -167,7 +167,7 @@ def path_from(value: Any, parameter: str = "path") -> Path:
     >>> path_from(3)
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.WrongType: path is 3 (int): it has to be a str or a Path
+    tirefmu.boundary.errors.WrongType: path is 3 (int): it has to be a str or a Path
     """
     if not isinstance(value, (str, os.PathLike)):
         raise WrongType(parameter, value, "a str or a Path")
