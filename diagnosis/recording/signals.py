@@ -1,4 +1,8 @@
-"""Preprocessed recording: sign convention of the formula, smoothed inputs, time blocks."""
+"""Preprocessed recording: sign convention of the formula, smoothed inputs, time blocks.
+
+The windows of smoothing are selected from the data (`tirefmu.estimation.smoothing`). Every eighth block is the hold-out
+set, which no fit uses; confirmation, formulas and delivery are checked on it. Fx is excluded if kappa is always 0.
+"""
 
 from __future__ import annotations
 

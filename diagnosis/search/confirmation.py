@@ -1,4 +1,10 @@
-"""Confirmation of identified effects: the final fit is compared with a fit without each effect."""
+"""Confirmation of identified effects: the final fit is compared with a fit without each effect.
+
+Compared are the joint significance of the difference between both fits, the number of stretches that improve, the error
+on the hold-out set, and cross-talk that only the fit with the effect increases beyond that of a bench. An effect with
+states must also exceed the noise of the inputs, which it might filter. Effects that fail are removed, and the search
+goes on without them, because another one may explain the same residual.
+"""
 
 from __future__ import annotations
 

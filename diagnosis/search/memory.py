@@ -6,6 +6,11 @@ there, or if unexplained structure depends on the past, the search is repeated f
 A skew of the recording and an error of the load that follows the direction of slip are then linear disturbances. They
 are estimated together with the effects, because these, too, separate growing from falling slip. The result replaces the
 first one if it has an effect with states, or if it needs fewer effects.
+
+The repeated search begins with or without the skew that was found before, whichever lets the first effect explain more:
+a carcass delays the forces, too. An effect with states is preferred to one without if its gain is larger by two
+standard errors. If structure that depends on the past remains beside the first effect and another one gained as much,
+the search is repeated without the first effect; that result is taken if it explains more with fewer findings.
 """
 
 from __future__ import annotations

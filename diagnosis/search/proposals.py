@@ -2,6 +2,10 @@
 
 Errors of the functional form, which the search used as disturbances, become one correction of the form. Structure that
 no effect of the library explains becomes an effect of its own.
+
+Terms in the inputs of the core alone are one effect ``form_...``, which the verdict names as a finer form, not as a
+missing effect. Unless the final fit without it confirms an effect, the model remains as it is. Terms that also depend
+on variables of an identified effect are not delivered: they would replace this effect in part.
 """
 
 from __future__ import annotations

@@ -1,4 +1,9 @@
-"""The final fit after a search: without errors of the functional form, confirmed effects only, whitened noise."""
+"""The final fit after a search: without errors of the functional form, confirmed effects only, whitened noise.
+
+Channels are weighted by their residuals, so that a channel with an inexact formula does not make the others worse; the
+baseline tire is fitted with the same weights. Refinements that the recording does not determine are removed. Cross-talk
+remains only if it is as significant as an effect. If no effect remains, both are one tire.
+"""
 
 from __future__ import annotations
 

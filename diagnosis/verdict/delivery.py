@@ -1,4 +1,10 @@
-"""Whether the improved tire is delivered: it must not be worse than the baseline tire."""
+"""Whether the improved tire is delivered: it must not be worse than the baseline tire.
+
+It is not delivered if the squared residual of a channel, or of all together, increases by more than its scatter. Per
+block of time the residuals are r and r + d, r of the better tire; the increase is d'd + 2 r'd, of which the second term
+is noise. A mere test of the increase over blocks would pass a tire that is far off in one block, a ratio one that is
+worse everywhere by a little.
+"""
 
 from __future__ import annotations
 

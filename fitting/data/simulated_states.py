@@ -1,4 +1,8 @@
-"""States of effects in the data of a fit: simulated over each recording, then constant during a solution."""
+"""States of effects in the data of a fit: simulated over each recording, then constant during a solution.
+
+The states are simulated with the present values before each stage and again after it, and the stage is then repeated
+(`STATE_ROUNDS`). Coefficients in the equations of states have no influence on a stage and stay at their values.
+"""
 
 from __future__ import annotations
 

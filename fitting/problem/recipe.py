@@ -1,4 +1,9 @@
-"""Recipes: the stages of a fit, as TOML files."""
+"""Recipes: the stages of a fit, as TOML files.
+
+A stage has one of three types. Intermediate stages use random rows and are followed by another such stage. A
+penultimate stage precedes a stage with all rows. All others are final. A stage that a later one continues may end when
+little further gain is possible. Rows are sampled at random, because every k-th row would alias with sweeps.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,10 @@
 
 All signs are adapted SAE, the convention of the bounds in declarations and recipes. Rows are gone through in blocks, so
 that many of them need little memory beyond their own.
+
+Gradient and J^T W J of each force are accumulated in the compiled kernel of the derivatives, 256 rows at a time, while
+the derivatives are in the cache of the processor. The Jacobian is not written out, and one library serves every set of
+free coefficients. Without a compiler `equations_by_chunks` computes the same.
 """
 
 from __future__ import annotations

@@ -3,6 +3,15 @@
 Compiled code evaluates the cost over all rows, so it is a CasADi callback. The constraints are callbacks of the
 generated CasADi functions. `convergence` decides at the point that IPOPT returns whether it is an optimum, whatever the
 return status is.
+
+These settings were found by experience:
+
+- Second-order corrections and the watchdog reject good steps; both are off.
+- The Gauss-Newton matrix is nearly singular. Without adaptive damping IPOPT does not converge.
+- The barrier parameter has to be small, because the cost is 0.001 to 1.
+- Steps that restore a constraint may increase the cost. Therefore the best feasible point is stored.
+- CasADi's matrices take longer to make than most functions to compute: cost, derivatives and constraints read and
+  write its memory.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Export of a tire as a library with the Standard Tyre Interface (TYDEX-STI), for multibody programs."""
+"""Export of a tire as a library with the Standard Tyre Interface (TYDEX-STI), for multibody programs.
+
+A call of the interface builds an instance for Model Exchange from the compiled-in values and the states of the host, so
+that nothing is stored between calls.
+"""
 
 from __future__ import annotations
 
