@@ -57,6 +57,7 @@ def bootstrap(
     Parameters
     ----------
     result : FitResult
+        Of a fit of these tables.
     tables : path, DataFrame or Recording, or a sequence of them
         The data of the fit, in the same order.
     replicates : int
@@ -122,7 +123,9 @@ def profile(
     Parameters
     ----------
     result : FitResult
+        Of a fit of these tables.
     coefficients : sequence of str
+        Names of free coefficients.
     scheduler, workers
         As for `bootstrap`.
     progress : callable, optional

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-enum { MOST = 64, FIXED = 5 };
+enum { MAX_VARIABLES = 64, FIXED = 5 };
 #define STEP 1e-3
 
 static unsigned long long seed = 1;
@@ -39,8 +39,8 @@ static double now(void)
 
 int main(int argc, char *argv[])
 {
-    fmi3ValueReference inputs[MOST], results[MOST];
-    double low[MOST], high[MOST], values[MOST], found[MOST], last, *times;
+    fmi3ValueReference inputs[MAX_VARIABLES], results[MAX_VARIABLES];
+    double low[MAX_VARIABLES], high[MAX_VARIABLES], values[MAX_VARIABLES], found[MAX_VARIABLES], last, *times;
     const long n = argc > FIXED ? strtol(argv[2], NULL, 10) : 0;
     const int n_inputs = argc - FIXED, n_results = argc > FIXED ? atoi(argv[4]) : 0;
     fmi3Boolean flags[3];
@@ -48,7 +48,7 @@ int main(int argc, char *argv[])
     long i;
     int j;
 
-    if (n < 1 || n_inputs > MOST || n_results > MOST || !(times = malloc((size_t) n * sizeof *times)))
+    if (n < 1 || n_inputs > MAX_VARIABLES || n_results > MAX_VARIABLES || !(times = malloc((size_t) n * sizeof *times)))
         return 2;
     for (j = 0; j < n_inputs; j++)
         if (sscanf(argv[FIXED + j], "%u:%lf:%lf", &inputs[j], &low[j], &high[j]) != 3)

@@ -13,7 +13,7 @@ from tirefmu.tires import Tire
 from tirefmu.tires.drawing.tire_figures import WIDEST, default_loads
 
 #: Curves of a figure; of more sweeps, those with the most rows.
-MOST = 6
+MAX_SWEEPS = 6
 #: Sweeps with fewer rows are not drawn.
 MIN_ROWS = 10
 #: Inputs in addition to load and camber that a program may set to several levels: one of each is drawn.
@@ -52,7 +52,7 @@ def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep
     found = [sweep for recording in recordings for sweep in _measured(recording, slip)]
     for name in FURTHER:
         found = _at_main_level(found, name)
-    most = sorted(_merged(found), key=lambda sweep: -len(sweep.rows))[:MOST]
+    most = sorted(_merged(found), key=lambda sweep: -len(sweep.rows))[:MAX_SWEEPS]
     if most:
         return sorted(most, key=lambda sweep: abs(sweep.load))
     low, high = tire.ranges.get(slip, WIDEST[slip])

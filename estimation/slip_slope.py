@@ -19,7 +19,7 @@ IntArray = npt.NDArray[np.int64]
 #: slip, narrow enough for a cubic.
 SLOPE_WINDOW = {"kappa": 0.04, "alpha": radians(2.0)}
 #: Fewest rows in a window, and in each of its quarters: without rows near zero, or on one side, no slope is read.
-FEWEST, MIN_IN_QUARTER = 12, 2
+MIN_POINTS, MIN_IN_QUARTER = 12, 2
 #: Largest correlation of neighboring rows that is estimated: a correlation length of 200 rows, longer than a pass.
 MAX_CORRELATED = 0.99
 
@@ -61,7 +61,7 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     inside = np.flatnonzero(np.isfinite(slip) & np.isfinite(force) & (np.abs(slip) < window))
     x, y = slip[inside] / window, force[inside]
     quarters = np.bincount(np.clip((2.0 * (x + 1.0)).astype(int), 0, 3), minlength=4)
-    if len(x) < FEWEST or quarters.min() < MIN_IN_QUARTER:
+    if len(x) < MIN_POINTS or quarters.min() < MIN_IN_QUARTER:
         return Slope(nan, nan)
     powers = x[:, None] ** np.arange(4)
     tricube: FloatArray = (1.0 - np.abs(x) ** 3) ** 3

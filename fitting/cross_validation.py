@@ -57,11 +57,13 @@ def cross_validate(
     Parameters
     ----------
     tables : path, DataFrame or Recording, or a sequence of them
+        The data of the fit.
     model : str, optional
         As for `tirefmu.fitting.fit`.
     folds : int
         Number of parts into which the operating conditions of each recording are divided at random.
     seed : int
+        Of the random assignment of operating conditions to folds.
     whole : FitResult, optional
         The fit of all data, if it exists already.
     compute : callable
@@ -73,6 +75,7 @@ def cross_validate(
     Returns
     -------
     tuple of HeldOut
+        The errors of each recording and channel, predicted out of sample.
 
     Raises
     ------
@@ -105,11 +108,14 @@ def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int 
     Parameters
     ----------
     tables : path, DataFrame or Recording, or a sequence of them
+        The data of the fit.
     folds, seed : int
+        Number of folds, and the seed of the random assignment.
 
     Returns
     -------
     list of ndarray of int, each of shape (n,)
+        For each recording the fold of each row, counted from 0.
 
     Raises
     ------

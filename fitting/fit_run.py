@@ -56,7 +56,7 @@ class FitRun:
         self._given = plan.start is not None  # generic values do not replace those of a start tire
         self._assumed = setup.assumed  # coefficients with assumed values, unless the fit determines them
         self._read = setup.read  # initial values read from the data; all others are generic
-        self._book, self._tire, self._plan = plan.symbolic_model, tire, plan.recipe
+        self._model, self._tire, self._plan = plan.symbolic_model, tire, plan.recipe
         self._fit_data, self._data = data, data.fitted
         self._interruption = interruption
         self._notes = list(setup.notes)
@@ -126,7 +126,7 @@ class FitRun:
         if (
             state.done > stages
             or any(values.keys() != self._tire.values.keys() for values in tires)
-            or not state.freed.keys() <= self._book.coefficients.keys()
+            or not state.freed.keys() <= self._model.coefficients.keys()
             or not all(end.free and end.free.keys() <= state.freed.keys() for end in state.ended)
             or not {name for name, _ in state.violated} <= constraints
             or any(len(points) != inputs for _, points in state.violated)
@@ -190,14 +190,14 @@ class FitRun:
 
     def _candidates(self, stage: Stage) -> list[str]:
         """Return the coefficients that a stage may free: those that influence its channels, by section and effect."""
-        reaching = coefficients_by_output(self._book, straight=self._straight)
+        reaching = coefficients_by_output(self._model, straight=self._straight)
         reaches = frozenset[str]().union(*(reaching[name] for name in self._channels_of(stage)))
-        live = self._book.live(self._tire.has) & reaches
+        live = self._model.live(self._tire.has) & reaches
         if stage.free:
             return [name for name in stage.free if name in live]
         if stage.effects is not None:
-            live &= self._book.live(self._tire.has.intersection(stage.effects))
-        declarations = self._book.coefficients
+            live &= self._model.live(self._tire.has.intersection(stage.effects))
+        declarations = self._model.coefficients
         named = [
             name
             for name, declaration in declarations.items()
@@ -206,14 +206,14 @@ class FitRun:
         return [name for name in named if name in live and (stage.sections or declarations[name].fitted)]
 
     def _bounds(self, name: str, stage: Stage) -> Freed:
-        declaration = self._book.coefficients[name]
+        declaration = self._model.coefficients[name]
         guess = self._tire.values[name]
         given = stage.free.get(name, Freed(guess, declaration.lower, declaration.upper))
         return Freed(guess, given.lower, given.upper)
 
     def _set_initial_values(self, stage: Stage) -> None:
         """Set the guesses of the stage, or generic values of coefficients that no stage has determined yet."""
-        declarations = self._book.coefficients
+        declarations = self._model.coefficients
         if stage.free:
             guesses = {n: min(max(f.guess, f.lower), f.upper) for n, f in stage.free.items()}
         elif self._given:
@@ -232,7 +232,7 @@ class FitRun:
             if before is None or name in seen or not before.determined:
                 first = freed.guess if before is None else before.bounds.guess
                 self._freed[name] = Release(replace(freed, guess=first), stage.name, name in seen)
-        unseen = {n: self._book.coefficients[n].default for n in bounds if not self._freed[n].determined}
+        unseen = {n: self._model.coefficients[n].default for n in bounds if not self._freed[n].determined}
         if not stage.free and not self._given:
             self._tire = replace(self._tire, values={**self._tire.values, **unseen})
         return {name: freed for name, freed in bounds.items() if name in seen}
@@ -265,7 +265,7 @@ class FitRun:
 
     def _problem_of(self, stage: Stage, tire: Tire, rows: Rows, free: Mapping[str, Freed]) -> Problem:
         """Return the problem of a stage, with weights from the residuals at its initial values."""
-        declarations = self._book.coefficients
+        declarations = self._model.coefficients
         scale = np.array(
             [typical_size(declarations[name].lower, declarations[name].upper, f.guess) for name, f in free.items()]
         )
@@ -317,17 +317,17 @@ class FitRun:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
         about = {**self._tire.about, "recipe": self._plan.name, "data": ", ".join(recordings)}
-        declarations = self._book.coefficients
+        declarations = self._model.coefficients
         values = {
             name: value
             for name, value in self._tire.values.items()
             if not declarations[name].section.endswith("_RANGE")
         }
         determined = {name for name, release in self._freed.items() if release.determined}
-        assumed = assumed_lines(self._assumed - determined, self._book)
-        entries = in_written_order(assumed, self._book)
+        assumed = assumed_lines(self._assumed - determined, self._model)
+        entries = in_written_order(assumed, self._model)
         tire = replace(self._tire, values=values, ranges=ranges, about=about, other_entries=entries)  # inputs in ISO
-        fitted = {name: self._fitted_coefficient(name) for name in self._book.coefficients if name in self._freed}
+        fitted = {name: self._fitted_coefficient(name) for name in self._model.coefficients if name in self._freed}
         ends = [(self._plan.stages[end.stage].name, problem, end.x) for end, problem in self._ends]
         intervals, directions, effective, covariance, complete = uncertainty_of_stages(
             ends,
@@ -371,7 +371,7 @@ class FitRun:
 
     def _fitted_coefficient(self, name: str) -> FittedCoefficient:
         freed = self._freed[name]
-        declaration, value = self._book.coefficients[name], self._tire.values[name]
+        declaration, value = self._model.coefficients[name], self._tire.values[name]
         guess, lower, upper = freed.bounds.guess, freed.bounds.lower, freed.bounds.upper
         # An interior-point solution is slightly inside its bounds.
         near = 1e-3 * max(abs(value), upper - lower if np.isfinite(upper - lower) else 0.0)

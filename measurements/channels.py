@@ -17,6 +17,7 @@ class Channel:
     name : str
         The contract's name.
     meaning : str
+        What is measured.
     unit, quantity : str
         The SI unit (deg C for T) and the physical quantity.
     role : str
@@ -104,6 +105,7 @@ def channel(name: str) -> Channel:
     Returns
     -------
     Channel
+        Its declaration.
 
     Raises
     ------

@@ -108,6 +108,7 @@ class Recording:
         Returns
         -------
         Recording
+            The same rows in the other convention.
 
         Raises
         ------
@@ -124,6 +125,7 @@ class Recording:
         Returns
         -------
         tuple of str
+            In the order of `OUTPUTS`.
 
         Raises
         ------
@@ -178,6 +180,7 @@ class Recording:
         Returns
         -------
         ndarray of int, shape (n,)
+            Number of the segment of each row, from 0.
 
         Examples
         --------

@@ -110,6 +110,7 @@ def recordings_from(
     Returns
     -------
     list of Recording
+        In the order of the tables.
 
     Raises
     ------

@@ -97,6 +97,7 @@ def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDAr
     Returns
     -------
     ndarray, shape (...)
+        In the SI unit, of the shape of the values.
 
     Raises
     ------

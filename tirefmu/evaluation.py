@@ -25,6 +25,7 @@ def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
     Parameters
     ----------
     tire : Tire, path of a .tir file, or name of a published tire
+        In any signs.
     table : pandas.DataFrame, path or Recording
         Input columns in SI units.
     **options

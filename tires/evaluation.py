@@ -99,9 +99,11 @@ def evaluate(
     Parameters
     ----------
     tire : TireDefinition
+        In any signs.
     table : pandas.DataFrame
         Input columns in SI units.
     conventions : Conventions
+        Signs of the table and options of the formula.
     language : str
         Which generated code evaluates; "auto": the fastest for the number of rows.
 

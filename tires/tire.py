@@ -37,6 +37,7 @@ class Tire(TireDefinition):
     signs : str
         The convention in which the coefficients are written: "iso" (default) or "adapted-sae".
     name : str
+        For texts and files.
     about : mapping of str to str
         Where the tire comes from: source, fit, remarks; the keys are lower-case words.
     ranges : mapping of str to (float, float)
@@ -167,6 +168,7 @@ class Tire(TireDefinition):
         Parameters
         ----------
         path : str or Path
+            A .tir file; an existing one is replaced.
         """
         write_tir(self, path)
 

@@ -63,7 +63,7 @@ class VerifiedConstraints:
         ranges: Mapping[str, tuple[float, float]],
     ) -> None:
         self.violated: list[ConstraintPoints] = []
-        self._book, self._inputs, self._ranges = tire.symbolic_model, tire.inputs, dict(ranges)
+        self._model, self._inputs, self._ranges = tire.symbolic_model, tire.inputs, dict(ranges)
         self._nominal = {name: tire.nominal(name) for name in tire.inputs}
         self._by_output = {
             output: [each for each in own if not each.effect or each.effect in tire.has]
@@ -118,14 +118,14 @@ class VerifiedConstraints:
         distance = constraint.distance(values)
         if np.min(distance) > near * constraint.size:
             return points, values
-        between, extrema = local_extrema(self._book, constraint, points, distance, self._ranges, parameters)
+        between, extrema = local_extrema(self._model, constraint, points, distance, self._ranges, parameters)
         return np.concatenate([points, between], axis=1), np.concatenate([values, extrema])
 
     def _values(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return the values that a constraint bounds; quantities on one grid are evaluated together."""
         if constraint.measure != "value":
-            return measured_values(self._book, constraint, points, parameters)
-        code = fastest_code(self._book)
+            return measured_values(self._model, constraint, points, parameters)
+        code = fastest_code(self._model)
         if not np.array_equal(self._evaluated[0], parameters):
             self._evaluated = parameters.copy(), {}
         grids = self._evaluated[1]

@@ -44,11 +44,15 @@ class Findings:
     Attributes
     ----------
     conditions : tuple of ConditionFit
+        Goodness of fit at each operating condition.
     stiffnesses : tuple of SlipStiffness
+        Slip stiffness, measured and computed, at each load.
     undetermined : tuple of Undetermined
+        Coefficients that the data do not determine, with the reason.
     files, segments, sweeps : tuple of Disagreement
         Differences between recordings, between segments of one operating condition, between up- and down-sweeps.
     ripples : tuple of Ripple
+        Residuals that repeat with each revolution of the wheel.
     """
 
     conditions: tuple[ConditionFit, ...] = ()

@@ -27,7 +27,7 @@ FloatArray = npt.NDArray[np.float64]
 #: Number of measured rows that are evaluated as a sample; effective sample size of an additional program.
 SAMPLE, PROGRAM_ROWS = 2000, 300.0
 #: Lower limit of the eigenvalues of the information matrix.
-LEAST = 1e-9
+MIN_EIGENVALUE = 1e-9
 #: Least slip range of a program with more slip, rad or 1.
 FULL_SLIP = {"kappa": 0.3, "alpha": 0.25}
 #: Slip that counts as zero; share of the largest slip range below which a range is short.
@@ -289,7 +289,7 @@ class _Identifiability:
 def _spreads(information: FloatArray) -> FloatArray:
     """Return the standard deviation of each coefficient, in its sizes."""
     values, vectors = np.linalg.eigh(information)
-    return np.asarray(np.sqrt(vectors**2 @ (1.0 / np.maximum(values, LEAST))))
+    return np.asarray(np.sqrt(vectors**2 @ (1.0 / np.maximum(values, MIN_EIGENVALUE))))
 
 
 def _root_mean_square(values: FloatArray) -> float:

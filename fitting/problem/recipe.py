@@ -127,6 +127,7 @@ def load_recipe(name: str | None, model_name: str) -> Recipe:
     Returns
     -------
     Recipe
+        The stages, with the bounds of the model.
 
     Raises
     ------

@@ -49,9 +49,11 @@ def write_report(
     Parameters
     ----------
     result : FitResult
+        The fit.
     recordings : path, DataFrame or Recording, or a sequence of them
         The fitted recordings, for the figures and the provenance.
     path : str or Path
+        The HTML file to write.
     figures : sequence of Figure, optional
         `figures_of` them; made if absent.
     findings : sequence of Finding

@@ -40,15 +40,21 @@ class FitResult:
         Sign convention of ``coefficients``, ``covariance`` and ``findings``: "iso", as in the tire file, unless
         `in_signs` changed it. Margins are always in adapted SAE, the convention of the physical constraints.
     coefficients : tuple of FittedCoefficient
+        The free coefficients: value, interval, bounds.
     channels : tuple of ChannelFit
+        Goodness of fit of each recording and channel.
     stages : tuple of StageFit
+        The stages in order: rows, iterations, cost.
     margins : tuple of Margin
+        The smallest margin of each physical constraint.
     notes : tuple of str
         Notes for the user: what was skipped, assumed or not determined.
     data_findings : tuple of Finding
         What the recordings lack or contradict (`tirefmu.measurements.data_findings`).
     seconds : float
+        Wall time, s.
     recipe : str
+        Name of the recipe.
     directions : tuple of Direction
         Combinations of coefficients that are not identifiable.
     excluded_rows : tuple of ExcludedRows

@@ -98,7 +98,9 @@ class HeldOut:
     Attributes
     ----------
     recording, channel, unit : str
+        The recording, the output and its SI unit.
     rows : int
+        Number of predicted rows.
     in_sample, held_out : float
         Root mean square error over all rows: of the fit of all data, and of the fits without the operating condition of
         the row.

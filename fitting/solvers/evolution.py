@@ -27,7 +27,7 @@ ITERATIONS, SHORTER = 10_000, 0.1
 #: Stopping window: its share of the iteration limit, and its least number of generations.
 WINDOW, MIN_WINDOW = 0.1, 250
 #: Population size: individuals per free coefficient, lower and upper limit.
-PER_COEFFICIENT, FEWEST, MOST = 4, 40, 120
+PER_COEFFICIENT, MIN_POPULATION, MAX_POPULATION = 4, 40, 120
 #: Bounds of the control genes F, CP, MP and range.
 MIN_CONTROL = np.array([0.4, 0.2, 0.02, 0.005])
 MAX_CONTROL = np.array([1.0, 1.0, 0.1, 0.1])
@@ -169,7 +169,7 @@ class _Search:
         self._imposed: ConstraintFunctions | None = None
         self.generation = 0
         n = len(start)
-        size = min(max(PER_COEFFICIENT * n, FEWEST), MOST)
+        size = min(max(PER_COEFFICIENT * n, MIN_POPULATION), MAX_POPULATION)
         points = random.random((size, n))
         points[0] = np.divide(start - low, self._span, out=np.zeros(n), where=self._span > 0)
         controls = MIN_CONTROL + random.random((size, 4)) * (MAX_CONTROL - MIN_CONTROL)

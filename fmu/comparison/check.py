@@ -66,6 +66,7 @@ def check(
     Returns
     -------
     CheckResult
+        Errors of each channel, and whether the simulation agrees with direct evaluation.
 
     Raises
     ------

@@ -32,6 +32,7 @@ class WorstPoint:
     condition : mapping of str to float
         The inputs of this row, SI, ISO signs.
     measured, simulated : float
+        Values of the channel there, SI.
     """
 
     row: int
@@ -48,6 +49,7 @@ class Channel:
     Attributes
     ----------
     name, unit : str
+        The output and its SI unit.
     measured : int
         Number of rows with a measured value.
     rmse : float
@@ -57,6 +59,7 @@ class Channel:
     r2, r2_uncentred : float
         1 - SSE / sum of squares about the mean, about zero; NaN if that sum is 0.
     worst : WorstPoint
+        The row with the largest error.
     """
 
     name: str
@@ -78,6 +81,7 @@ class CheckResult:
     fmu, source : str
         Names of the FMU and of the recording.
     fmi_version : str
+        As the FMU states it, such as "3.0".
     rows, segments : int
         Number of simulated rows, and of segments with a new initialization.
     channels : tuple of Channel

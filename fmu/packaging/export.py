@@ -63,6 +63,7 @@ def export(
     Parameters
     ----------
     tire : Tire, path of a .tir file, or name of a published tire
+        In any signs.
     path : path-like
         The file to write. Its name is the model identifier as far as C allows.
     fmi : {3, 2, "3.0", "2.0"}, optional

@@ -41,6 +41,7 @@ def export_sti(
     Parameters
     ----------
     tire : Tire, path of a .tir file, or name of a published tire
+        In any signs.
     path : path-like
         The library to write; it ends with .so (Linux), .dll (Windows) or .dylib (macOS).
     platforms : str or iterable of str

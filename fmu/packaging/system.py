@@ -150,6 +150,7 @@ def export_parameters(
     Parameters
     ----------
     tire : Tire, path of a .tir file, or name of a published tire
+        In any signs.
     path : path-like
         The file to write.
     fmi : {2, 3}

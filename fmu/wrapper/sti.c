@@ -172,9 +172,9 @@ static int find_road(Call *call, Road *road)
 
 static Status set_motion(Instance *self, const Call *call, const Road *road)
 {
-    enum { MOST = WHEEL_MOTION_ARGUMENTS + 1 };
-    unsigned references[MOST];
-    double inputs[MOST];
+    enum { MAX_REFERENCES = WHEEL_MOTION_ARGUMENTS + 1 };
+    unsigned references[MAX_REFERENCES];
+    double inputs[MAX_REFERENCES];
     size_t i, n = WHEEL_MOTION_ARGUMENTS;
 
     find_inputs(call, road, inputs);

@@ -90,7 +90,9 @@ def load(wanted: str, path: Path, *arguments: Any) -> Any:
     Parameters
     ----------
     wanted : {"matlab", "parquet", "parquet header", "parquet part"}
+        What is read from it.
     path : pathlib.Path
+        The file.
     *arguments
         Of a part: the first row and the largest number of rows.
 

@@ -25,6 +25,7 @@ def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
     Parameters
     ----------
     table : pandas.DataFrame
+        Columns with the names of channels, SI.
     path : str or path-like
         With extension ``.csv`` or ``.parquet``. An existing file is replaced.
 

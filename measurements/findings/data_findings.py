@@ -22,6 +22,7 @@ def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
     Parameters
     ----------
     recordings : sequence of Recording
+        In any signs.
 
     Returns
     -------

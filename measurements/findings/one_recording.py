@@ -81,6 +81,7 @@ def incomplete_rows(recording: Recording) -> Iterator[Finding]:
     Parameters
     ----------
     recording : Recording
+        As read.
 
     Yields
     ------

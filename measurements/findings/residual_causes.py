@@ -27,12 +27,14 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     Parameters
     ----------
     recordings : sequence of Recording
+        The data of the fit.
     predicted : sequence of pandas.DataFrame
         The outputs of the fitted tire for each row of each recording, in the signs of the recording.
 
     Returns
     -------
     list of Finding
+        One for each recording, channel and cause.
 
     Examples
     --------

@@ -100,12 +100,14 @@ def group_by_condition(recording: Recording, *, most_levels: int | None = None) 
     Parameters
     ----------
     recording : Recording
+        In any signs.
     most_levels : int, optional
         An input with more levels does not define conditions: it was swept in steps.
 
     Returns
     -------
     Grouping
+        Condition of each row, and the swept inputs of each condition.
 
     Examples
     --------

@@ -22,6 +22,7 @@ def level_tolerance(values: ArrayLike, channel: str | None = None) -> float:
     Parameters
     ----------
     values : array_like, shape (n,)
+        Values of one channel, SI.
     channel : str, optional
         A contract name. Its declaration has the tolerance. The tolerance of loads and of unknown channels is
         proportional to the largest magnitude.

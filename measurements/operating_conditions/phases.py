@@ -35,6 +35,7 @@ class Phase:
     Parameters
     ----------
     rows : slice
+        Its rows in the recording.
     kind : str
         "sweep" (an input moves steadily), "plateau" (all inputs are held), "transition" (a held input changes from one
         level to another), or "points" (the rows are no time series: each is a steady point).
@@ -61,6 +62,7 @@ def phases(recording: Recording) -> list[Phase]:
     Parameters
     ----------
     recording : Recording
+        In any signs.
 
     Returns
     -------
@@ -108,6 +110,7 @@ def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.ob
     Parameters
     ----------
     recording : Recording
+        In any signs.
     settling : float
         s by which each transition is extended, until the tire has settled.
 

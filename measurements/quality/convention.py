@@ -39,6 +39,7 @@ def fitting_conventions(recording: Recording) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
+        Names of the conventions; empty if no convention fits.
 
     Examples
     --------
@@ -58,6 +59,7 @@ def convention_notes(recording: Recording) -> list[str]:
     Parameters
     ----------
     recording : Recording
+        With the convention that its file or caller states.
 
     Returns
     -------
@@ -93,6 +95,7 @@ def check_convention(recording: Recording) -> None:
     Parameters
     ----------
     recording : Recording
+        With the convention that its file or caller states.
 
     Raises
     ------

@@ -22,6 +22,7 @@ class Coverage:
     Parameters
     ----------
     channel : str
+        The input.
     lowest, highest : float
         In SI units.
     levels : tuple of float
@@ -61,6 +62,7 @@ def coverage(recording: Recording) -> list[Coverage]:
     Parameters
     ----------
     recording : Recording
+        In any signs.
 
     Returns
     -------
@@ -89,6 +91,7 @@ def coverage_notes(recording: Recording) -> list[str]:
     Parameters
     ----------
     recording : Recording
+        In any signs.
 
     Returns
     -------

@@ -36,6 +36,7 @@ class Outlier:
     row : int
         Counted from 0.
     channel : str
+        The channel of the value.
     value, median : float
         The value and the running median at its row, in SI units.
     """
@@ -64,6 +65,7 @@ def outliers(recording: Recording) -> list[Outlier]:
     Parameters
     ----------
     recording : Recording
+        In any signs.
 
     Returns
     -------

@@ -44,6 +44,7 @@ def check_plausible(recording: Recording) -> None:
     Parameters
     ----------
     recording : Recording
+        In SI units, as read.
 
     Raises
     ------

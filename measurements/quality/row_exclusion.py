@@ -80,10 +80,12 @@ def exclude_rows(recording: Recording) -> RowExclusion:
     Parameters
     ----------
     recording : Recording
+        In any signs.
 
     Returns
     -------
     RowExclusion
+        For each row whether a fit uses it, and the reason if not.
 
     Raises
     ------

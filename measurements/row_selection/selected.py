@@ -26,6 +26,7 @@ def selected(recording: Recording, where: str) -> Recording:
     Parameters
     ----------
     recording : Recording
+        In any signs; names and units in the expression are those of the contract.
     where : str
         See `parse_selection`; or the path of a file (``.where``, ``.txt``) with an expression, in which ``#`` begins a
         comment.

@@ -41,6 +41,7 @@ class VirtualBench:
     Parameters
     ----------
     tire : Tire, path of a .tir file, name of a published tire, or TestedTire
+        The tire to measure, which is the truth.
     noise : Noise
         Of inputs and outputs. Default: similar to an FSAE TTC bench.
     seed : int
@@ -74,6 +75,7 @@ class VirtualBench:
         Parameters
         ----------
         program : Program
+            The inputs over time.
 
         Returns
         -------
@@ -105,10 +107,12 @@ class VirtualBench:
         Parameters
         ----------
         program : Program
+            The inputs over time.
 
         Returns
         -------
         pandas.DataFrame
+            Inputs and outputs without noise, ISO-W, SI.
 
         Raises
         ------

@@ -35,6 +35,7 @@ class Program:
     Parameters
     ----------
     name : str
+        Shown as the source of the recording.
     table : pandas.DataFrame
         ``t`` and inputs of the contract, in SI units, Fz > 0 as load.
     signs : str, optional
@@ -86,15 +87,21 @@ def alpha_sweeps(
     Parameters
     ----------
     loads : iterable of float, N
+        One sweep for each load and camber.
     cambers : iterable of float, rad
+        Held during a sweep.
     amplitude : float, rad
+        Largest slip angle.
     rate : float, rad/s
+        Speed of the sweep.
     sample_rate : float, Hz
+        Rows per second.
     kappa : float
         Constant longitudinal slip.
     held : mapping of str to float
         Further inputs and their constant values, such as p, V, T.
     name : str
+        Of the program.
 
     Returns
     -------
@@ -132,14 +139,19 @@ def kappa_sweeps(
     Parameters
     ----------
     loads : iterable of float, N
+        One sweep for each load, slip angle and camber.
     slip_angles, cambers : iterable of float, rad
+        Held during a sweep.
     lowest, highest : float
         Turning points of kappa, on both sides of zero.
     rate : float, 1/s
+        Speed of the sweep.
     sample_rate : float, Hz
+        Rows per second.
     held : mapping of str to float
         Further inputs and their constant values, such as p, V, T.
     name : str
+        Of the program.
 
     Returns
     -------
@@ -175,14 +187,19 @@ def steady_points(
     Parameters
     ----------
     kappas : iterable of float
+        Longitudinal slips; each combination of all values is one row.
     slip_angles : iterable of float, rad
+        Slip angles.
     loads : iterable of float, N
+        Loads.
     cambers : iterable of float, rad
+        Inclinations.
     dwell : float, s
         Time between two points.
     held : mapping of str to float, optional
         Further inputs and their constant values.
     name : str
+        Of the program.
 
     Returns
     -------
@@ -210,6 +227,7 @@ def small_tire_program() -> Program:
     Returns
     -------
     Program
+        297 steady points.
 
     Examples
     --------
@@ -240,6 +258,7 @@ def trento_program(*, sample_rate: float = 50.0, signs: str | None = None) -> Pr
     Returns
     -------
     Program
+        Sweeps of kappa and alpha at the loads and cambers of the report.
 
     Examples
     --------
@@ -273,6 +292,7 @@ def concatenate(programs: Sequence[Program], *, name: str | None = None, signs: 
     Returns
     -------
     Program
+        The rows of all programs, one after the other in time.
 
     Raises
     ------

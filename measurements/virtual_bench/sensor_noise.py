@@ -108,6 +108,7 @@ class Noise:
         Returns
         -------
         Noise
+            All deviations are 0.
         """
         return cls(channels={})
 
@@ -122,6 +123,7 @@ class Noise:
         Returns
         -------
         Noise
+            All deviations times the factor.
 
         Examples
         --------
@@ -150,14 +152,18 @@ class Noise:
         Parameters
         ----------
         name : str
+            The channel.
         exact : ndarray, shape (n,)
             Values without noise.
         t : ndarray, shape (n,), s
+            Time of each row.
         rng : numpy.random.Generator
+            Source of the random numbers.
 
         Returns
         -------
         ndarray, shape (n,)
+            The values with noise, in the unit of the channel.
 
         Examples
         --------

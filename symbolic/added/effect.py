@@ -56,9 +56,11 @@ class AddedEffect:
     Attributes
     ----------
     name, physics, source : str
+        Public name, physical mechanism, and reference.
     declarations : tuple of Coefficient
         Its coefficients; at neutral values the effect vanishes.
     acts : tuple of Act
+        The quantities that it changes.
     detection : Detection or None
         How a diagnosis detects it, if the file declares that.
     states : tuple of State

@@ -60,6 +60,7 @@ def read_effect(text: str, source: str) -> AddedEffect:
     Returns
     -------
     AddedEffect
+        Checked: names, formulas, units and limits.
 
     Raises
     ------

@@ -29,7 +29,7 @@ NO_DEFLECTION = Float("1e-6")
 #: How far the tire may sink, per radius: beyond any rim.
 DEEPEST = Float("0.95")
 #: The least deflection of MF6.2.
-LEAST = Float("1e-12")
+MIN_DEFLECTION = Float("1e-12")
 
 # fmt: off
 firmness = eq("P 4", "c_z_normalized",
@@ -79,7 +79,7 @@ def balance(sunk: Expr, k: int | str) -> tuple[Symbol, Symbol]:
                                        - v.Q_CAM3 * sunk * absolute(gamma)),
                 "m", "camber deflection", named=False)
     rho    = eq("M", f"rho_{k}",
-                where(sunk + leant < LEAST, LEAST, sunk + leant),
+                where(sunk + leant < MIN_DEFLECTION, MIN_DEFLECTION, sunk + leant),
                 "m", "deflection", named=False)
     thrust = eq("M", f"S_fygamma_{k}",
                 (v.Q_FYS1 + v.Q_FYS2*Rl/Romega + v.Q_FYS3*(Rl/Romega)**2) * gamma,

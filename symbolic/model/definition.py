@@ -195,6 +195,7 @@ class Model(ModelDeclaration):
         Parameters
         ----------
         effects : sequence of AddedEffect
+            In the order in which their lines are inserted.
         stored : file, optional
             The structure of the result. Its lines, and with them the effects, were checked when it was printed.
 
@@ -327,12 +328,14 @@ class Model(ModelDeclaration):
         Parameters
         ----------
         targets : iterable of str
+            Outputs or named quantities.
         effects : collection of str, optional
             The effects that the tire has; all of the model where None.
 
         Returns
         -------
         frozenset of str
+            Names of coefficients.
         """
         present = self.effects if effects is None else effects
         needed = set(targets)
@@ -361,9 +364,11 @@ class Model(ModelDeclaration):
         Parameters
         ----------
         *effects : str
+            Names of effects of the model.
 
         Returns
         -------
         frozenset of str
+            Names of coefficients.
         """
         return self.live() - self.live(self.effects.keys() - self.known_effects(effects))

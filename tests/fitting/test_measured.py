@@ -17,7 +17,7 @@ from tirefmu.tires.code import fastest_code
 
 FILES = ("cornering.mat", "drivebrake.mat")
 #: Upper limits of the root mean square error of one MF6.1 tire over all rows.
-MOST = {
+MAX_RMSE = {
     ("cornering.mat", "Fy"): 68.0, ("cornering.mat", "Mz"): 4.9, ("drivebrake.mat", "Fx"): 109.0,
     ("drivebrake.mat", "Fy"): 73.0, ("drivebrake.mat", "Mz"): 33.0,
 }  # fmt: skip
@@ -38,10 +38,10 @@ def computed(tire, recording):
     return tire.evaluate(recording.table, signs=recording.signs, code="batch")
 
 
-@pytest.mark.parametrize(("recording", "channel"), MOST)
+@pytest.mark.parametrize(("recording", "channel"), MAX_RMSE)
 def test_one_tire_fits_every_channel(measured, recording, channel):
     channel_fit = measured.channel(recording, channel)
-    assert channel_fit.rmse <= MOST[recording, channel]
+    assert channel_fit.rmse <= MAX_RMSE[recording, channel]
     assert channel_fit.rows in (59_965, 76_484)  # all of them
     assert channel_fit.noise_floor < channel_fit.rmse
     assert 100 < channel_fit.effective_rows < 0.1 * channel_fit.rows

@@ -36,13 +36,16 @@ def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> Fl
     Parameters
     ----------
     code : Code
+        Compiled code of the model.
     inputs : ndarray, shape (n_inputs, n)
+        In the order of the model, SI, signs of the parameters.
     population : ndarray, shape (n_tires, n_parameters)
         They differ in coefficients, not in options.
 
     Returns
     -------
     ndarray, shape (n_tires, n_forces, n)
+        N and N m.
     """
     if isinstance(code, _BatchCode):
         return code.forces_of_each(inputs, population)
@@ -57,14 +60,18 @@ def chosen_derivatives(
     Parameters
     ----------
     code : Code
+        Compiled code of the model.
     inputs : ndarray, shape (n_inputs, n)
+        In the order of the model, SI, signs of the parameters.
     parameters : ndarray, shape (n_parameters,)
+        From `Tire.parameters`.
     entries : ndarray of int, shape (n_chosen,)
         Indices into `Code.entries`.
 
     Returns
     -------
     ndarray, shape (n_chosen, n)
+        Those of the given entries, in SI units.
     """
     if isinstance(code, _BatchCode):
         return code.chosen_derivatives(inputs, parameters, entries)
@@ -77,8 +84,11 @@ def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> 
     Parameters
     ----------
     code : Code
+        Compiled code of the model.
     rows : WeightedRows
+        Inputs, residual weights and channels.
     parameters : ndarray, shape (n_parameters,)
+        From `Tire.parameters`.
 
     Returns
     -------
@@ -94,7 +104,7 @@ class _BatchCode:
     """Kernels for whole tables; what they do not cover is computed row by row in C."""
 
     def __init__(self, model: Model) -> None:
-        self._book = model
+        self._model = model
         self._module = numpy_module(model)
         self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
         self.entries = jacobian_entries_of(self._module)
@@ -107,7 +117,7 @@ class _BatchCode:
         return self._table("forces", inputs, parameters)
 
     def forces_of_each(self, inputs: FloatArray, population: FloatArray) -> FloatArray:
-        straight = straight_rows(self._book, inputs, population[0])
+        straight = straight_rows(self._model, inputs, population[0])
         results, undone = self._kernel("forces").each(inputs, population)
         undone |= ~straight
         for i in np.flatnonzero(undone.any(axis=1)):
@@ -117,20 +127,20 @@ class _BatchCode:
     def chosen_derivatives(
         self, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
     ) -> FloatArray:
-        if not all_straight(self._book, inputs, parameters):
+        if not all_straight(self._model, inputs, parameters):
             return self.jacobian_entries(inputs, parameters)[entries]
         if self._chosen is None:
-            self._chosen = ChosenDerivatives(self._book)
+            self._chosen = ChosenDerivatives(self._model)
         results, undone = self._chosen(inputs, parameters, entries)
         if undone.any():
             results[:, undone] = self._row_by_row("jacobian_parameters", inputs[:, undone], parameters)[entries]
         return results
 
     def normal_equations(self, rows: WeightedRows, parameters: FloatArray) -> Equations:
-        if not all_straight(self._book, rows.inputs, parameters):
+        if not all_straight(self._model, rows.inputs, parameters):
             return equations_by_chunks(self, rows, parameters)
         if self._equations is None:
-            self._equations = EquationsKernel(self._book)
+            self._equations = EquationsKernel(self._model)
         equations, undone = self._equations(rows, parameters)
         if undone.any():
             others = equations_by_chunks(self._single, rows.take(np.flatnonzero(undone)), parameters)
@@ -145,7 +155,7 @@ class _BatchCode:
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         forces = len(self._module.FORCES)
-        if not all_straight(self._book, inputs, parameters):
+        if not all_straight(self._model, inputs, parameters):
             return as_matrices(self._table("jacobian_inputs", inputs, parameters), forces)
         n, columns = inputs.shape[1], len(self._module.INPUTS)
         matrices = RESULTS.empty((n, forces * columns))
@@ -165,7 +175,7 @@ class _BatchCode:
     def jacobian_chunks(
         self, inputs: FloatArray, parameters: FloatArray, size: int
     ) -> Iterator[tuple[slice, FloatArray]]:
-        if not all_straight(self._book, inputs, parameters):
+        if not all_straight(self._model, inputs, parameters):
             yield from chunks_of(self, inputs, parameters, size)
             return
         yield from self._chunks("jacobian_parameters", inputs, parameters, size)
@@ -189,7 +199,7 @@ class _BatchCode:
 
     @property
     def _single(self) -> Code:
-        return c_code(self._book)
+        return c_code(self._model)
 
     def _kernel(self, routine: str) -> Kernel:
         if routine not in self._kernels:
@@ -199,12 +209,12 @@ class _BatchCode:
                 "jacobian_inputs": forces * inputs,
                 "jacobian_parameters": self.entries.shape[1],
             }
-            self._kernels[routine] = Kernel(self._book, routine, sizes[routine])
+            self._kernels[routine] = Kernel(self._model, routine, sizes[routine])
         return self._kernels[routine]
 
     def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         straight = (
-            None if all_straight(self._book, inputs, parameters) else straight_rows(self._book, inputs, parameters)
+            None if all_straight(self._model, inputs, parameters) else straight_rows(self._model, inputs, parameters)
         )
         if straight is not None and not straight.any():
             return self._row_by_row(routine, inputs, parameters)

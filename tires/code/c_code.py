@@ -51,7 +51,7 @@ class _CCode:
     """The C source, compiled once on this machine."""
 
     def __init__(self, model: Model) -> None:
-        self._book = model
+        self._model = model
         self._library = compiled_model(model)
         metadata = numpy_module(model)
         self.quantities_names: tuple[str, ...] = metadata.QUANTITIES
@@ -90,15 +90,15 @@ class _CCode:
 
     @cached_property
     def _jacobians(self) -> ctypes.CDLL:
-        return compiled_model(self._book, jacobians=True)
+        return compiled_model(self._model, jacobians=True)
 
     def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         parameters = np.ascontiguousarray(parameters)
         n, size = inputs.shape[1], self._sizes[routine]
         results = RESULTS.empty((n, *size))
         library = self._jacobians if routine.startswith("jacobian_") else self._library
-        apply = getattr(self._library, f"{self._book.name}_rows")
-        function = ctypes.cast(getattr(library, f"{self._book.name}_{routine}"), ctypes.c_void_p)
+        apply = getattr(self._library, f"{self._model.name}_rows")
+        function = ctypes.cast(getattr(library, f"{self._model.name}_{routine}"), ctypes.c_void_p)
         taken = np.empty((min(n, ROWS_IN_CACHE), len(inputs)))
         columns = [array.ctypes.data_as(ctypes.c_void_p) for array in (taken, parameters)]
         for rows in slices(n, ROWS_IN_CACHE):

@@ -64,7 +64,7 @@ class _CasadiCode:
     """Every routine as a casadi.Function over columns."""
 
     def __init__(self, model: Model) -> None:
-        self._book, module = model, numpy_module(model)
+        self._model, module = model, numpy_module(model)
         self.quantities_names: tuple[str, ...] = module.QUANTITIES
         self.entries = jacobian_entries_of(module)
 
@@ -93,12 +93,12 @@ class _CasadiCode:
         return chunks_of(self, inputs, parameters, size)
 
     def _matrices(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        function = casadi_function(self._book, routine)
+        function = casadi_function(self._model, routine)
         results = [np.array(function(column, parameters)) for column in inputs.T]
         return np.array(results).reshape(-1, *function.size_out(0))
 
     def _columns(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        function = casadi_function(self._book, routine)
+        function = casadi_function(self._model, routine)
         n = inputs.shape[1]
         if n == 0:  # CasADi maps over one column at least
             return np.empty((function.size1_out(0), 0))

@@ -23,6 +23,7 @@ class Code(Protocol):
     Attributes
     ----------
     quantities_names : tuple of str
+        Names of the rows of `quantities`, in the letters of the book.
     entries : ndarray of int, shape (2, n_entries)
         Force and coefficient of each derivative by coefficients that is not 0 everywhere.
     """

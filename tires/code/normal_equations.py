@@ -31,6 +31,7 @@ class WeightedRows:
     Attributes
     ----------
     inputs : ndarray, shape (n_inputs, n)
+        In the order of the model, SI.
     entries : sequence of ndarray of int
         For each force, the derivatives to use: indices into `Code.entries`.
     roots : ndarray, shape (n_forces, n)

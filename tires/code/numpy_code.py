@@ -28,7 +28,7 @@ class _NumpyCode:
     """The NumPy module, some thousand rows at a time."""
 
     def __init__(self, model: Model) -> None:
-        self._book, self._module = model, numpy_module(model)
+        self._model, self._module = model, numpy_module(model)
         self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
         self.entries = jacobian_entries_of(self._module)
 
@@ -60,8 +60,8 @@ class _NumpyCode:
 
     def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Results, row by row of a matrix, shape (n_results, n)."""
-        straight = bool(straight_rows(self._book, inputs, parameters).all())
-        function = numpy_routine(self._book, routine, straight=straight)
+        straight = bool(straight_rows(self._model, inputs, parameters).all())
+        function = numpy_routine(self._model, routine, straight=straight)
         starts = range(0, inputs.shape[1], CHUNK) or range(1)
         return np.concatenate([_chunk(function, inputs[:, i : i + CHUNK], parameters) for i in starts], axis=1)
 

@@ -34,6 +34,7 @@ def code_for(model: str | Model, language: str) -> Code:
     Returns
     -------
     Code
+        The functions of the model in this language.
 
     Raises
     ------
@@ -56,7 +57,9 @@ def fastest_code(model: str | Model, n_rows: int = MANY_ROWS) -> Code:
     Parameters
     ----------
     model : str or Model
+        The model, or its name.
     n_rows : int
+        Rows to evaluate at a time.
 
     Returns
     -------

@@ -42,6 +42,7 @@ def draw(
     signs : {"iso", "adapted-sae", "sae"}
         Convention in which the figures are drawn.
     suffix : {"png", "svg", "pdf"}
+        Format of the files.
     points : pandas.DataFrame, optional
         Measured rows in SI units and ISO signs, drawn as crosses.
     kappa : sequence of float, optional

@@ -37,6 +37,7 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
     tire : TireDefinition
         Written in ISO-W, whatever its own signs.
     path : str or Path
+        The file to write; an existing one is replaced.
 
     Raises
     ------

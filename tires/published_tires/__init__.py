@@ -35,6 +35,7 @@ def published(name: str | None = None) -> Tire | tuple[str, ...]:
     Returns
     -------
     Tire, or tuple of str
+        Without a name, the names of all published tires.
 
     Raises
     ------

@@ -53,7 +53,9 @@ class Program:
     name : str
         Identifier: prefix of files, functions, modules.
     model : Model
+        The model of the tire, with its added effects.
     placement : str
+        Where the values of coefficients are: of `PLACEMENTS`.
     inputs, outputs : tuple of Quantity
         The lagged slips are the last inputs if the states are printed.
     nominal : mapping of str to float
@@ -63,6 +65,7 @@ class Program:
     lines : tuple of Equation
         What the functions compute.
     routines : tuple of Routine
+        What is printed, in order.
     effects : tuple of str
         The effects that the tire has.
     header : tuple of str
