@@ -121,7 +121,7 @@ def load_recipe(name: str | None, model_name: str) -> Recipe:
     ----------
     name : str or None
         One of `RECIPES`, a recipe of the model, or the path of a .toml file; by default the recipe of the model.
-    model : str
+    model_name : str
         The model that is fitted.
 
     Returns
@@ -154,7 +154,7 @@ def load_recipe(name: str | None, model_name: str) -> Recipe:
     _check_keys(content, RECIPE_KEYS, where)
     models = content.get("models", list(MODELS))
     if model_name not in models:
-        raise FitError(f"{where} is for {', '.join(models)}, not for {model}")
+        raise FitError(f"{where} is for {', '.join(models)}, not for {model_name}")
     stages = tuple(_stage(item, model, where) for item in content.get("stage", []))
     if not stages:
         raise FitError(f"{where}: no [[stage]]")

@@ -68,8 +68,9 @@ def test_a_coefficient_beyond_its_bound_ends_at_the_bound(problem, tire):
 def test_a_coefficient_that_is_neutral_at_its_bound_is_absent_not_limited():
     carcass = library()["carcass_2nd_order"]
     tire = Tire("mf61", {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}, added=(carcass,))
+    model = tire.symbolic_model
     simulator = SimpleNamespace(
-        model=tire.symbolic_model, tire=tire, index={name: i for i, name in enumerate(tire.symbolic_model.parameters)}
+        symbolic_model=model, tire=tire, index={name: i for i, name in enumerate(model.parameters)}
     )
     problem, parameters = LeastSquares(simulator, None, None, {}), tire.parameters()
     names = ("CASIG", "CAFREQ", "CADAMP")

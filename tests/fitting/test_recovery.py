@@ -75,7 +75,7 @@ def test_the_known_tires_satisfy_every_constraint(model):
 def test_coverages_are_stored_one_by_one_and_tabulated(tmp_path):
     """An interrupted study continues with what is stored; the table has a line for each kind of bench."""
     page = runpy.run_path(str(ROOT / "benchmarks" / "recovery_table.py"))
-    task, refit, path = page["Task"], page["Refit"], tmp_path / "results.jsonl"
+    task, refit, path = page["RecoveryTask"], page["Refit"], tmp_path / "results.jsonl"
     quantities = dict.fromkeys(page["PREDICTED"], 23)
     refits = [
         refit(task("mf61", noise, 3000, seed), True, 0.1, 90 + 2 * seed, 100, 1.0, 24, quantities)
@@ -99,7 +99,7 @@ def test_a_study_of_one_kind_leaves_the_lines_of_the_others(tmp_path):
     page["write"].__globals__["PAGE"] = path
 
     def refits(noise, replicates, covered):
-        task, counts = page["Task"]("mf61", noise, 3000, 0, replicates), dict.fromkeys(page["PREDICTED"], 23)
+        task, counts = page["RecoveryTask"]("mf61", noise, 3000, 0, replicates), dict.fromkeys(page["PREDICTED"], 23)
         first = page["Refit"](task, True, 0.1, covered, 100, 1.0, 24, counts, 93, 100 if replicates else 0)
         return [first, replace(first, task=replace(task, seed=1))]
 

@@ -16,7 +16,7 @@ from tirefmu.symbolic.printers.expressions import NumpyPrinter
 
 #: The coefficients of the relaxation lengths of MF5.2 are among those of the forces.
 RELAXATION = {"mf52": {"LONGITUDINAL_COEFFICIENTS", "LATERAL_COEFFICIENTS"}}
-EFFECTS = [(model, effect) for model, model in MODELS.items() for effect in model.effects]
+EFFECTS = [(name, effect) for name, model in MODELS.items() for effect in model.effects]
 
 
 @cache

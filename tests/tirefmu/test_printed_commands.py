@@ -23,8 +23,10 @@ from tirefmu.tires import published
 
 #: A name that a shell would not leave alone.
 HOSTILE = "run ;'$(b) 1.csv"
-PACKAGES = ("batch", "comparison", "diagnosis", "estimation", "explorer", "fitting", "fmu", "hosts", "measurements",
-            "symbolic", "tirefmu", "tires")  # fmt: skip
+PACKAGES = (
+    "batch", "boundary", "comparison", "diagnosis", "estimation", "explorer", "fitting", "fmu", "hosts", "measurements",
+    "symbolic", "tirefmu", "tires",
+)  # fmt: skip
 #: Sentences about a command.
 SENTENCES = (
     "tirefmu effects NAME describes one",
