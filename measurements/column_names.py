@@ -47,8 +47,6 @@ def intended_channel(column: str) -> str | None:
     qualifier ("raw", "filtered"), names that contain an alias of several words, and single typing errors. Named
     quantities of a tire (``alpha_y``) are not channels.
 
-    `column`: name of a column that the contract does not have.
-
     >>> [intended_channel(name) for name in ("Alpha", "SA", "gama", "alpha_deg", "SlipAngle", "TirePressure_kPa")]
     ['alpha', 'alpha', 'gamma', 'alpha', 'alpha', 'p']
     >>> intended_channel("alpha_y") is None
@@ -91,33 +89,16 @@ def unit_in_name(column: str) -> tuple[str, str] | None:
 def check_names(names: Iterable[str], source: str, required: Collection[str] = INPUTS) -> None:
     """Refuse a column whose name resembles a channel that the table lacks.
 
-    `names`: the columns of a table. `source`: the file, for the message. `required`: the channels that a caller reads.
-    Outputs are required where data are compared with a tire (`Recording.measured`); a table to evaluate may have
-    columns such as FX as a reference. Raises `DataError`: with the column, and the name or the header that was probably
-    meant.
-
-    >>> check_names(["alpha", "SlipAngle", "remark"], "a.csv")
-    >>> check_names(["SlipAngle", "Fz"], "a.csv")
-    Traceback (most recent call last):
-    ...
-    tirefmu.boundary.errors.DataError: a.csv: column 'SlipAngle' is not a channel: did you mean alpha? ...
+    `required`: the channels that the caller reads. Outputs are required where data are compared with a tire
+    (`Recording.measured`). A table to evaluate may have columns such as FX as a reference. The `DataError` has the
+    column, and the name or the header that was probably meant.
     """
     given = list(names)
     for name in given:
         intended = None if name in CHANNELS else intended_channel(name)
         if intended in required and intended not in given:
-            meant = _suggestion(name, str(intended))
-            known = ", ".join(CHANNELS)
-            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {meant}? Channels are {known}")
-
-
-def unread_columns(names: Iterable[str]) -> list[str]:
-    """Return the columns that are no channels: they are passed through and used by effects with inputs of their own.
-
-    >>> unread_columns(["alpha", "lap", "Fy"])
-    ['lap']
-    """
-    return [name for name in map(str, names) if name not in CHANNELS]
+            hint = f"did you mean {_suggestion(name, str(intended))}? Channels are {', '.join(CHANNELS)}"
+            raise DataError(f"{source}: column {name!r} is not a channel: {hint}")
 
 
 def _suggestion(name: str, intended: str) -> str:

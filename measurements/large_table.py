@@ -21,7 +21,7 @@ from tirefmu.tires.tire import Tire
 
 from .channels import CHANNELS, INPUTS
 from .column_names import check_names
-from .files.parquet_table import ParquetParts
+from .files.parquet_table import parquet_header, parquet_parts
 from .quality.plausibility import check_plausible
 from .recording import Recording
 
@@ -42,8 +42,9 @@ class LargeTable:
 
     def __init__(self, path: Path, signs: str = "iso") -> None:
         reversed_columns(signs, "iso")  # raises for an unknown convention
-        self._path, self.signs, self._file = path, signs, ParquetParts.of(path)
-        self.rows, self.columns = self._file.rows, tuple(column.name for column in self._file.columns)
+        self._path, self.signs = path, signs
+        self._header, self.rows = parquet_header(path)
+        self.columns = tuple(column.name for column in self._header)
 
     @classmethod
     def of(cls, path: Path, signs: str | None = None) -> LargeTable | None:
@@ -70,7 +71,7 @@ class LargeTable:
         the file has changed.
         """
         count = 0
-        for start, table in self._file.tables(PART):
+        for start, table in parquet_parts(self._path, self._header, PART):
             self._check_finite(table, start)
             yield table
             count += len(table)
@@ -93,7 +94,7 @@ class LargeTable:
                 if name in table and table[name].notna().any():
                     _update_extremes(extremes, table, name)
         rows = pd.concat([*chosen, *(row for _, row in extremes.values())], ignore_index=True)
-        declared = " ".join(column.name for column in self._file.columns if column.unit is not None)
+        declared = " ".join(column.name for column in self._header if column.unit is not None)
         recording = Recording(rows, self.signs, self._path.name, {"declared": declared})
         check_plausible(recording)
         return recording

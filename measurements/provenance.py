@@ -17,13 +17,7 @@ PACKAGES = ("tirefmu", "numpy", "scipy", "casadi", "sympy", "fmpy")
 
 
 def table_digest(table: pd.DataFrame) -> str:
-    """Return the SHA-256 of the names and values of a table.
-
-    `table`: with numbers only. Returns: independent of the order of the columns.
-
-    >>> table_digest(pd.DataFrame({"a": [1.0], "b": [2.0]})) == table_digest(pd.DataFrame({"b": [2.0], "a": [1.0]}))
-    True
-    """
+    """Return the SHA-256 of the names and values of a table of numbers, independent of the order of its columns."""
     digest = hashlib.sha256()
     for name in sorted(map(str, table.columns)):
         digest.update(name.encode())
@@ -43,11 +37,9 @@ def provenance(recordings: Iterable[Recording], command: str = "") -> list[tuple
     rows = [("command", command)] if command else []
     for recording in recordings:
         numbers = recording.table.select_dtypes("number")
-        text = (
-            f"{len(numbers)} rows, {recording.signs} signs, SHA-256 of the values in SI units: {table_digest(numbers)}"
-        )
-        rows.append((recording.source, text))
-    versions = [f"{name} {found}" for name in PACKAGES if (found := _version(name))]
+        digest = f"SHA-256 of the values in SI units: {table_digest(numbers)}"
+        rows.append((recording.source, f"{len(numbers)} rows, {recording.signs} signs, {digest}"))
+    versions = [f"{name} {number}" for name in PACKAGES if (number := _version(name))]
     return [*rows, ("versions", ", ".join([*versions, f"Python {platform.python_version()}"]))]
 
 

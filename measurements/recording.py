@@ -13,22 +13,24 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError
+from tirefmu.boundary.escaping import excerpt
+from tirefmu.tires.notebook import html_summary, html_table
 from tirefmu.tires.signs import convert_signs, reversed_columns
 
-from .channels import OUTPUTS
+from .channels import CHANNELS, OUTPUTS
 from .column_names import check_names
-from .summary import recording_html, recording_text
 from .thresholds import LOGGING_GAP
 
 T = TypeVar("T")
 P = ParamSpec("P")
+#: Characters of the longest source that a summary shows.
+LONGEST_SOURCE = 80
 
 
 def once(compute: Callable[Concatenate[Recording, P], T]) -> Callable[Concatenate[Recording, P], T]:
     """Let a function of a recording compute each result once: a recording does not change.
 
-    `compute`: takes a recording, and further arguments that can be hashed. Returns: its results are stored in the
-    recording.
+    Further arguments must be hashable. The results are stored in the recording.
     """
 
     @wraps(compute)
@@ -80,7 +82,7 @@ class Recording:
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields: what was computed from them (`once`) is not sent to other processes."""
-        return {each.name: getattr(self, each.name) for each in fields(self)}
+        return {part.name: getattr(self, part.name) for part in fields(self)}
 
     def __post_init__(self) -> None:
         reversed_columns(self.signs, "iso")  # raises for an unknown convention
@@ -91,11 +93,24 @@ class Recording:
 
     def __repr__(self) -> str:
         """Return source, rows, signs and the range of each channel in a few lines."""
-        return recording_text(self.source, self.signs, self.table)
+        ranges = [f"{name} {low:.4g} to {high:.4g} {unit}".rstrip(" -") for name, low, high, unit in self._ranges()]
+        return "\n".join([self._title(), *(f"  {', '.join(ranges[i : i + 4])}" for i in range(0, len(ranges), 4))])
 
     def _repr_html_(self) -> str:
         """Return the same as a table, for a notebook."""
-        return recording_html(self.source, self.signs, self.table)
+        return html_summary(self._title(), html_table(["channel", "from", "to", "unit"], self._ranges()))
+
+    def _title(self) -> str:
+        return f"Recording {excerpt(self.source, LONGEST_SOURCE)!r}: {len(self)} rows, {self.signs} signs"
+
+    def _ranges(self) -> list[tuple[str, float, float, str]]:
+        """Return name, smallest and largest value and unit of each channel that has numbers."""
+        numbers = {name: pd.to_numeric(self.table[name], errors="coerce") for name in CHANNELS if name in self.table}
+        return [
+            (name, float(values.min()), float(values.max()), CHANNELS[name].unit)
+            for name, values in numbers.items()
+            if values.notna().any()
+        ]
 
     def with_signs(self, target: str) -> Recording:
         """Return the recording in another sign convention.
@@ -140,10 +155,10 @@ class Recording:
         tirefmu.boundary.errors.DataError: a.csv: column 'FX' is not a channel: did you mean Fx? ...
         """
         check_names(map(str, self.table.columns), self.source, OUTPUTS)
-        found = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())
-        if not found:
+        measured = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())
+        if not measured:
             raise DataError(f"{self.source}: no measured output ({', '.join(OUTPUTS)})")
-        return found
+        return measured
 
     @once
     def segments(self) -> list[slice]:

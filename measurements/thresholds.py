@@ -129,7 +129,6 @@ SMALL_ANGLE = 0.05
 STRONG_CORRELATION = 0.5
 #: Standard deviation of a slip (rad or 1). Less is sensor noise (0.02 deg, 0.002 of slip) rather than a sweep.
 MIN_SLIP_DEVIATION = 0.005
-
 #: The same correlation below which a force does not follow a slip. Judgement: noise of some hundred rows is below it.
 WEAK_CORRELATION = 0.3
 #: kappa up to which a row is taken as free rolling for the sign of Mz: Fx contributes to Mz. Judgement.
@@ -138,7 +137,7 @@ SMALL_SLIP = 0.03
 #: change is determined, twice the share of spikes in the tests. Judgement.
 SPIKE_QUANTILE = 0.02
 
-# ---------------------------------------------------------------- coverage: `quality.coverage`, `quality.tire_identity`
+# ---------------------------------------------------------------- coverage: `quality.coverage`, `findings.two_tires`
 
 #: Rows. With fewer, a note is given: the pure side force alone has a dozen coefficients.
 FEW_ROWS = 50

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from array import array
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +23,9 @@ from ..units import to_si
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
 MAX_COLUMNS, LONGEST_HEADER = 5000, 200
 #: Inputs by their names in FSAE TTC files.
-_BENCH_INPUTS = {name: CHANNELS[each] for each in INPUTS for name in CHANNELS[each].bench_names if name not in CHANNELS}
+_BENCH_INPUTS = {
+    name: CHANNELS[channel] for channel in INPUTS for name in CHANNELS[channel].bench_names if name not in CHANNELS
+}
 #: Quantities that the bench does not measure in SI units: without a declared unit the name may be meant either way.
 _BENCH_UNITS = ("angle", "pressure", "speed")
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*\[(?P<unit>[^\[\]]*)\]")
@@ -60,19 +63,11 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     """Read the headers of a table.
 
     A name of FSAE TTC files is that of the input if the table lacks it and the unit is clear. Other unknown columns are
-    passed through, unless the name resembles an input that the table lacks (`check_names`).
+    passed through, unless the name resembles an input that the table lacks (`check_names`). A `DataError` reports more
+    than `MAX_COLUMNS` columns, a name that occurs twice, and a table without a channel.
 
-    `source`: the file, for the message. Raises `DataError` if there are more than `MAX_COLUMNS` columns, a name occurs
-    twice, a name resembles a missing input, or no column is a channel.
-
-    >>> [column.name for column in parse_header(["kappa", "Fz [kN]", "remark"], "a.csv")]
-    ['kappa', 'Fz', 'remark']
-    >>> [column.name for column in parse_header(["alpha", "TSTC", "IA [deg]"], "a.csv")]
-    ['alpha', 'T', 'gamma']
-    >>> parse_header(["kappa", "Alpha"], "a.csv")
-    Traceback (most recent call last):
-    ...
-    tirefmu.boundary.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha? ...
+    >>> [column.name for column in parse_header(["alpha", "TSTC", "IA [deg]", "remark"], "a.csv")]
+    ['alpha', 'T', 'gamma', 'remark']
     """
     if len(headers) > MAX_COLUMNS:
         raise DataError(f"{source}: {len(headers)} columns: at most {MAX_COLUMNS} are read")
@@ -104,13 +99,12 @@ def _by_contract(column: Column, given: Collection[str]) -> Column:
 def channels_in_si(
     table: pd.DataFrame, columns: Sequence[Column], source: str, location: Callable[[int], str]
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return the table with contract names and SI units, with every channel checked.
+    """Return the table with contract names and SI units, with every channel checked, and metadata.
 
-    `table`: as read, with one column per entry of ``columns``, in the same order. `source`: the file, for messages.
-    `location`: from a row's number, counted from 0, to "line 12" or "row 12". Returns `table`: channels as floats.
-    Other columns are unchanged. Returns `about`: ``declared``: the channels whose unit the table declares. Raises
-    `DataError` if there are no rows, a cell of a channel is not a number or infinite, more than `MAX_INCOMPLETE` of an
-    input is NaN, or a declared unit is unknown or one of another quantity.
+    `columns`: one for each column of the table, in the same order. `location`: converts the number of a row, counted
+    from 0, to "line 12" or "row 12" for messages. Channels are floats; other columns are unchanged. The metadata
+    ``declared`` has the channels whose unit the table declares. Raises `DataError` if there are no rows, as
+    `converted_channels` and as `check_finite`.
     """
     if table.empty:
         raise DataError(f"{source}: no rows")
@@ -129,23 +123,30 @@ def converted_channels(
 
     Raises `DataError` if a cell of a channel is not a number, or a declared unit is unknown or one of another quantity.
     """
-    columns_out: dict[str, pd.Series] = {}
+    converted: dict[str, pd.Series] = {}
     for number, column in enumerate(columns):
         cells = table.iloc[:, number].rename(column.name)
         if column.name in CHANNELS:
             values = _numbers(cells, source, location)
-            cells = pd.Series(_converted(values, column, source), name=column.name)
-        columns_out[column.name] = cells.reset_index(drop=True)
-    return pd.DataFrame(columns_out)
+            if column.unit is not None:
+                values = in_si(values, column.unit, channel(column.name).quantity, f"{source}: column {column.name}")
+            cells = pd.Series(values, name=column.name)
+        converted[column.name] = cells.reset_index(drop=True)
+    return pd.DataFrame(converted)
+
+
+def in_si(values: NDArray[np.float64], unit: str, quantity: str, place: str) -> NDArray[np.float64]:
+    """Return `to_si` of the values; an error begins with the place in the file, such as "a.csv: column alpha"."""
+    try:
+        return to_si(values, unit, quantity)
+    except TirefmuError as error:
+        raise DataError(f"{place}: {error}") from None
 
 
 def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:
     """Check that a channel has no infinities, and an input few NaN.
 
-    Rows without an input are excluded later (`without_incomplete_rows`).
-
-    `values`, shape (n,). `name`: the contract's name of the channel. `location`: from a row's number, counted from 0,
-    to "line 12" or "row 12". Raises `DataError`: with the file, the first location, the channel and the number of rows.
+    Rows without an input are excluded later (`without_incomplete_rows`). `location`: as for `channels_in_si`.
 
     >>> check_finite(np.array([0.0, np.nan]), "alpha", "a.csv", lambda row: f"line {row + 2}")
     Traceback (most recent call last):
@@ -170,13 +171,14 @@ def _numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> N
     try:
         return objects.astype(np.float64)  # float() reads decimals exactly
     except (TypeError, ValueError):
-        row = next(row for row, cell in enumerate(objects) if not _is_number(cell))
+        row = next(row for row, cell in enumerate(objects) if not is_number(cell))
         shown = str(cells.iloc[row])
         hint = f": a decimal comma? write {shown.replace(',', '.')}" if _COMMA.fullmatch(shown.strip()) else ""
         raise DataError(f"{source}: {location(row)}: column {cells.name}: {shown!r} is not a number{hint}") from None
 
 
-def _is_number(cell: Any) -> bool:
+def is_number(cell: Any) -> bool:
+    """Return whether `float` accepts a cell."""
     try:
         float(cell)
     except (TypeError, ValueError):
@@ -184,10 +186,23 @@ def _is_number(cell: Any) -> bool:
     return True
 
 
-def _converted(values: NDArray[np.float64], column: Column, source: str) -> NDArray[np.float64]:
-    if column.unit is None:
-        return values
-    try:
-        return to_si(values, column.unit, channel(column.name).quantity)
-    except TirefmuError as error:
-        raise DataError(f"{source}: column {column.name}: {error}") from None
+def rows_of_numbers(
+    rows: Iterable[tuple[int, Sequence[str]]], names: Sequence[str], source: str
+) -> NDArray[np.float64]:
+    """Return the rows of a text file as numbers, shape (n, number of names).
+
+    `rows`: line number and cells of each. Raises `DataError` if there is none, a row has another number of cells than
+    there are names, or a cell is not a number.
+    """
+    numbers = array("d")  # 8 bytes each; a list of texts would need ten times as much
+    for line, cells in rows:
+        if len(cells) != len(names):
+            raise DataError(f"{source}: line {line}: {len(cells)} cells for {len(names)} channels")
+        try:
+            numbers.extend(map(float, cells))
+        except ValueError:
+            name, cell = next(pair for pair in zip(names, cells, strict=True) if not is_number(pair[1]))
+            raise DataError(f"{source}: line {line}: channel {name}: {cell!r} is not a number") from None
+    if not numbers:
+        raise DataError(f"{source}: no rows")
+    return np.array(numbers).reshape(-1, len(names))

@@ -44,10 +44,7 @@ class _Process:
         return self._owner == os.getpid() and self._popen.poll() is None
 
     def send(self, request: tuple[str, str, int, int, tuple[Any, ...]], seconds: float) -> tuple[str, Any]:
-        """Return the answer to a request.
-
-        Raises `TimeoutError, EOFError` if there is no answer within the time, or none at all.
-        """
+        """Return the answer to a request; raise `TimeoutError` if it is late, `EOFError` if there is none."""
         assert self._popen.stdin is not None
         assert self._popen.stdout is not None
         late = threading.Event()
@@ -87,28 +84,9 @@ _running: _Process | None = None
 def load(wanted: str, path: Path, *arguments: Any) -> Any:
     """Return the content of a file, read by native code.
 
-    Parameters
-    ----------
-    wanted : {"matlab", "parquet", "parquet header", "parquet part"}
-        What is read from it.
-    path : pathlib.Path
-        The file.
-    *arguments
-        Of a part: the first row and the largest number of rows.
-
-    Returns
-    -------
-    dict of str to Any, pandas.DataFrame, tuple or None
-        The variables of a ``.mat`` file, the table, its columns and number of rows, or a part of the table.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be opened.
-    MissingPackage
-        If the package that reads such files is not installed.
-    DataError
-        If the file has another format, or the code that reads it crashes.
+    `wanted`: a name of `reader_process.LOADERS`, whose function returns the content and takes the arguments. Raises
+    `OSError` if the file cannot be opened, `MissingPackage` if the package that reads such files is not installed, and
+    `DataError` if the file has another format, or the code that reads it crashes.
     """
     global _running
     with path.open("rb") as file:

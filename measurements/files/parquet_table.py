@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,32 +30,24 @@ def read_parquet_table(path: Path, signs: str) -> Recording:
     return Recording(table, signs, path.name, about)
 
 
-@dataclass(frozen=True)
-class ParquetParts:
-    """A Parquet table that is read in parts, so that its size does not determine the memory."""
+def parquet_header(path: Path) -> tuple[list[Column], int]:
+    """Return the columns of a Parquet file and its number of rows.
 
-    path: Path
-    columns: tuple[Column, ...]
-    rows: int
+    Raises `DataError` if pyarrow is not installed, the file is not a Parquet file, or its columns cannot be used.
+    """
+    names, rows = _loaded("parquet header", path)
+    return parse_header(names, str(path)), rows
 
-    @classmethod
-    def of(cls, path: Path) -> ParquetParts:
-        """Read the header of a file.
 
-        Raises `DataError` if pyarrow is not installed, the file is not a Parquet file, or its columns cannot be used.
-        """
-        names, rows = _loaded("parquet header", path)
-        return cls(path, tuple(parse_header(names, str(path))), rows)
+def parquet_parts(path: Path, columns: Sequence[Column], most: int) -> Iterator[tuple[int, pd.DataFrame]]:
+    """Yield the number of the first row of each part and its rows, `most` at most, channels in SI.
 
-    def tables(self, most: int) -> Iterator[tuple[int, pd.DataFrame]]:
-        """Yield the number of the first row of each part and its rows, `most` at most, channels in SI.
-
-        Raises `DataError` if a channel cannot be used. The message counts rows from 1.
-        """
-        start = 0
-        while (table := _loaded("parquet part", self.path, start, most)) is not None:
-            yield start, converted_channels(table, self.columns, str(self.path), _numbered_from(start))
-            start += len(table)
+    Raises `DataError` if a channel cannot be used. The message counts rows from 1.
+    """
+    start = 0
+    while (table := _loaded("parquet part", path, start, most)) is not None:
+        yield start, converted_channels(table, columns, str(path), _numbered_from(start))
+        start += len(table)
 
 
 def _numbered_from(start: int) -> Callable[[int], str]:

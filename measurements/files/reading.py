@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 
@@ -12,19 +13,17 @@ from tirefmu.tires.signs import reversed_columns
 
 from ..quality.incomplete_rows import without_incomplete_rows
 from ..recording import Recording
-from .csv_table import read_csv_table
-from .parquet_table import read_parquet_table
-from .ttc_dat import read_ttc_dat
-from .ttc_mat import read_ttc_mat
-from .tydex import read_tydex
+from .formats import FORMATS
+
+
+def _function(name: str) -> Callable[[Path, str], Recording]:
+    module, _, function = name.partition(":")
+    return getattr(import_module(f".{module}", __package__), function)  # type: ignore[no-any-return]
+
 
 #: By extension: the reader and the default sign convention of the format.
 READERS: dict[str, tuple[Callable[[Path, str], Recording], str]] = {
-    ".csv": (read_csv_table, "iso"),
-    ".parquet": (read_parquet_table, "iso"),
-    ".mat": (read_ttc_mat, "sae"),
-    ".dat": (read_ttc_dat, "sae"),
-    ".tdx": (read_tydex, "iso"),
+    extension: (_function(declared.reader), declared.signs) for extension, declared in FORMATS.items()
 }
 
 

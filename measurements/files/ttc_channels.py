@@ -10,14 +10,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.boundary.errors import DataError, TirefmuError, nearest
+from tirefmu.boundary.errors import DataError, nearest
 
 from ..channels import CHANNELS, OUTPUTS, Channel
 from ..column_names import intended_channel
 from ..recording import Recording
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
-from ..units import to_si
-from .columns import check_finite
+from .columns import check_finite, in_si
 
 #: kappa is read from SL, the slip that is zero at zero FX, and never from SR. N is unusable in many runs and ignored.
 MANDATORY = ("ET", "SA", "IA", "FZ")
@@ -40,10 +39,9 @@ def bench_recording(
     """Return the recording of the channels of a bench file.
 
     `vectors`, shape (n,): by the name in the file; the case is ignored. `units`: the units that the file declares, by
-    name. If there are none, `assumed_units` are used. `signs`: the convention of the file. `location`: from a row's
-    number, counted from 0, to "line 12" or "row 12". Returns: the available channels of ``t kappa alpha gamma Fz p V T
-    Fx Fy Mz Mx My``. Raises `DataError` if a mandatory channel or every output is missing, a name resembles a missing
-    channel, lengths differ, a unit is unknown, or an input contains NaN.
+    name. If there are none, `assumed_units` are used. `location`: as for `channels_in_si`. Raises `DataError` if a
+    mandatory channel or every output is missing, a name resembles a missing channel, lengths differ, a unit is unknown,
+    or too many values of an input are NaN.
     """
     source = str(path)
     folded = {name.casefold(): values for name, values in vectors.items()}
@@ -51,7 +49,7 @@ def bench_recording(
     by_name = {name.casefold(): unit for name, unit in units.items()}
     metadata = dict(about)
     if by_name:
-        declared = [c.name for c in CHANNELS.values() if {name.casefold() for name in c.bench_names} & set(by_name)]
+        declared = [_BENCH_NAMES[name].name for name in _BENCH_NAMES if name.casefold() in by_name]
         metadata |= {"units": "declared in the file", "declared": " ".join(declared)}
     else:
         by_name, reason = assumed_units(path, folded)
@@ -94,11 +92,7 @@ def assumed_units(path: Path, vectors: Mapping[str, NDArray[np.float64]]) -> tup
 
 
 def has_bench_names(names: Collection[str]) -> bool:
-    """Return whether names are those of channels of a bench file.
-
-    >>> has_bench_names(["et", "sa", "fz", "fy", "lap"]), has_bench_names(["t", "alpha"])
-    (True, False)
-    """
+    """Return whether names are those of channels of a bench file, such as ET and SA in any case."""
     folded = {name.casefold() for name in names}
     return len(folded & {name.casefold() for name in MANDATORY}) >= 2
 
@@ -115,8 +109,8 @@ def _check_present(folded: Collection[str], fields: list[str], source: str) -> N
         intended = None if field.upper() in _BENCH_NAMES else intended_channel(field)
         names = CHANNELS[intended].bench_names if intended else ()
         if names and not any(name.casefold() in folded for name in names):
-            known = f"Channels of one are {', '.join(sorted(_BENCH_NAMES))}"
-            raise DataError(f"{source}: channel {field!r} is not one of a bench file: did you mean {names[0]}? {known}")
+            hint = f"did you mean {names[0]}? Channels of one are {', '.join(sorted(_BENCH_NAMES))}"
+            raise DataError(f"{source}: channel {field!r} is not one of a bench file: {hint}")
 
 
 def _channel(
@@ -133,10 +127,8 @@ def _channel(
     if not rows:
         raise DataError(f"{source}: no rows")
     check_finite(values, channel.name, source, lambda row: f"{location(row)}: {bench_name}")
-    try:
-        return to_si(values, units.get(bench_name.casefold(), _SI[channel.quantity]), channel.quantity)
-    except TirefmuError as error:
-        raise DataError(f"{source}: channel {bench_name}: {error}") from None
+    unit = units.get(bench_name.casefold(), _SI[channel.quantity])
+    return in_si(values, unit, channel.quantity, f"{source}: channel {bench_name}")
 
 
 def _free_rolling(

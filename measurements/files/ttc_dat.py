@@ -5,12 +5,10 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tirefmu.boundary.errors import DataError
 
 from ..recording import Recording
+from .columns import is_number, rows_of_numbers
 from .ttc_channels import bench_recording, has_bench_names
 
 _TITLE_LINES = 20  # upper limit; the names of the channels are in the second line or soon after
@@ -22,9 +20,8 @@ def read_ttc_dat(path: Path, signs: str) -> Recording:
     """Read a ``.dat`` file of the FSAE TTC: a title, names, units, and rows separated by blanks or tabs.
 
     `signs`: the convention of the file; Calspan writes sae. ``about["signs"]`` has that of the title (``ISO True``), if
-    any. Returns: the available channels of ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My``. ``about`` has the title as
-    ``tireid``. Raises `DataError` if no line has the names of the channels, rows differ in length, or a cell is not a
-    number (with the line). Also if a channel is missing or cannot be used, as for ``.mat`` files.
+    any, and ``about["tireid"]`` the title. Raises `DataError` if no line has the names of the channels, rows differ in
+    length, a cell is not a number (with the line), and as `bench_recording`.
     """
     source = str(path)
     lines = _lines(path)
@@ -37,7 +34,7 @@ def read_ttc_dat(path: Path, signs: str) -> Recording:
     numbers = [number for number in range(at + 1, len(lines)) if lines[number].strip()]
     units = _units(lines[numbers[0]], names, f"{source}: line {numbers[0] + 1}") if numbers else {}
     numbers = numbers[bool(units) :]
-    table = _numbers(lines, numbers, names, source)
+    table = rows_of_numbers(((number + 1, lines[number].split()) for number in numbers), names, source)
     title = " ".join(" ".join(line.split()) for line in lines[:at])
     about = {"tireid": title, "testid": "", "credit": ""}
     axes = _AXES.search(title)
@@ -64,35 +61,8 @@ def _units(line: str, names: list[str], where: str) -> dict[str, str]:
     """Return units by name from the line below the names; none if that line is a row of data."""
     # "deg F" is one unit, although blanks separate the cells as well.
     cells = _UNIT_OF_TWO_WORDS.sub("deg", line).split()
-    if not cells or all(_is_number(cell) for cell in cells):
+    if not cells or all(map(is_number, cells)):
         return {}
     if len(cells) != len(names):
         raise DataError(f"{where}: {len(cells)} units for {len(names)} channels")
     return dict(zip(names, cells, strict=True))
-
-
-def _numbers(lines: list[str], numbers: list[int], names: list[str], source: str) -> NDArray[np.float64]:
-    if not numbers:
-        raise DataError(f"{source}: no rows")
-    rows = [lines[number].split() for number in numbers]
-    for number, cells in zip(numbers, rows, strict=True):
-        if len(cells) != len(names):
-            raise DataError(f"{source}: line {number + 1}: {len(cells)} cells for {len(names)} channels")
-    try:
-        return np.array(rows, dtype=np.float64)
-    except ValueError:
-        number, name, cell = next(
-            (number, name, cell)
-            for number, cells in zip(numbers, rows, strict=True)
-            for name, cell in zip(names, cells, strict=True)
-            if not _is_number(cell)
-        )
-        raise DataError(f"{source}: line {number + 1}: channel {name}: {cell!r} is not a number") from None
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True

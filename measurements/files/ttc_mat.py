@@ -29,10 +29,8 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
     pressure indicates it, and ``about`` has the reason. Fields that are known to be unreliable (RUN of the wrong
     length, an empty tireid) are not used. A table with column names of the contract is read like a CSV table.
 
-    `signs`: the convention of the file; Calspan writes sae. Returns: the available channels of ``t kappa alpha gamma Fz
-    p V T Fx Fy Mz Mx My``. Raises `DataError` if the file is not a MATLAB file, a mandatory channel or every output is
-    missing, lengths differ, a unit is unknown, or an input contains NaN. For tables and files of version 7.3: if mat-io
-    is not installed.
+    `signs`: the convention of the file; Calspan writes sae. Raises `DataError` if the file is not a MATLAB file, as
+    `bench_recording`, and for tables and files of version 7.3 if mat-io is not installed.
     """
     fields = _load(path)
     for value in fields.values():

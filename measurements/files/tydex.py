@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,12 +11,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
+from tirefmu.boundary.errors import DataError, UnknownName
 
 from ..channels import CHANNELS
 from ..recording import Recording
-from ..units import to_si, unit_named
-from .columns import check_finite
+from ..units import unit_named
+from .columns import check_finite, in_si, is_number, rows_of_numbers
 
 #: TYDEX names by contract name, the preferred one first. Only forces in the W axes (contact point) are read.
 NAMES: Mapping[str, tuple[str, ...]] = {
@@ -56,17 +55,16 @@ class _Quantity:
 def read_tydex(path: Path, signs: str) -> Recording:
     """Read a TYDEX file.
 
-    `signs`: the convention of the file. TYDEX defines its W axes as iso. Returns: the channels of the contract. A
-    constant of the file is a channel with the same value in every row. Raises `DataError` if a section or the load in
-    the W axes is missing, a channel occurs twice, a row has more or fewer cells than there are channels, a cell is not
-    a number, or a unit is unknown (with the line).
+    TYDEX defines its W axes as iso. A constant of the file is a channel with the same value in every row. Raises
+    `DataError` if a section or the load in the W axes is missing, a channel occurs twice, a row has more or fewer cells
+    than there are channels, a cell is not a number, or a unit is unknown (with the line).
     """
     source = str(path)
     with path.open(encoding="latin-1") as file:
         sections = _sections(file.read().splitlines())
-    for wanted in ("MEASURCHANNELS", "MEASURDATA"):
-        if wanted not in sections:
-            raise DataError(f"{source}: no section **{wanted}: not a TYDEX file")
+    for name in ("MEASURCHANNELS", "MEASURDATA"):
+        if name not in sections:
+            raise DataError(f"{source}: no section **{name}: not a TYDEX file")
     channels = [_quantity(number, text, 3) for number, text in sections["MEASURCHANNELS"]]
     constants = [_quantity(number, text, 1) for number, text in sections.get("CONSTANTS", ())]
     for given in (channels, constants):
@@ -74,17 +72,19 @@ def read_tydex(path: Path, signs: str) -> Recording:
             if count > 1 and any(name in spelled for spelled in NAMES.values()):
                 raise DataError(f"{source}: {name} occurs {count} times")
     rows = sections["MEASURDATA"]
-    table = _numbers(rows, channels, source)
+    cells = ((line, text.split()) for line, text in rows)
+    table = rows_of_numbers(cells, [quantity.name for quantity in channels], source)
     measured = {quantity.name: (quantity, column) for quantity, column in zip(channels, table.T, strict=True)}
     held = {quantity.name: quantity for quantity in constants if quantity.numbers}
     columns: dict[str, NDArray[np.float64]] = {}
     for name, spelled in NAMES.items():
-        if (found := next((each for each in spelled if each in measured), None)) is not None:
-            quantity, raw = measured[found]
-            columns[name] = _in_si(name, quantity, quantity.physical(raw), rows, source)
-        elif (found := next((each for each in spelled if each in held), None)) is not None:
-            quantity = held[found]
-            columns[name] = _in_si(name, quantity, np.full(len(rows), quantity.numbers[0]), rows, source)
+        spelling = next((spelling for given in (measured, held) for spelling in spelled if spelling in given), "")
+        if spelling in measured:
+            quantity, raw = measured[spelling]
+            columns[name] = _converted(name, quantity, quantity.physical(raw), rows, source)
+        elif spelling:
+            quantity = held[spelling]
+            columns[name] = _converted(name, quantity, np.full(len(rows), quantity.numbers[0]), rows, source)
     if "Fz" not in columns:
         axes = next((axes for name, axes in _OTHER_AXES.items() if name in measured or name in held), None)
         raise DataError(f"{source}: no channel FZW (Fz){f': forces in the axes {axes} are not read' if axes else ''}")
@@ -110,7 +110,7 @@ def _quantity(line: int, text: str, most: int) -> _Quantity:
     """Read name, description, unit and up to ``most`` numbers. The unit follows the description."""
     name, *words = text.split()
     numbers: list[float] = []
-    while words and len(numbers) < most and _is_number(words[-1]) and np.isfinite(float(words[-1])):
+    while words and len(numbers) < most and is_number(words[-1]) and np.isfinite(float(words[-1])):
         numbers.insert(0, float(words.pop()))
     # A description may end in a word like "N". Only units of temperature have two words.
     two = " ".join(words[-2:])
@@ -118,37 +118,12 @@ def _quantity(line: int, text: str, most: int) -> _Quantity:
     return _Quantity(name, unit, tuple(numbers), line)
 
 
-def _in_si(
+def _converted(
     name: str, quantity: _Quantity, values: NDArray[np.float64], rows: Sequence[tuple[int, str]], source: str
 ) -> NDArray[np.float64]:
     check_finite(values, name, source, lambda row: f"line {rows[row][0]}: {quantity.name}")
-    try:
-        return to_si(values, quantity.unit, CHANNELS[name].quantity)
-    except TirefmuError as error:
-        raise DataError(f"{source}: line {quantity.line}: channel {quantity.name}: {error}") from None
-
-
-def _numbers(rows: Sequence[tuple[int, str]], channels: Sequence[_Quantity], source: str) -> NDArray[np.float64]:
-    if not rows:
-        raise DataError(f"{source}: no rows")
-    numbers = array("d")  # 8 bytes each; a list of texts would need ten times as much
-    for line, text in rows:
-        cells = text.split()
-        if len(cells) != len(channels):
-            raise DataError(f"{source}: line {line}: {len(cells)} cells for {len(channels)} channels")
-        bad = next((cell for cell in cells if not _is_number(cell)), None)
-        if bad is not None:
-            raise DataError(f"{source}: line {line}: {bad!r} is not a number")
-        numbers.extend(map(float, cells))
-    return np.array(numbers).reshape(len(rows), len(channels))
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+    place = f"{source}: line {quantity.line}: channel {quantity.name}"
+    return in_si(values, quantity.unit, CHANNELS[name].quantity, place)
 
 
 def _is_unit(spelling: str) -> bool:

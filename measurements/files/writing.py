@@ -49,16 +49,9 @@ def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
 
 
 def write_tables(tables: Iterable[pd.DataFrame], path: str | PathLike[str]) -> None:
-    """Write tables with the same columns one after another into one file, completely or not at all.
+    """Write tables with the same columns one after another into one file, as `write_table` writes one.
 
     Only one of them has to be in memory at a time.
-
-    `path`: as for `write_table`. Raises `DataError`: as `write_table`.
-
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_tables((pd.DataFrame({"Fy": [float(i)]}) for i in range(2)), Path(folder) / "out.csv")
-    ...     print((Path(folder) / "out.csv").read_text().split())
-    ['Fy', '0.0', '1.0']
     """
     with _replaced(Path(path)) as part:
         if Path(path).suffix.lower() == ".csv":

@@ -33,14 +33,7 @@ RATIOS: Mapping[str, Mapping[float, str]] = {
 
 
 def clock_and_units(recording: Recording) -> Iterator[Finding]:
-    """Yield findings on jumps of the clock, on channels in two units, and on a speed that may be in km/h.
-
-    >>> import pandas as pd
-    >>> clock, alpha = [0.0, 0.1, 0.2, 0.3, 9.0, 9.1], np.linspace(0.10, 0.11, 6)
-    >>> rows = pd.DataFrame({"t": [*clock, 9.2], "alpha": [*alpha, 0.2], "Fy": 1.0})
-    >>> print(*clock_and_units(Recording(rows, "iso", "a.csv")))
-    a.csv: t jumps forward within a sweep 1 time, most by 8.7 s at row 5: each part is a segment
-    """
+    """Yield findings on jumps of the clock, on channels in two units, and on a speed that may be in km/h."""
     yield from _clock_jumps(recording)
     yield from _mixed_units(recording)
     yield from _unlabelled_speed(recording)
@@ -86,21 +79,19 @@ def _same_sweep(recording: Recording, row: int) -> bool:
     return False
 
 
-def _jump(recording: Recording, way: str, steps: NDArray[np.float64], at: NDArray[np.intp]) -> Finding:
+def _jump(recording: Recording, direction: str, steps: NDArray[np.float64], at: NDArray[np.intp]) -> Finding:
     largest = at[np.argmax(np.abs(steps[at]))]
     times = "1 time" if len(at) == 1 else f"{len(at)} times"
     size = abs(float(steps[largest]))
-    return Finding(
-        "clock",
-        f"{recording.source}: t jumps {way} {times}, most by {size:.3g} s at row {largest + 2}: each part is a segment",
-    )
+    most = f"most by {size:.3g} s at row {largest + 2}"
+    return Finding("clock", f"{recording.source}: t jumps {direction} {times}, {most}: each part is a segment")
 
 
 def _mixed_units(recording: Recording) -> Iterator[Finding]:
     """Yield a finding if a held input has values in two units: levels whose ratio is that of two units."""
     for name, ratios in RATIOS.items():
-        found = np.abs(held_levels(recording.table[name])) if name in recording.table else np.empty(0)
-        for (ratio, units), low, high in product(ratios.items(), found, found):
+        levels = np.abs(held_levels(recording.table[name])) if name in recording.table else np.empty(0)
+        for (ratio, units), low, high in product(ratios.items(), levels, levels):
             if low > 0.0 and abs(high / low / ratio - 1.0) < RATIO_TOLERANCE:
                 unit = CHANNELS[name].unit
                 yield Finding(

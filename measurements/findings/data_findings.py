@@ -36,26 +36,26 @@ def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
     >>> print(*data_findings([Recording(rows, "iso", "a.csv")])[:1])
     a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted, and every row counts as alpha = 0
     """
-    found = [Finding("two tires", note, serious=True) for note in two_tires(recordings)]
-    found += _repeated_files(recordings)
-    found += stiffness_between_files(recordings)
+    findings = [Finding("two tires", note, serious=True) for note in two_tires(recordings)]
+    findings += _repeated_files(recordings)
+    findings += stiffness_between_files(recordings)
     for recording in recordings:
-        found += [Finding("sign convention", note, serious=True) for note in convention_notes(recording)]
-        found += [Finding("coverage", note) for note in coverage_notes(recording)]
-        found += findings_of(recording, alone=len(recordings) == 1)
-        found += clock_and_units(recording)
-    return sorted(found, key=lambda finding: not finding.serious)
+        findings += [Finding("sign convention", note, serious=True) for note in convention_notes(recording)]
+        findings += [Finding("coverage", note) for note in coverage_notes(recording)]
+        findings += findings_of(recording, alone=len(recordings) == 1)
+        findings += clock_and_units(recording)
+    return sorted(findings, key=lambda finding: not finding.serious)
 
 
 def _repeated_files(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield a finding for each pair of recordings with common rows: a file that was given twice."""
     keys = [set(row_keys(recording)) for recording in recordings] if len(recordings) > 1 else []
-    for (one, first), (other, second) in combinations(zip(recordings, keys, strict=False), 2):
+    for (recording, first), (other, second) in combinations(zip(recordings, keys, strict=False), 2):
         common = len(first & second)
         if common > MAX_REPEATED_ROWS * min(len(first), len(second)):
             same = "is given twice" if first == second else f"shares {common} rows with {other.source}"
             yield Finding(
                 "repeated rows",
-                f"{one.source} {same}: these rows have twice the weight",
+                f"{recording.source} {same}: these rows have twice the weight",
                 serious=common > SERIOUS_REPEATED_ROWS * min(len(first), len(second)),
             )

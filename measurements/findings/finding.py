@@ -41,13 +41,7 @@ class Finding:
 
 
 def verdict_on(findings: Sequence[Finding]) -> str:
-    """Return what findings mean for a fit, in one line.
-
-    >>> verdict_on([]), verdict_on([Finding("two tires", "a.csv: two tires", serious=True)])
-    ('ready for a fit', 'a fit of these data would be misleading')
-    >>> verdict_on([Finding("repeated rows", "a.csv: 5 of 90 rows occur twice")])
-    'ready for a fit, with 1 note'
-    """
-    if any(each.serious for each in findings):
+    """Return what findings mean for a fit, in one line, such as "ready for a fit, with 1 note"."""
+    if any(finding.serious for finding in findings):
         return "a fit of these data would be misleading"
     return "ready for a fit" + (f", with {len(findings)} note{'s'[: len(findings) != 1]}" if findings else "")

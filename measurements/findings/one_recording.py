@@ -11,7 +11,6 @@ import pandas as pd
 from scipy.ndimage import median_filter
 
 from ..channels import CHANNELS, OUTPUTS
-from ..column_names import unread_columns
 from ..operating_conditions.levels import held_levels
 from ..operating_conditions.time_series import sample_interval
 from ..recording import Recording, once
@@ -66,7 +65,7 @@ def _missing_slips(recording: Recording) -> Iterator[Finding]:
 
 def _unread_channels(recording: Recording) -> Iterator[Finding]:
     """Yield a finding if a table has columns that are no channels."""
-    names = unread_columns(recording.table.columns)
+    names = [name for name in map(str, recording.table) if name not in CHANNELS]
     if names:
         more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
         yield Finding(
@@ -160,16 +159,16 @@ def _confounded_with_order(recording: Recording) -> Iterator[Finding]:
     for name, (scale, unit) in SLOW_INPUTS.items():
         if name not in recording.table:
             continue
-        found = np.array(held_levels(recording.table[name]))
-        if len(found) < 2:
+        levels = np.array(held_levels(recording.table[name]))
+        if len(levels) < 2:
             continue
         values = recording.table[name].to_numpy(dtype=np.float64)
-        spacing = np.diff(found).min()
-        distance = np.abs(values[:, None] - found)
+        spacing = np.diff(levels).min()
+        distance = np.abs(values[:, None] - levels)
         near = distance.min(axis=1) < 0.25 * spacing  # without the rows of a transition
         order = [int(level) for level, _ in groupby(distance.argmin(axis=1)[near])]
-        if len(order) == len(found):
-            texts = ", ".join(f"{found[level] * scale:.3g}" for level in order)
+        if len(order) == len(levels):
+            texts = ", ".join(f"{levels[level] * scale:.3g}" for level in order)
             yield Finding(
                 "run order",
                 f"{recording.source}: the levels of {name} were run one after another ({texts} {unit}): its "

@@ -45,12 +45,12 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     >>> print(*residual_findings([Recording(late, "iso", "a.csv")], [force]))  # doctest: +ELLIPSIS
     a.csv: the residual of Fy is like a lag of 50 ms (... % of its mean square)
     """
-    found: list[Finding] = []
+    findings: list[Finding] = []
     for recording, forces in zip(recordings, predicted, strict=True):
         for name in OUTPUTS:
             if name in recording.table and name in forces:
-                found += _causes(recording, name, forces[name].to_numpy(dtype=np.float64))
-    return found
+                findings += _causes(recording, name, forces[name].to_numpy(dtype=np.float64))
+    return findings
 
 
 def _causes(recording: Recording, name: str, force: NDArray[np.float64]) -> Iterator[Finding]:
@@ -84,10 +84,10 @@ def _explained(
     residual: NDArray[np.float64], causes: Mapping[str, NDArray[np.float64]]
 ) -> dict[str, tuple[float, float]]:
     """Return the regression coefficient of each cause, and the share of the mean square that only it explains."""
-    known = np.isfinite(residual)
+    rows = np.isfinite(residual)
     for cause in causes.values():
-        known &= np.isfinite(cause)
-    r, x = residual[known], {name: cause[known] for name, cause in causes.items() if np.any(cause[known])}
+        rows &= np.isfinite(cause)
+    r, x = residual[rows], {name: cause[rows] for name, cause in causes.items() if np.any(cause[rows])}
     total = float(r @ r)
     if not total > 0.0 or not x:
         return {}

@@ -41,12 +41,12 @@ def stiffness_between_files(recordings: Sequence[Recording]) -> Iterator[Finding
     """
     usable = [recording for recording in recordings if {"alpha", "Fz", "Fy"} <= set(recording.table)]
     rows = [_free_rolling(recording) for recording in usable] if len(usable) > 1 else []
-    for (first, one), (second, other) in combinations(zip(usable, rows, strict=False), 2):
-        angles = _common_angles(one, other)
+    for (first, table), (second, other) in combinations(zip(usable, rows, strict=False), 2):
+        angles = _common_angles(table, other)
         differences = [
             _difference(condition, a, b)
-            for condition in _conditions(one)
-            if (a := _line(_at(one, condition), angles)) and (b := _line(_at(other, condition), angles))
+            for condition in _conditions(table)
+            if (a := _line(_at(table, condition), angles)) and (b := _line(_at(other, condition), angles))
         ]
         if differences and (text := _significant(differences, angles)):
             yield Finding(
@@ -117,9 +117,9 @@ def _free_rolling(recording: Recording) -> pd.DataFrame:
     return table[rows & (table["kappa"].abs() < FREE_ROLLING_SLIP)] if "kappa" in table else table[rows]
 
 
-def _common_angles(one: pd.DataFrame, other: pd.DataFrame) -> tuple[float, float]:
+def _common_angles(*tables: pd.DataFrame) -> tuple[float, float]:
     """Return two slip angles: the two smallest ones at which a recording was held, or two next to zero."""
-    for table in (one, other):
+    for table in tables:
         held = sorted(held_levels(table["alpha"]), key=abs)
         if len(held) > 1:
             return held[0], held[1]

@@ -29,14 +29,9 @@ FORCES = {"alpha": "Fy", "kappa": "Fx"}
 def two_tires(recordings: Sequence[Recording]) -> list[str]:
     """Return why recordings seem to be of several tires.
 
-    Returns: sentences on names that differ, on loads of different size in two recordings, and on loads of different
-    size before and after a restart of the clock (joined files). Without any, at most one on sweeps at equal operating
-    conditions whose friction differs.
-
-    >>> import pandas as pd
-    >>> rows = pd.DataFrame({"Fz": [900.0], "Fy": [1.0]})
-    >>> two_tires([Recording(rows, "iso", f"{name}.mat", {"tireid": name}) for name in ("Hoosier", "Avon")])
-    ["two tires? the tire is 'Hoosier' in Hoosier.mat, 'Avon' in Avon.mat"]
+    Sentences on names that differ, on loads of different size in two recordings, and on loads of different size before
+    and after a restart of the clock (joined files). Without any, at most one on sweeps at equal operating conditions
+    whose friction differs.
     """
     notes = [*_names(recordings), *_loads(recordings)]
     notes += [note for recording in recordings for note in _joined_files(recording)]
@@ -128,23 +123,23 @@ def _sweeps(recording: Recording) -> Iterator[_Sweep]:
         if len(moving) != 1 or FORCES.get(moving[0]) not in table or "Fz" not in held:
             continue
         slip, force = (table[name].to_numpy(dtype=np.float64)[rows] for name in (moving[0], FORCES[moving[0]]))
-        known = np.isfinite(force) & (load[rows] > 0.0)
-        if known.sum() < FEW_ROWS:
+        usable = np.isfinite(force) & (load[rows] > 0.0)
+        if usable.sum() < FEW_ROWS:
             continue
-        friction = float(np.quantile(np.abs(force[known] / load[rows][known]), FRICTION_QUANTILE))
+        friction = float(np.quantile(np.abs(force[usable] / load[rows][usable]), FRICTION_QUANTILE))
         if friction > 0.0:
             held = {name: -level if name in turned else level for name, level in held.items()}
             text = f"rows {rows.start + 1} to {rows.stop} of {recording.source}"
             yield _Sweep(text, moving[0], float(np.abs(slip).max()), held, friction)
 
 
-def _comparable(one: _Sweep, other: _Sweep) -> bool:
+def _comparable(sweep: _Sweep, other: _Sweep) -> bool:
     """Return whether two sweeps were made at equal operating conditions and up to the same slip."""
-    ratios = one.largest_slip / other.largest_slip, one.held["Fz"] / other.held["Fz"]
-    if one.slip != other.slip or not all(1.0 / EQUAL_LOAD_RATIO < ratio < EQUAL_LOAD_RATIO for ratio in ratios):
+    ratios = sweep.largest_slip / other.largest_slip, sweep.held["Fz"] / other.held["Fz"]
+    if sweep.slip != other.slip or not all(1.0 / EQUAL_LOAD_RATIO < ratio < EQUAL_LOAD_RATIO for ratio in ratios):
         return False
-    common = (one.held.keys() & other.held.keys()) - {"Fz"}
+    common = (sweep.held.keys() & other.held.keys()) - {"Fz"}
     return all(
-        abs(one.held[name] - other.held[name]) <= EQUAL_TOLERANCES * (CHANNELS[name].tolerance or 0.0)
+        abs(sweep.held[name] - other.held[name]) <= EQUAL_TOLERANCES * (CHANNELS[name].tolerance or 0.0)
         for name in common
     )

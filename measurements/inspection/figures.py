@@ -115,8 +115,8 @@ def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], NDArray[np.b
             continue
         values = rows[name].to_numpy(dtype=np.float64)
         tolerance = level_tolerance(values, name)
-        known = [0.0] if name in ("kappa", "alpha") else held_levels(rows[name])
-        counts = {level: int((at_levels & (np.abs(values - level) <= tolerance)).sum()) for level in known}
+        levels = [0.0] if name in ("kappa", "alpha") else held_levels(rows[name])
+        counts = {level: int((at_levels & (np.abs(values - level) <= tolerance)).sum()) for level in levels}
         present = {level: count for level, count in counts.items() if count}
         if present:
             held[name] = min(present, key=abs) if name == "gamma" else max(present, key=present.__getitem__)

@@ -8,6 +8,7 @@ from math import isnan
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from ..channels import CHANNELS
@@ -19,10 +20,13 @@ from ..operating_conditions.phases import Phase, phases
 from ..operating_conditions.time_series import sample_interval
 from ..quality.row_exclusion import RowExclusion, exclude_rows
 from ..recording import Recording
-from .drift import DRIFTING, drift
 
 #: s, time over which the speed of a sweep is measured. A sweep of a bench takes several seconds.
 RATE_TIME = 0.5
+#: Channels that a bench holds or that follow the test, whose slow change is of interest.
+DRIFTING = ("p", "V", "T")
+#: Fraction of the rows at either end of a condition, between which the drift is computed.
+END_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -114,9 +118,9 @@ class Inspection:
             "duration": self.duration,
             "segments": self.segments,
             "longest_gap": self.longest_gap,
-            "channels": [_without_nan(vars(each)) for each in self.channels],
-            "sweeps": [vars(each) for each in self.sweeps],
-            "conditions": [{**vars(each), "drift": _without_nan(each.drift)} for each in self.conditions],
+            "channels": [_without_nan(vars(channel)) for channel in self.channels],
+            "sweeps": [vars(sweep) for sweep in self.sweeps],
+            "conditions": [{**vars(held), "drift": _without_nan(held.drift)} for held in self.conditions],
             "excluded_rows": self.exclusion.counts,
         }
 
@@ -126,18 +130,7 @@ def _without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def inspect(recordings: Sequence[Recording]) -> tuple[list[Inspection], list[Finding]]:
-    """Return the contents of recordings, and what they lack or contradict.
-
-    `recordings`: of one tire. Returns `findings`: about all recordings (`data_findings`).
-
-    >>> import pandas as pd
-    >>> clock = np.arange(1800) / 100.0
-    >>> alpha, load = 0.1 * np.sin(2.0 * np.pi * clock / 9.0), np.where(clock < 9.0, 900.0, 500.0)
-    >>> table = pd.DataFrame({"t": clock, "alpha": alpha, "Fz": load, "Fy": -9e3 * alpha})
-    >>> (found,), _ = inspect([Recording(table, "iso", "run.csv")])
-    >>> [(each.held, each.rows) for each in found.conditions]
-    [({'Fz': 500.0}, 900), ({'Fz': 900.0}, 900)]
-    """
+    """Return the contents of recordings of one tire, and what they lack or contradict (`data_findings`)."""
     return [_inspected(recording) for recording in recordings], data_findings(recordings)
 
 
@@ -146,7 +139,7 @@ def _inspected(recording: Recording) -> Inspection:
     clock = recording.table["t"].to_numpy(dtype=np.float64) if "t" in recording.table else None
     interval = sample_interval(recording, max(pieces, key=lambda piece: piece.stop - piece.start))
     gaps = [clock[piece.start] - clock[piece.start - 1] for piece in pieces[1:]] if clock is not None else []
-    found = phases(recording)
+    every = phases(recording)
     return Inspection(
         recording,
         tuple(_channel(recording, name) for name in CHANNELS if name in recording.table),
@@ -154,38 +147,38 @@ def _inspected(recording: Recording) -> Inspection:
         interval * len(recording),
         len(pieces),
         float(max([0.0, *gaps])),
-        tuple(_sweeps(recording, found)),
-        tuple(_conditions(recording, found, interval)),
+        tuple(_sweeps(recording, every)),
+        tuple(_conditions(recording, every, interval)),
         exclude_rows(recording),
     )
 
 
 def _channel(recording: Recording, name: str) -> ChannelSummary:
     declared, column = CHANNELS[name], recording.table[name]
-    known = column.dropna().to_numpy(dtype=np.float64)
-    low, middle, high = (float(v) for v in np.quantile(known, (0.0, 0.5, 1.0))) if len(known) else (np.nan,) * 3
+    values = column.dropna().to_numpy(dtype=np.float64)
+    low, middle, high = (float(v) for v in np.quantile(values, (0.0, 0.5, 1.0))) if len(values) else (np.nan,) * 3
     in_file = name in recording.about.get("declared", "").split()
     reason = "declared in the file" if in_file else recording.about.get("units") or "SI, as no unit is declared"
-    found = held_levels(column) if declared.role == "input" and name not in ("t", "T") else []
+    levels = held_levels(column) if declared.role == "input" and name not in ("t", "T") else []
     return ChannelSummary(
-        name, declared.meaning, declared.unit, reason, len(known), len(column) - len(known), low + 0.0, middle + 0.0,
-        high + 0.0, tuple(level + 0.0 for level in found),
+        name, declared.meaning, declared.unit, reason, len(values), len(column) - len(values), low + 0.0,
+        middle + 0.0, high + 0.0, tuple(level + 0.0 for level in levels),
     )  # fmt: skip
 
 
 def _sweeps(recording: Recording, every: Sequence[Phase]) -> list[SweepSummary]:
-    found: list[SweepSummary] = []
+    sweeps: list[SweepSummary] = []
     for phase in (phase for phase in every if phase.kind == "sweep"):
         moved = [recording.table[name].to_numpy(dtype=np.float64)[phase.rows] for name in phase.moving]
         step = sample_interval(recording, phase.rows)
-        found.append(
+        sweeps.append(
             SweepSummary(
-                len(found) + 1, phase.rows.start + 1, phase.rows.stop, phase.moving,
+                len(sweeps) + 1, phase.rows.start + 1, phase.rows.stop, phase.moving,
                 tuple(float(values.min()) for values in moved), tuple(float(values.max()) for values in moved),
                 tuple(_rate(values, step) for values in moved), dict(phase.held),
             )
         )  # fmt: skip
-    return found
+    return sweeps
 
 
 def _rate(values: NDArray[np.float64], step: float) -> float:
@@ -199,20 +192,33 @@ def _conditions(recording: Recording, every: Sequence[Phase], interval: float) -
     steady = np.ones(len(recording), dtype=np.bool_)
     for phase in every:
         steady[phase.rows] = phase.kind != "transition"
-    found = []
+    conditions = []
     for number, (held, moving) in enumerate(zip(groups.conditions, groups.moving, strict=True)):
         rows = np.flatnonzero((groups.labels == number) & steady)
         if not len(rows):
             continue
         levels = {name: abs(level) if name == "Fz" else level + 0.0 for name, level in held}
-        found.append(
+        conditions.append(
             ConditionSummary(
                 levels, moving, len(rows), _stretches(rows), interval * len(rows),
-                {name: drift(recording.table[name], rows) for name in DRIFTING if name in recording.table},
+                {name: _drift(recording.table[name], rows) for name in DRIFTING if name in recording.table},
             )
         )  # fmt: skip
     order = ("p", "V", "gamma", "kappa", "alpha", "Fz")
-    return sorted(found, key=lambda each: [each.held.get(name, -np.inf) for name in order])
+    return sorted(conditions, key=lambda condition: [condition.held.get(name, -np.inf) for name in order])
+
+
+def _drift(column: pd.Series, rows: NDArray[np.intp]) -> float:
+    """Return the change of a channel from the first to the last tenth of some rows in the order of time.
+
+    It is the difference of the medians; NaN without a number at either end.
+    """
+    values = column.to_numpy(dtype=np.float64)[rows]
+    count = max(1, round(END_SHARE * len(values)))
+    ends = values[:count], values[-count:]
+    if any(not np.isfinite(end).any() for end in ends):
+        return np.nan
+    return float(np.nanmedian(ends[1]) - np.nanmedian(ends[0]))
 
 
 def _stretches(rows: NDArray[np.intp]) -> int:

@@ -31,8 +31,8 @@ def write_inspection(
         "tirefmu.measurements.inspection",
         {"title_of": title, "tables_of": all_tables, "figures_of": inspection_figures},
         inspections=inspections, findings=findings, verdict=verdict_on(findings),
-        serious=any(each.serious for each in findings), texts=TEXTS,
-        origin=provenance([each.recording for each in inspections], command),
+        serious=any(finding.serious for finding in findings), texts=TEXTS,
+        origin=provenance([inspection.recording for inspection in inspections], command),
     )  # fmt: skip
     try:
         write_page(page, path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 
 from tirefmu.tires.drawing.labels import drawn_unit, per_si
@@ -13,6 +13,8 @@ from .inspection import Inspection, SweepSummary
 Table = tuple[list[str], list[list[str]]]
 #: Columns of texts; the others contain numbers.
 TEXTS = {"channel", "meaning", "unit", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason"}
+#: Ranges of numbers of sweeps in one cell; more are counted.
+MAX_RUNS = 6
 
 
 def title(inspection: Inspection) -> str:
@@ -32,7 +34,7 @@ def title(inspection: Inspection) -> str:
 
 def all_tables(inspection: Inspection) -> list[tuple[str, str, Table]]:
     """Return title, explanation and content of each table; empty ones are omitted."""
-    found = [
+    tables = [
         ("Channels", "", channel_table(inspection)),
         ("Sweeps", "", sweep_table(inspection)),
         (
@@ -42,32 +44,21 @@ def all_tables(inspection: Inspection) -> list[tuple[str, str, Table]]:
         ),
         ("Excluded from a fit", "", excluded_table(inspection)),
     ]
-    return [each for each in found if each[2][1]]
+    return [table for table in tables if table[2][1]]
 
 
 def channel_table(inspection: Inspection) -> Table:
     """Return the channels: units, rows, range, levels."""
+    header = ["channel", "meaning", "unit", "unit from", "rows", "missing", "lowest", "median", "highest", "held at"]
     rows = []
-    for each in inspection.channels:
-        values = [_number(each.name, value) for value in (each.lowest, each.median, each.highest)]
-        levels = ", ".join(_number(each.name, level) for level in each.levels)
-        swept = "swept" if CHANNELS[each.name].role == "input" and each.name not in ("t", "T") else ""
-        rows.append(
-            [each.name, each.meaning, _unit(each.name), each.unit_from, str(each.rows), str(each.missing), *values,
-             levels or swept]
-        )  # fmt: skip
-    return [
-        "channel",
-        "meaning",
-        "unit",
-        "unit from",
-        "rows",
-        "missing",
-        "lowest",
-        "median",
-        "highest",
-        "held at",
-    ], rows
+    for channel in inspection.channels:
+        name = channel.name
+        values = [_number(name, value) for value in (channel.lowest, channel.median, channel.highest)]
+        levels = ", ".join(_number(name, level) for level in channel.levels)
+        swept = "swept" if CHANNELS[name].role == "input" and name not in ("t", "T") else ""
+        counts = [str(channel.rows), str(channel.missing)]
+        rows.append([name, channel.meaning, drawn_unit(name), channel.unit_from, *counts, *values, levels or swept])
+    return header, rows
 
 
 def sweep_table(inspection: Inspection) -> Table:
@@ -81,40 +72,28 @@ def sweep_table(inspection: Inspection) -> Table:
             rates = sorted(s.rate[index] for s in sweeps)
             rows.append(
                 [" and ".join(moving), str(len(sweeps)), name, _number(name, low), _number(name, high),
-                 _number(name, rates[len(rates) // 2]), f"{_unit(name)}/s".replace("-/s", "1/s"), _numbers(sweeps)]
+                 _number(name, rates[len(rates) // 2]), f"{drawn_unit(name)}/s".replace("-/s", "1/s"), _numbers(sweeps)]
             )  # fmt: skip
     return ["swept", "sweeps", "input", "lowest", "highest", "speed", "speed in", "numbers"], rows
 
 
 def condition_table(inspection: Inspection) -> Table:
     """Return the operating conditions: levels, rows, drifts."""
-    held = [name for name in CHANNELS if any(name in each.held for each in inspection.conditions)]
-    drifting = [name for name in CHANNELS if any(name in each.drift for each in inspection.conditions)]
-    header = ["swept", *(f"{name} ({_unit(name)})" for name in held), "rows", "stretches", "s"]
+    held = [name for name in CHANNELS if any(name in condition.held for condition in inspection.conditions)]
+    drifting = [name for name in CHANNELS if any(name in condition.drift for condition in inspection.conditions)]
+    header = ["swept", *(f"{name} ({drawn_unit(name)})" for name in held), "rows", "stretches", "s"]
     rows = []
-    for each in inspection.conditions:
-        levels = [_number(name, each.held[name]) if name in each.held else "" for name in held]
-        drifts = [_number(name, each.drift[name], sign=True) for name in drifting]
-        rows.append(
-            [
-                " and ".join(each.moving) or "-",
-                *levels,
-                str(each.rows),
-                str(each.sweeps),
-                f"{each.seconds:.1f}",
-                *drifts,
-            ]
-        )
-    return [*header, *(f"drift of {name} ({_unit(name).replace('deg C', 'K')})" for name in drifting)], rows
+    for condition in inspection.conditions:
+        levels = [_number(name, condition.held[name]) if name in condition.held else "" for name in held]
+        drifts = [_number(name, condition.drift[name], sign=True) for name in drifting]
+        extent = [str(condition.rows), str(condition.sweeps), f"{condition.seconds:.1f}"]
+        rows.append([" and ".join(condition.moving) or "-", *levels, *extent, *drifts])
+    return [*header, *(f"drift of {name} ({drawn_unit(name).replace('deg C', 'K')})" for name in drifting)], rows
 
 
 def excluded_table(inspection: Inspection) -> Table:
     """Return the rows that a fit excludes, by reason."""
     return ["reason", "rows"], [[reason, str(rows)] for reason, rows in inspection.exclusion.counts.items()]
-
-
-def _unit(name: str) -> str:
-    return drawn_unit(name)
 
 
 def _number(name: str, value: float, *, sign: bool = False) -> str:
@@ -133,9 +112,6 @@ def _numbers(sweeps: Sequence[SweepSummary]) -> str:
             runs[-1][1] = number
         else:
             runs.append([number, number])
-    return _joined(f"{first}..{last}" if last > first else f"{first}" for first, last in runs)
-
-
-def _joined(texts: Iterable[str], most: int = 6) -> str:
-    given = list(texts)
-    return ", ".join(given[:most]) + (f" and {len(given) - most} more" if len(given) > most else "")
+    texts = [f"{first}..{last}" if last > first else f"{first}" for first, last in runs]
+    more = f" and {len(texts) - MAX_RUNS} more" if len(texts) > MAX_RUNS else ""
+    return ", ".join(texts[:MAX_RUNS]) + more

@@ -82,7 +82,7 @@ def _factors(
     """Return the weight of a row of each condition: 1, or less where there are more rows than in those of its kind."""
     density, factor = counts / extent, np.ones(len(counts))
     for kind in set(kinds):
-        same_kind = np.array([each == kind for each in kinds]) & (counts > 0)
+        same_kind = np.array([other == kind for other in kinds]) & (counts > 0)
         if same_kind.any():
             median = float(np.quantile(density[same_kind], 0.5, method="lower"))
             oversampled = same_kind & (density > OVERSAMPLED * median)
@@ -120,11 +120,11 @@ def group_by_condition(recording: Recording, *, most_levels: int | None = None) 
     most = np.inf if most_levels is None else most_levels
     series = [phase for phase in phases(recording) if phase.kind != "points"]
     held = {name: _levels_of(series, recording, name) for name in CONTROLLED_INPUTS if name in recording.table}
-    held = {name: found for name, found in held.items() if 0 < len(found) <= most}
+    held = {name: values for name, values in held.items() if 0 < len(values) <= most}
     labels = np.full(len(recording), -1, dtype=np.intp)
     numbers: dict[_Key, int] = {}
     for phase in series:
-        at = {name: found[np.abs(found - phase.held[name]).argmin()] for name, found in held.items()
+        at = {name: values[np.abs(values - phase.held[name]).argmin()] for name, values in held.items()
               if name in phase.held}  # fmt: skip
         moving = tuple(name for name in phase.moving if name in held or most_levels is None)
         key = moving, tuple((name, float(level)) for name, level in at.items())
@@ -170,15 +170,15 @@ def _points(
     complete = True
     for name in (name for name in CONTROLLED_INPUTS if name in recording.table):
         values = recording.table[name].to_numpy(dtype=np.float64)[rows]
-        found = np.array(levels(values, tolerance=level_tolerance(recording.table[name], name) or 1.0))
-        if len(found) and len(found) <= most:
-            numbers = numbers * len(found) + np.searchsorted(0.5 * (found[1:] + found[:-1]), values)
-            held.append((name, found))
-        complete = complete and len(found) > 0
+        steps = np.array(levels(values, tolerance=level_tolerance(recording.table[name], name) or 1.0))
+        if len(steps) and len(steps) <= most:
+            numbers = numbers * len(steps) + np.searchsorted(0.5 * (steps[1:] + steps[:-1]), values)
+            held.append((name, steps))
+        complete = complete and len(steps) > 0
     present, labels = np.unique(numbers, return_inverse=True)
-    shape = tuple(len(found) for _, found in held)
+    shape = tuple(len(steps) for _, steps in held)
     conditions = []
     for number in present.tolist():
         at = np.unravel_index(number, shape) if shape else ()
-        conditions.append(tuple((name, float(found[k])) for (name, found), k in zip(held, at, strict=True)))
+        conditions.append(tuple((name, float(steps[k])) for (name, steps), k in zip(held, at, strict=True)))
     return labels.astype(np.intp), conditions, complete

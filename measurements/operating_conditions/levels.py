@@ -88,8 +88,8 @@ def levels(values: ArrayLike, *, tolerance: float | None = None) -> list[float]:
     near_a_peak = np.abs(numbers[:, None] - peaks) <= tolerance
     if near_a_peak.any(axis=1).mean() < MIN_ROWS_AT_LEVELS:
         return []
-    found = near_a_peak.mean(axis=0) >= MIN_LEVEL_SHARE
-    return [float(np.median(numbers[rows])) for rows in near_a_peak.T[found]]
+    frequent = near_a_peak.mean(axis=0) >= MIN_LEVEL_SHARE
+    return [float(np.median(numbers[rows])) for rows in near_a_peak.T[frequent]]
 
 
 def held_levels(column: pd.Series) -> list[float]:
@@ -105,8 +105,8 @@ def held_levels(column: pd.Series) -> list[float]:
     list of float
         In SI units.
     """
-    found = levels(column)
-    return found if len(found) <= MAX_LEVELS else []
+    held = levels(column)
+    return held if len(held) <= MAX_LEVELS else []
 
 
 def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:

@@ -79,29 +79,29 @@ def phases(recording: Recording) -> list[Phase]:
     >>> [(phase.kind, phase.moving) for phase in phases(bench)]
     [('sweep', ('alpha',)), ('sweep', ('alpha',))]
     """
-    known = motions_of(recording)
-    inputs = known.inputs
-    columns = {each.name: recording.table[each.name].to_numpy(dtype=np.float64) for each in inputs}
-    of_inputs = [iter(each) for each in known.motions]
-    found: list[Phase] = []
-    for segment in _merged_segments(known.segments):
+    course = motions_of(recording)
+    inputs = course.inputs
+    columns = {channel.name: recording.table[channel.name].to_numpy(dtype=np.float64) for channel in inputs}
+    series = iter(range(len(course.series)))
+    result: list[Phase] = []
+    for segment in _merged_segments(course.segments):
         if not segment.is_series:
-            found.append(Phase(segment.rows, "points", (), _medians(columns, inputs, segment.rows)))
+            result.append(Phase(segment.rows, "points", (), _medians(columns, inputs, segment.rows)))
             continue
-        own = [next(of_input) for of_input in of_inputs]
-        state = np.stack(
-            [np.zeros(segment.rows.stop - segment.rows.start, dtype=np.bool_), *(motion.moving for motion in own)]
-        )
+        number = next(series)
+        motions = {channel.name: course.motions[i][number] for i, channel in enumerate(inputs)}
+        still = np.zeros(segment.rows.stop - segment.rows.start, dtype=np.bool_)
+        state = np.stack([still, *(motion.moving for motion in motions.values())])
         cuts = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
-        edges = {0, *cuts.tolist(), *(jump for motion in own for jump in motion.jumps), state.shape[1]}
+        edges = {0, *cuts.tolist(), *(jump for motion in motions.values() for jump in motion.jumps), len(still)}
         for start, stop in pairwise(sorted(edges)):
             rows = slice(segment.rows.start + start, segment.rows.start + stop)
-            moving = tuple(each.name for each, motion in zip(inputs, own, strict=True) if motion.moving[start])
-            between = any(motion.between[start] for motion in own)
+            moving = tuple(name for name, motion in motions.items() if motion.moving[start])
+            between = any(motion.between[start] for motion in motions.values())
             kind = "transition" if between else "sweep" if moving else "plateau"
-            held = _medians(columns, [each for each in inputs if each.name not in moving], rows)
-            found.append(Phase(rows, kind, moving, held))
-    return found
+            held = _medians(columns, [channel for channel in inputs if channel.name not in moving], rows)
+            result.append(Phase(rows, kind, moving, held))
+    return result
 
 
 def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.object_]:
@@ -119,18 +119,19 @@ def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.ob
     ndarray of str, shape (n,)
         Name of the input, or "".
     """
-    found = np.full(len(recording), "", dtype=object)
-    known = motions_of(recording)
-    for each, own in zip(known.inputs, known.motions, strict=True):
-        if not len(each.held):
+    names = np.full(len(recording), "", dtype=object)
+    course = motions_of(recording)
+    for channel, motions in zip(course.inputs, course.motions, strict=True):
+        if not len(channel.held):
             continue
-        for segment, motion in zip(known.series, own, strict=True):
+        for segment, motion in zip(course.series, motions, strict=True):
             between = motion.between.copy()
             between[[jump for jump in motion.jumps if settling]] = True
             if between.any():
-                rows = found[segment.rows]
-                rows[_extended(between, int(np.ceil(round(settling / segment.interval, 6)))) & (rows == "")] = each.name
-    return found
+                rows = names[segment.rows]
+                settled = int(np.ceil(round(settling / segment.interval, 6)))
+                rows[_extended(between, settled) & (rows == "")] = channel.name
+    return names
 
 
 @dataclass(frozen=True)
@@ -175,19 +176,19 @@ def motions_of(recording: Recording) -> Motions:
     """Return how the inputs of a recording move."""
     segments, inputs = segments_of(recording), _inputs(recording)
     series = [segment for segment in segments if segment.is_series]
-    return Motions(segments, inputs, [list(_motions(each, series)) for each in inputs])
+    return Motions(segments, inputs, [list(_motions(channel, series)) for channel in inputs])
 
 
 def _inputs(recording: Recording) -> list[_Input]:
     # In one convention, so that rounding does not depend on that of the recording.
     table = recording.with_signs("iso").table
-    found = []
+    inputs = []
     for name in CONTROLLED_INPUTS:
         if name in table:
             values = table[name].to_numpy(dtype=np.float64)
             tolerance = level_tolerance(values, name) or 1.0
-            found.append(_Input(name, values, _levels_with_stay(values, tolerance), tolerance))
-    return found
+            inputs.append(_Input(name, values, _levels_with_stay(values, tolerance), tolerance))
+    return inputs
 
 
 def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
@@ -195,45 +196,45 @@ def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[
 
     A sweep of few samples that returns to its own steps has levels as well, but of one row at a time.
     """
-    found = np.array(levels(values, tolerance=tolerance))
-    if not len(found):
-        return found
-    distance = np.abs(values[:, None] - found)
+    held = np.array(levels(values, tolerance=tolerance))
+    if not len(held):
+        return held
+    distance = np.abs(values[:, None] - held)
     level = np.where(distance.min(axis=1) <= tolerance, distance.argmin(axis=1), -1)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(level)) + 1, [len(level)]])
     lengths, at = np.diff(edges), level[edges[:-1]]
     # Mean over the rows, not over the visits: short visits at the limit of the tolerance have little influence.
-    stays = [lengths[at == k] @ lengths[at == k] / lengths[at == k].sum() for k in range(len(found))]
-    return np.array([value for value, stay in zip(found, stays, strict=True) if stay >= MIN_STAY_ROWS])
+    stays = [lengths[at == k] @ lengths[at == k] / lengths[at == k].sum() for k in range(len(held))]
+    return np.array([value for value, stay in zip(held, stays, strict=True) if stay >= MIN_STAY_ROWS])
 
 
 def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:
     """Return the segments; consecutive ones that are no time series are merged."""
-    found: list[Segment] = []
+    merged: list[Segment] = []
     for segment in segments:
-        if found and not segment.is_series and not found[-1].is_series:
-            found[-1] = replace(segment, rows=slice(found[-1].rows.start, segment.rows.stop))
+        if merged and not segment.is_series and not merged[-1].is_series:
+            merged[-1] = replace(segment, rows=slice(merged[-1].rows.start, segment.rows.stop))
         else:
-            found.append(segment)
-    return found
+            merged.append(segment)
+    return merged
 
 
 def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
-    medians = np.median([columns[each.name][rows] for each in inputs], axis=1) if inputs else ()
-    return {each.name: float(median) for each, median in zip(inputs, medians, strict=True)}
+    medians = np.median([columns[channel.name][rows] for channel in inputs], axis=1) if inputs else ()
+    return {channel.name: float(median) for channel, median in zip(inputs, medians, strict=True)}
 
 
-def _motions(each: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
+def _motions(channel: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
     """Yield the motion of an input in each segment."""
-    smooth = _smoothed(each.values, series)
-    if not len(each.held):
+    smooth = _smoothed(channel.values, series)
+    if not len(channel.held):
         for segment in series:
-            yield _swept_motion(smooth[segment.rows], each.tolerance, segment.interval)
+            yield _swept_motion(smooth[segment.rows], channel.tolerance, segment.interval)
         return
-    offset = np.abs(smooth[:, None] - each.held)
+    offset = np.abs(smooth[:, None] - channel.held)
     nearest, distance = offset.argmin(axis=1), offset.min(axis=1)
     for segment in series:
-        yield _held_motion(each, nearest[segment.rows], distance[segment.rows], segment.interval)
+        yield _held_motion(channel, nearest[segment.rows], distance[segment.rows], segment.interval)
 
 
 def _smoothed(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray[np.float64]:
@@ -262,16 +263,16 @@ def _padded(values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
     return np.concatenate([np.full(n, values[0]), values, np.full(n, values[-1])])
 
 
-def _held_motion(each: _Input, nearest: NDArray[np.intp], distance: NDArray[np.float64], step: float) -> _Motion:
-    between = _between_levels(nearest, distance, each.held, each.tolerance)
+def _held_motion(channel: _Input, nearest: NDArray[np.intp], distance: NDArray[np.float64], step: float) -> _Motion:
+    between = _between_levels(nearest, distance, channel.held, channel.tolerance)
     # A transition that passes a level does not end there. A sweep does not end where it turns, although many rows are
     # near the turning point.
     turning = round(2.0 * SWEEP_WINDOW / step)
-    between = _closed(between, turning if each.name in SLIP_INPUTS else round(SHORTEST_STAY / step), ends=False)
+    between = _closed(between, turning if channel.name in SLIP_INPUTS else round(SHORTEST_STAY / step), ends=False)
     # A held channel that jumps from one row to the next has no row between its levels.
     changes = np.flatnonzero(np.diff(nearest)) + 1
     jumps = changes[~between[changes]].tolist()
-    if each.name not in SLIP_INPUTS:
+    if channel.name not in SLIP_INPUTS:
         return _Motion(between, between, jumps)
     links = _links(between, nearest, round(LONGEST_TRANSITION / step))
     return _Motion(_closed(between, turning, ends=True), links, jumps)

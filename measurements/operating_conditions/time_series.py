@@ -35,9 +35,8 @@ class Segment:
 def segments_of(recording: Recording) -> list[Segment]:
     """Return the segments of a recording with their kind and sample interval.
 
-    A recording has hundreds of segments: each channel is compared with its tolerance once, for all of them.
-
-    Returns: in the order of the rows. Together they contain every row once.
+    They are in the order of the rows and contain every row once. A recording has hundreds of segments: each channel is
+    compared with its tolerance once, for all of them.
 
     >>> import pandas as pd
     >>> steps = Recording(pd.DataFrame({"kappa": np.tile([0.0, 0.2, -0.2], 20)}), "iso", "points.csv")
@@ -59,10 +58,7 @@ def segments_of(recording: Recording) -> list[Segment]:
 
 
 def sample_interval(recording: Recording, rows: slice) -> float:
-    """Return the median step of the clock in consecutive rows.
-
-    Returns: 0.01 s (100 Hz) if no clock was recorded.
-    """
+    """Return the median step of the clock in consecutive rows, s; 0.01 s (100 Hz) if no clock was recorded."""
     return _interval(_clock(recording), rows)
 
 
@@ -89,4 +85,4 @@ def _jumping(recording: Recording, pieces: Sequence[slice]) -> list[bool]:
             jumps = np.abs(np.diff(values)) > JUMP_TOLERANCES * level_tolerance(values, name)
             counted = np.concatenate([[0], np.cumsum(jumps)])  # jumps before each row
             jumping |= (counted[last] - counted[first]) / np.maximum(last - first, 1) > MAX_JUMPS
-    return [bool(each) for each in jumping]
+    return jumping.tolist()

@@ -146,22 +146,22 @@ def _contradicting(observed: dict[str, int], signs: str) -> list[str]:
 def _fact(name: str, sign: int, signs: str) -> str:
     """Return the observation on a channel that contradicts a convention."""
     if name == "Fz":
-        found, expected = ("positive", "negative") if sign > 0 else ("negative", "positive")
-        return f"Fz is {found}, in {signs} it is {expected}"
-    found, expected = ("rises", "falls") if sign > 0 else ("falls", "rises")
+        observed, expected = ("positive", "negative") if sign > 0 else ("negative", "positive")
+        return f"Fz is {observed}, in {signs} it is {expected}"
+    observed, expected = ("rises", "falls") if sign > 0 else ("falls", "rises")
     slip = _SIGN_IN_ISO[name][0]
     where = " at small angles" if name == "Mz" else ""
-    return f"{name} {found} with {slip}{where}, in {signs} it {expected}"
+    return f"{name} {observed} with {slip}{where}, in {signs} it {expected}"
 
 
 def _exchanged_forces(recording: Recording) -> str:
     """Return the observation that a force follows the slip of the other force, which does not; empty if none does."""
-    for slip, own, other in (("alpha", "Fy", "Fx"), ("kappa", "Fx", "Fy")):
-        if own not in recording.table or recording.table[own].isna().all():
+    for slip, force, other in (("alpha", "Fy", "Fx"), ("kappa", "Fx", "Fy")):
+        if force not in recording.table or recording.table[force].isna().all():
             continue
         strength = min(abs(r) for r in _correlations(recording, slip, other))
-        if strength > STRONG_CORRELATION and abs(_correlations(recording, slip, own)[1]) < WEAK_CORRELATION:
-            return f"{other} follows {slip} and {own} does not"
+        if strength > STRONG_CORRELATION and abs(_correlations(recording, slip, force)[1]) < WEAK_CORRELATION:
+            return f"{other} follows {slip} and {force} does not"
     return ""
 
 

@@ -73,15 +73,11 @@ def coverage(recording: Recording) -> list[Coverage]:
     --------
     >>> import pandas as pd
     >>> rows = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 500), "Fz": 900.0})
-    >>> [str(each) for each in coverage(Recording(rows, "iso", "a.csv"))]
+    >>> [str(channel) for channel in coverage(Recording(rows, "iso", "a.csv"))]
     ['alpha: swept from -0.2 to 0.2 rad', 'Fz: held at 900 N']
     """
-    found = []
-    for name in CONTROLLED_INPUTS:
-        if name in recording.table and len(recording):
-            column = recording.table[name]
-            found.append(Coverage(name, float(column.min()), float(column.max()), tuple(levels(column))))
-    return found
+    columns = [recording.table[name] for name in CONTROLLED_INPUTS if name in recording.table and len(recording)]
+    return [Coverage(str(c.name), float(c.min()), float(c.max()), tuple(levels(c))) for c in columns]
 
 
 @once
@@ -110,7 +106,7 @@ def coverage_notes(recording: Recording) -> list[str]:
     notes = []
     if 0 < len(recording) < FEW_ROWS:
         notes.append(f"{source}: {len(recording)} rows are fewer than a fit of one force needs")
-    by_name = {each.channel: each for each in coverage(recording)}
+    by_name = {channel.channel: channel for channel in coverage(recording)}
     for output, slips in _CAUSES.items():
         if output in table and table[output].notna().any() and not any(_varies(by_name.get(slip)) for slip in slips):
             notes.append(f"{source}: {slips[0]} {_constancy(by_name, slips[0])}: {output} shows no slip curve")
@@ -130,19 +126,19 @@ def coverage_notes(recording: Recording) -> list[str]:
     return notes + _clock_notes(recording)
 
 
-def _varies(each: Coverage | None) -> bool:
-    if each is None:
+def _varies(channel: Coverage | None) -> bool:
+    if channel is None:
         return False
-    tolerance = level_tolerance([each.lowest, each.highest], each.channel)
-    return each.highest - each.lowest > 2.0 * tolerance and len(each.levels) != 1
+    tolerance = level_tolerance([channel.lowest, channel.highest], channel.channel)
+    return channel.highest - channel.lowest > 2.0 * tolerance and len(channel.levels) != 1
 
 
 def _constancy(by_name: dict[str, Coverage], slip: str) -> str:
-    each = by_name.get(slip)
-    if each is None:
+    channel = by_name.get(slip)
+    if channel is None:
         return "is missing"
     unit = CHANNELS[slip].unit.replace("-", "")
-    return f"stays at {0.5 * (each.lowest + each.highest) + 0.0:.3g} {unit}".rstrip()
+    return f"stays at {0.5 * (channel.lowest + channel.highest) + 0.0:.3g} {unit}".rstrip()
 
 
 def _clock_notes(recording: Recording) -> list[str]:

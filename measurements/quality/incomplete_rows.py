@@ -14,15 +14,10 @@ from ..thresholds import MAX_INCOMPLETE
 
 
 def without_incomplete_rows(recording: Recording) -> Recording:
-    """Return a recording without the rows in which an input is NaN.
+    """Return a recording without the rows in which an input is NaN; the same one if every row is complete.
 
-    Returns: the same one if every row is complete. Otherwise ``about["incomplete"]`` has the numbers of rows. Raises
-    `DataError` if more than `MAX_INCOMPLETE` of the rows are incomplete.
-
-    >>> import pandas as pd
-    >>> rows = pd.DataFrame({"alpha": [0.0, np.nan, 0.1, 0.2, 0.3, 0.4], "Fy": 1.0})
-    >>> without_incomplete_rows(Recording(rows, "iso", "a.csv")).about["incomplete"]
-    '1 of 6 rows lack an input: NaN in alpha (1), the first in row 2'
+    ``about["incomplete"]`` has the numbers of rows. Raises `DataError` if more than `MAX_INCOMPLETE` of the rows are
+    incomplete.
     """
     present = [name for name in INPUTS if name in recording.table]
     unknown = recording.table[present].isna()

@@ -83,7 +83,7 @@ def outliers(recording: Recording) -> list[Outlier]:
     """
     series = [segment for segment in segments_of(recording) if segment.is_series]
     series = [segment for segment in series if MIN_WINDOW_ROWS * segment.interval <= LONGEST_MEDIAN_SPAN]
-    found = []
+    far_values: list[Outlier] = []
     for name in CHANNELS:
         if name == "t" or name not in recording.table:
             continue
@@ -91,11 +91,11 @@ def outliers(recording: Recording) -> list[Outlier]:
         tolerance = CHANNELS[name].tolerance or 0.0
         median = _running_median(values, series)
         for segment in series:
-            own = segment.rows
-            for row in np.flatnonzero(_far(values[own], median[own], segment.interval, tolerance)).tolist():
-                at = own.start + row
-                found.append(Outlier(at, name, float(values[at]), float(median[at])))
-    return found
+            rows = segment.rows
+            far = _far(values[rows], median[rows], segment.interval, tolerance)
+            for row in (rows.start + np.flatnonzero(far)).tolist():
+                far_values.append(Outlier(row, name, float(values[row]), float(median[row])))
+    return far_values
 
 
 def _running_median(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray[np.float64]:
@@ -110,15 +110,14 @@ def _running_median(values: NDArray[np.float64], series: Sequence[Segment]) -> N
         if not np.isfinite(values[segment.rows]).any():  # NaN would spread to the windows of other segments
             continue
         whole[segment.rows] = _interpolated(values[segment.rows])
-        by_size.setdefault(
-            _window(segment.interval, OUTLIER_WINDOW, segment.rows.stop - segment.rows.start), []
-        ).append(segment.rows)
+        size = _window(segment.interval, OUTLIER_WINDOW, segment.rows.stop - segment.rows.start)
+        by_size.setdefault(size, []).append(segment.rows)
     for size, slices in by_size.items():
-        rows = np.concatenate([np.arange(each.start, each.stop) for each in slices])
+        rows = np.concatenate([np.arange(part.start, part.stop) for part in slices])
         median[rows] = median_filter(whole[rows], size=size, mode="nearest")
         half = size // 2
-        heads = np.array([np.arange(each.start, each.start + size) for each in slices])
-        tails = np.array([np.arange(each.stop - size, each.stop) for each in slices])
+        heads = np.array([np.arange(part.start, part.start + size) for part in slices])
+        tails = np.array([np.arange(part.stop - size, part.stop) for part in slices])
         median[heads[:, :half]] = _robust_lines(whole[heads])[:, :half]
         median[tails[:, -half:]] = _robust_lines(whole[tails])[:, -half:]
     return median
@@ -126,11 +125,11 @@ def _running_median(values: NDArray[np.float64], series: Sequence[Segment]) -> N
 
 def _interpolated(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the values with NaN replaced by linear interpolation, so that it does not affect the median."""
-    known = np.isfinite(values)
-    if known.all():
+    measured = np.isfinite(values)
+    if measured.all():
         return values
     rows = np.arange(len(values))
-    return np.interp(rows, rows[known], values[known])
+    return np.interp(rows, rows[measured], values[measured])
 
 
 def _window(step: float, time: float, rows: int) -> int:
@@ -151,21 +150,17 @@ def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _far(values: NDArray[np.float64], median: NDArray[np.float64], step: float, tolerance: float) -> NDArray[np.bool_]:
-    known, none = np.isfinite(values), np.zeros(len(values), dtype=np.bool_)
-    if np.count_nonzero(known) < MIN_WINDOW_ROWS:
+    measured, none = np.isfinite(values), np.zeros(len(values), dtype=np.bool_)
+    if np.count_nonzero(measured) < MIN_WINDOW_ROWS:
         return none
     deviation = np.abs(values - median)
-    sizes = deviation[known]
-    largest = float(sizes.max())
-    if largest <= tolerance:
-        return none
+    sizes = deviation[measured]
     limit = OUTLIER_SIGMAS * SIGMA_PER_DEVIATION * float(np.median(sizes))
-    if largest <= limit:
+    if sizes.max() <= max(tolerance, limit):
         return none
-    own = median[known]
-    rounding = np.finfo(np.float64).eps * float(np.abs(own).max())
-    least = max(tolerance, MIN_DEVIATION * _width(own), rounding)
-    far = known & (deviation > max(limit, least))
+    rounding = np.finfo(np.float64).eps * float(np.abs(median[measured]).max())
+    least = max(tolerance, MIN_DEVIATION * _width(median[measured]), rounding)
+    far = measured & (deviation > max(limit, least))
     if far.any():  # the local scatter takes long to compute and is rarely needed
         size = _window(step, SCATTER_WINDOW, len(deviation))
         far &= deviation > OUTLIER_SIGMAS * SIGMA_PER_DEVIATION * median_filter(
@@ -183,12 +178,12 @@ def _width(values: NDArray[np.float64]) -> float:
 
 def _jumping(far: NDArray[np.bool_], values: NDArray[np.float64], deviation: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return the runs of rows that jump from their measured neighbors by most of their deviation."""
-    known = np.flatnonzero(np.isfinite(values))
-    signal, size = values[known], deviation[known]
+    measured = np.flatnonzero(np.isfinite(values))
+    signal, size = values[measured], deviation[measured]
     jumping = np.zeros_like(far)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], far[known], [False]])))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], far[measured], [False]])))
     for start, stop in edges.reshape(-1, 2):
         before = abs(signal[start] - signal[start - 1]) if start > 0 else np.inf
         after = abs(signal[stop - 1] - signal[stop]) if stop < len(signal) else np.inf
-        jumping[known[start:stop]] = before >= MIN_JUMP * size[start] and after >= MIN_JUMP * size[stop - 1]
+        jumping[measured[start:stop]] = before >= MIN_JUMP * size[start] and after >= MIN_JUMP * size[stop - 1]
     return jumping

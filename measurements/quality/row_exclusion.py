@@ -70,8 +70,8 @@ class RowExclusion:
     @property
     def counts(self) -> dict[str, int]:
         """The number of excluded rows by reason, in the order of `EXCLUSION_REASONS`."""
-        found = {reason: int(np.count_nonzero(self.reasons == reason)) for reason in EXCLUSION_REASONS}
-        return {reason: count for reason, count in found.items() if count}
+        counts = {reason: int(np.count_nonzero(self.reasons == reason)) for reason in EXCLUSION_REASONS}
+        return {reason: count for reason, count in counts.items() if count}
 
 
 def exclude_rows(recording: Recording) -> RowExclusion:

@@ -67,17 +67,9 @@ class Selection:
 def parse_selection(expression: str) -> Selection:
     """Return the condition that an expression states.
 
-    `expression`: numbers without a unit are in SI units (deg C for T). Fz is the load in every sign convention,
-    positive for a loaded wheel; all other channels have the signs of the table. Names: the channels, ``sample``,
-    ``segment`` and ``sweep`` (counted from 1), ``file``. Raises `DataError`: with the word that is wrong, and the
-    nearest valid name.
-
-    >>> sorted(parse_selection("t > 2 min and p in 70..90 kPa").names)
-    ['p', 't']
-    >>> parse_selection("t > 2 min and pressure > 70 kPa")
-    Traceback (most recent call last):
-    ...
-    tirefmu.boundary.errors.DataError: where 't > 2 min and pressure > 70 kPa': unknown name 'pressure': did you ...
+    Numbers without a unit are in SI units (deg C for T). Fz is the load in every sign convention, positive for a loaded
+    wheel; all other channels have the signs of the table. Names are the channels, ``sample``, ``segment`` and ``sweep``
+    (counted from 1), and ``file``. A `DataError` has the word that is wrong, and the nearest valid name.
     """
     parser = _Parser(expression)
     matches = parser.selection()
@@ -86,18 +78,17 @@ def parse_selection(expression: str) -> Selection:
 
 
 def parse_range(text: str, channel: str) -> tuple[float, float]:
-    """Return value and tolerance of one range, such as ``220 +- 100 N`` or ``70..90 kPa``.
+    """Return value and tolerance of one range, such as ``220 +- 100 N`` or ``70..90 kPa``, in SI units.
 
-    `channel`: the contract's name, for the unit. Returns: in SI units. The limits are included. Raises `DataError` if
-    it is not a range, or the unit is not one of the channel.
+    The limits are included. Raises `DataError` if it is not a range, or the unit is not one of the channel.
 
     >>> parse_range("220 +- 100 N", "Fz"), parse_range("70..90 kPa", "p")
     ((220.0, 100.0), (80000.0, 10000.0))
     """
     parser = _Parser(text)
-    found = parser.range_from(parser.value(), channel)
+    limits = parser.range_from(parser.value(), channel)
     parser.expect("end", "", "the end")
-    return found.value, found.tolerance
+    return limits.value, limits.tolerance
 
 
 def quoted(text: str, most: int = QUOTED) -> str:
@@ -133,15 +124,15 @@ def _words(expression: str) -> list[_Word]:
     """Return the words of an expression, and the end. Lines may end in a comment after ``#``."""
     if len(expression) > LONGEST_EXPRESSION:
         raise DataError(f"where: {len(expression)} characters: at most {LONGEST_EXPRESSION} are read")
-    found, at = [], 0
+    words, at = [], 0
     while expression[at:].strip():
         match = _WORD.match(expression, at)
         if match is None or match.lastgroup is None:
             raise DataError(f"where {quoted(expression)}: {quoted(expression[at:].strip(), 10)} has no meaning here")
         if match.lastgroup != "comment":
-            found.append(_Word(match.lastgroup, match[match.lastgroup], match.start(match.lastgroup)))
+            words.append(_Word(match.lastgroup, match[match.lastgroup], match.start(match.lastgroup)))
         at = match.end()
-    return [*found, _Word("end", "", len(expression))]
+    return [*words, _Word("end", "", len(expression))]
 
 
 def _in_ranges(name: str, absolute: bool, ranges: Sequence[tuple[float, float]]) -> Matches:
@@ -187,14 +178,14 @@ class _Parser:
         if self._depth > DEEPEST:
             raise self._error(f"more than {DEEPEST} nested brackets")
         if self._take("not"):
-            found = _not(self._term())
+            condition = _not(self._term())
         elif self._take("("):
-            found = self.selection()
+            condition = self.selection()
             self.expect("operator", ")", "')'")
         else:
-            found = self._comparison()
+            condition = self._comparison()
         self._depth -= 1
-        return found
+        return condition
 
     def _comparison(self) -> Matches:
         if self._next.kind == "number" or self._next.text in ("-", "+"):
@@ -204,8 +195,8 @@ class _Parser:
             return self._file()
         negated = self._take("not")
         if self._take("in"):
-            found = _in_ranges(name, absolute, self._ranges(name))
-            return _not(found) if negated else found
+            condition = _in_ranges(name, absolute, self._ranges(name))
+            return _not(condition) if negated else condition
         if negated:
             raise self._unexpected("'in'")
         compare = self._compare()
@@ -214,8 +205,8 @@ class _Parser:
         if name not in COUNTERS:
             raise self._error(f"{name} is measured and equals no number exactly: write '{name} in 0 +- 1 UNIT'")
         number = self._si(name, self.value())
-        found = _in_ranges(name, absolute, [(number, number)])
-        return _not(found) if compare == "!=" else found
+        condition = _in_ranges(name, absolute, [(number, number)])
+        return _not(condition) if compare == "!=" else condition
 
     def _between(self) -> Matches:
         """Return the condition of a comparison that begins with a number."""
@@ -230,8 +221,8 @@ class _Parser:
             raise self._error(f"{first} and {second} in one comparison")
         high = self.value()
         low = _Value(low.number, low.unit or high.unit)
-        one, other = self._half_line(name, _MIRRORED[first], low), self._half_line(name, second, high)
-        return _in_ranges(name, absolute, [(max(one[0], other[0]), min(one[1], other[1]))])
+        left, right = self._half_line(name, _MIRRORED[first], low), self._half_line(name, second, high)
+        return _in_ranges(name, absolute, [(max(left[0], right[0]), min(left[1], right[1]))])
 
     def _file(self) -> Matches:
         compare = self._compare()
@@ -252,11 +243,11 @@ class _Parser:
         if closing is None:
             return [self._limits(name)]
         self._at += 1
-        found = [self._limits(name)]
+        ranges = [self._limits(name)]
         while self._take(","):
-            found.append(self._limits(name))
+            ranges.append(self._limits(name))
         self.expect("operator", closing, f"',' or '{closing}'")
-        return found
+        return ranges
 
     def _limits(self, name: str) -> tuple[float, float]:
         """Return the limits of a range or, for a counter, of one number."""
@@ -296,8 +287,7 @@ class _Parser:
             raise self._unexpected("a name")
         if name not in NAMES:
             meant = intended_channel(name)
-            known = f"Known are {', '.join(NAMES)}"
-            hint = f": did you mean {meant}? {known}" if meant else nearest(name, NAMES)
+            hint = f": did you mean {meant}? Known are {', '.join(NAMES)}" if meant else nearest(name, NAMES)
             raise self._error(f"unknown name {quoted(name)}{hint}")
         self._at += 1
         self.names.add(name)
@@ -354,8 +344,8 @@ class _Parser:
         return word
 
     def _unexpected(self, wanted: str) -> DataError:
-        found = "the end" if self._next.kind == "end" else quoted(self.expression[self._next.at :], 20)
-        return self._error(f"{wanted} is expected at {found}")
+        rest = "the end" if self._next.kind == "end" else quoted(self.expression[self._next.at :], 20)
+        return self._error(f"{wanted} is expected at {rest}")
 
     def _error(self, reason: str) -> DataError:
         return DataError(f"where {quoted(self.expression)}: {reason}")

@@ -52,8 +52,8 @@ def selected(recording: Recording, where: str) -> Recording:
     condition = parse_selection(expression)
     for name in condition.names:
         if name in CHANNELS and name not in recording.table:
-            known = ", ".join(each for each in CHANNELS if each in recording.table)
-            raise DataError(f"where {quoted(expression)}: {recording.source} has no channel {name}; it has {known}")
+            present = ", ".join(channel for channel in CHANNELS if channel in recording.table)
+            raise DataError(f"where {quoted(expression)}: {recording.source} has no channel {name}; it has {present}")
     chosen = condition.matches(cache(lambda name: _numbers(recording, name)), recording.source)
     if not chosen.any():
         ranges = "; ".join(_range(recording, name) for name in sorted(condition.names - {"file"}))
@@ -88,20 +88,14 @@ def _numbers(recording: Recording, name: str) -> NDArray[np.float64]:
     if name == "sample":
         return np.arange(1.0, len(recording) + 1.0)
     if name == "segment":
-        return _counted([(slice_.start, slice_.stop) for slice_ in recording.segments()], len(recording))
+        return recording.segment_numbers() + 1.0
     if name == "sweep":
-        sweeps = [(phase.rows.start, phase.rows.stop) for phase in phases(recording) if phase.kind == "sweep"]
-        return _counted(sweeps, len(recording))
+        numbers = np.zeros(len(recording))  # 0 outside of sweeps
+        for number, sweep in enumerate((phase for phase in phases(recording) if phase.kind == "sweep"), start=1):
+            numbers[sweep.rows] = number
+        return numbers
     values = recording.table[name].to_numpy(dtype=np.float64)
     return -values if name == "Fz" and recording.signs == "sae" else values
-
-
-def _counted(stretches: list[tuple[int, int]], rows: int) -> NDArray[np.float64]:
-    """Return the number of the stretch of each row, from 1; 0 outside all of them."""
-    numbers = np.zeros(rows)
-    for number, (start, stop) in enumerate(stretches, start=1):
-        numbers[start:stop] = number
-    return numbers
 
 
 def _range(recording: Recording, name: str) -> str:

@@ -54,7 +54,7 @@ def test_a_measured_channel_takes_precedence_over_a_constant(written):
     ("changed", "expected"),
     [
         ({"rows": ["1 0 50 1.5 2 3000 -110"]}, r"line 22: 7 cells for 8 channels"),
-        ({"rows": ["1 0 50 1.5 2 3ooo -110 7"]}, r"line 22: '3ooo' is not a number"),
+        ({"rows": ["1 0 50 1.5 2 3ooo -110 7"]}, r"line 22: channel FZW: '3ooo' is not a number"),
         ({"rows": ["1 0 50 nan 2 3000 -110 7"]}, r"line 22: SLIPANGL: alpha is NaN"),
         ({"rows": []}, "no rows"),
         ({"channels": [line.replace("deg ", "stone ") for line in CHANNELS]}, r"line 15: .*unknown unit 'stone'"),
