@@ -42,19 +42,17 @@ def test_segments_are_the_logged_stretches(lengths, dt):
     assert [segment.stop - segment.start for segment in segments] == lengths
 
 
-def test_a_restarted_clock_begins_a_segment():
-    clock = np.concatenate([np.arange(5), np.arange(7)]) * 0.01
-    assert Recording(pd.DataFrame({"t": clock}), "iso", "a.csv").segments() == [slice(0, 5), slice(5, 12)]
-
-
-def test_lost_and_repeated_samples_stay_inside():
-    clock = np.array([0.0, 0.01, 0.01, 0.02, 0.05, 0.06, 0.07])
-    assert len(Recording(pd.DataFrame({"t": clock}), "iso", "a.csv").segments()) == 1
-
-
-def test_without_a_clock_one_segment_and_without_rows_none():
-    assert Recording(pd.DataFrame({"Fz": [1.0, 2.0]}), "iso", "a.csv").segments() == [slice(0, 2)]
-    assert Recording(pd.DataFrame({"t": []}), "iso", "a.csv").segments() == []
+@pytest.mark.parametrize(
+    ("columns", "segments"),
+    [
+        ({"t": [0.0, 0.01, 0.02, 0.03, 0.0, 0.01, 0.02]}, [slice(0, 4), slice(4, 7)]),  # the clock was restarted
+        ({"t": [0.0, 0.01, 0.01, 0.02, 0.05, 0.06, 0.07]}, [slice(0, 7)]),  # repeated and lost samples
+        ({"Fz": [1.0, 2.0]}, [slice(0, 2)]),
+        ({"t": []}, []),
+    ],
+)
+def test_segments_of_unusual_clocks(columns, segments):
+    assert Recording(pd.DataFrame(columns), "iso", "a.csv").segments() == segments
 
 
 def test_measured_outputs():

@@ -72,17 +72,16 @@ def test_damaged_text(tmp_path, kind, content, damage):
     assert message is None or ("\n" not in message and f"run{kind}: " in message)
 
 
-@pytest.mark.parametrize("share", np.linspace(0.0, 0.99, 12))
-def test_matlab_files_cut_short(tmp_path, share):
+def test_matlab_files_cut_short(tmp_path):
     path = tmp_path / "run.mat"
     numbers = {name: np.linspace(1.0, 2.0, 5)[:, None] for name in ("ET", "SA", "IA", "FY", "SL")}
     savemat(path, {**numbers, "FZ": np.full((5, 1), -900.0)})
     content = path.read_bytes()
-    path.write_bytes(content[: int(share * len(content))])
-    message = refused(path)
-    assert message is not None
-    assert "\n" not in message
-    assert "run.mat: " in message
+    for share in np.linspace(0.0, 0.99, 12):
+        path.write_bytes(content[: int(share * len(content))])
+        message = refused(path) or ""
+        assert "\n" not in message
+        assert "run.mat: " in message
 
 
 def test_the_whole_files_are_read(tmp_path):

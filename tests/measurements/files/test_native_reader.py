@@ -40,21 +40,19 @@ def test_a_file_that_crashes_its_reader_is_refused_and_the_next_one_read(good, t
         assert len(read_recording(good)) == 5
 
 
-def test_a_process_that_dies_is_reported_and_replaced(good, tmp_path, monkeypatch):
-    monkeypatch.setattr(native_reader.reader_process, "__file__", str(tmp_path / "dies.py"))
-    (tmp_path / "dies.py").write_text("import os, sys; sys.stdin.buffer.read(1); os.abort()\n", encoding="utf-8")
+@pytest.mark.parametrize(
+    ("program", "seconds", "reason"),
+    [
+        ("import os, sys; sys.stdin.buffer.read(1); os.abort()", 60.0, "the file is damaged and crashes its reader"),
+        ("import time; time.sleep(600)", 0.2, "reading takes too long"),
+    ],
+)
+def test_a_process_that_dies_or_hangs_is_reported_and_replaced(good, tmp_path, monkeypatch, program, seconds, reason):
+    (tmp_path / "fails.py").write_text(program, encoding="utf-8")
+    monkeypatch.setattr(native_reader.reader_process, "__file__", str(tmp_path / "fails.py"))
+    monkeypatch.setattr(native_reader, "SECONDS", seconds)
     native_reader.close()
-    assert "good.mat: cannot be read as a MATLAB file: the file is damaged and crashes its reader" in refusal(good)
-    monkeypatch.undo()
-    assert len(read_recording(good)) == 5
-
-
-def test_a_process_that_hangs_is_ended(good, tmp_path, monkeypatch):
-    monkeypatch.setattr(native_reader.reader_process, "__file__", str(tmp_path / "hangs.py"))
-    (tmp_path / "hangs.py").write_text("import time; time.sleep(600)\n", encoding="utf-8")
-    monkeypatch.setattr(native_reader, "SECONDS", 0.2)
-    native_reader.close()
-    assert "good.mat: cannot be read as a MATLAB file: reading takes too long" in refusal(good)
+    assert f"good.mat: cannot be read as a MATLAB file: {reason}" in refusal(good)
     monkeypatch.undo()
     assert len(read_recording(good)) == 5
 

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
-from tirefmu.measurements import Recording, check_plausible, read_recording, recording_from, write_table
+from tirefmu.measurements import Recording, read_recording, recording_from, write_table
 from tirefmu.measurements.files.columns import MAX_COLUMNS
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -55,15 +55,7 @@ def test_separators_comments_blank_lines_and_marks(written, separator):
 def test_declared_units(written):
     path = written("alpha [deg],Fz [kN],p [kPa],V [km/h],T [deg F],kappa [%],lap [m]\n90,1.5,83,36,212,10,7\n")
     recording = read_recording(path)
-    expected = {
-        "alpha": np.pi / 2,
-        "Fz": 1500.0,
-        "p": 83e3,
-        "V": 10.0,
-        "T": 100.0,
-        "kappa": 0.1,
-        "lap [m]": 7.0,
-    }
+    expected = {"alpha": np.pi / 2, "Fz": 1500.0, "p": 83e3, "V": 10.0, "T": 100.0, "kappa": 0.1, "lap [m]": 7.0}
     assert recording.table.iloc[0].to_dict() == pytest.approx(expected)
     assert recording.about["declared"] == "alpha Fz p V T kappa"
 
@@ -81,8 +73,11 @@ def test_outputs_may_be_unmeasured_and_columns_unknown(written):
     assert recording.table["kind"].iloc[0] == "purex"
 
 
-def test_a_similar_name_is_accepted_if_the_channel_is_present(written):
+def test_names_that_are_accepted(written):
+    """A similar name if the channel is present, a separator at the end of each line, the index of another program."""
     assert list(read_recording(written("p,P,Fz,FX\n1e5,3,900,4\n")).table) == ["p", "P", "Fz", "FX"]
+    assert list(read_recording(written("kappa,Fz,\n0.1,900,\n")).table) == ["kappa", "Fz"]
+    assert list(read_recording(written(",Fz\n0,900\n")).table) == ["column 1", "Fz"]
 
 
 def test_inputs_by_their_names_in_files_of_the_bench(written):
@@ -101,9 +96,9 @@ def test_inputs_by_their_names_in_files_of_the_bench(written):
 def test_a_column_that_looks_like_a_missing_input_is_refused_in_memory_too(written, column):
     assert f"column {column!r} is not a channel: did you mean" in complaint(written(f"kappa,{column}\n0.1,4\n"))
     table = pd.DataFrame({"kappa": [0.1], column: 4.0})
-    for one in (table, Recording(table, "iso", "made")):
+    for argument in (table, Recording(table, "iso", "made")):
         with pytest.raises(DataError, match=f"column '{column}' is not a channel: did you mean"):
-            recording_from(one)
+            recording_from(argument)
 
 
 @pytest.mark.parametrize("column", ["FX", "LateralForce", "Mz_raw"])
@@ -114,14 +109,6 @@ def test_a_column_that_looks_like_a_missing_output_is_refused_where_outputs_are_
     recording = recording_from(pd.DataFrame({"kappa": [0.1], column: 4.0, **measured}))
     with pytest.raises(DataError, match=f"column '{column}' is not a channel: did you mean"):
         recording.measured()
-
-
-def test_trailing_separator(written):
-    assert list(read_recording(written("kappa,Fz,\n0.1,900,\n")).table) == ["kappa", "Fz"]
-
-
-def test_index_column_passes(written):
-    assert list(read_recording(written(",Fz\n0,900\n")).table) == ["column 1", "Fz"]
 
 
 @pytest.mark.parametrize(
@@ -136,11 +123,7 @@ def test_index_column_passes(written):
         ("alpha;Fz\n0,1;900\n", "line 2: column alpha: '0,1' is not a number"),
         ("Alpha,Fz\n0.1,900\n", "column 'Alpha' is not a channel: did you mean alpha?"),
         ("alpha_deg,Fz\n0.1,900\n", "column 'alpha_deg' is not a channel: did you mean 'alpha [deg]'?"),
-        (
-            "IA,Fz\n0.1,900\n",
-            "'IA' is not a channel: did you mean gamma (rad; 'gamma [deg]' declares degrees)?",
-        ),
-        ("kapa,Fz\n0.1,900\n", "column 'kapa' is not a channel: did you mean kappa?"),
+        ("IA,Fz\n0.1,900\n", "'IA' is not a channel: did you mean gamma (rad; 'gamma [deg]' declares degrees)?"),
         ("load,alpha\n900,0\n", "column 'load' is not a channel: did you mean Fz?"),
         ("remark,id\n1,2\n", "no column is a channel: known are t, kappa,"),
         ("alpha,Fz\n0.1,900\n,900\n0.1,900\nnan,900\n", "line 3: alpha is NaN (2 of 4 rows)"),
@@ -188,10 +171,8 @@ def test_missing_pyarrow_names_the_extra(tmp_path, monkeypatch, without_package)
     without_package("pyarrow", "fastparquet")
     path = tmp_path / "a.parquet"
     write_table(pd.DataFrame({"Fz": [1.0]}), path)
-    for module in [name for name in sys.modules if name.partition(".")[0] == "pyarrow"] + [
-        "pyarrow",
-        "fastparquet",
-    ]:
+    loaded = [name for name in sys.modules if name.partition(".")[0] == "pyarrow"]
+    for module in (*loaded, "pyarrow", "fastparquet"):
         monkeypatch.setitem(sys.modules, module, None)
     assert "extra 'parquet'" in complaint(str(path))
     with pytest.raises(DataError, match="extra 'parquet'"):
@@ -225,10 +206,6 @@ def test_targets_that_cannot_be_written(tmp_path):
     with pytest.raises(DataError, match="cannot be written"):
         write_table(table, tmp_path / "out.csv")
     assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
-
-
-def test_golden_inputs_are_plausible(trento_table):
-    check_plausible(read_recording(trento_table))
 
 
 def test_a_table_of_any_width_is_one_line(tmp_path):

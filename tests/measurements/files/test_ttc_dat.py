@@ -15,27 +15,8 @@ SI = ["sec", "kph", "rpm", "deg", "deg", "cm", "cm", "kPa", "N", "N", "N", "N-m"
       "deg C", "none", "none"]  # fmt: skip
 USCS = ["sec", "mph", "rpm", "deg", "deg", "in", "in", "psi", "lb", "lb", "lb", "lb-ft", "lb-ft", "deg F", "deg F",
         "deg F", "deg F", "none", "none"]  # fmt: skip
-ROW = [
-    0.01,
-    40.0,
-    400.0,
-    2.0,
-    4.0,
-    25.0,
-    26.0,
-    83.0,
-    10.0,
-    -300.0,
-    -900.0,
-    5.0,
-    7.0,
-    60.0,
-    61.0,
-    62.0,
-    25.0,
-    -0.9,
-    0.05,
-]
+ROW = [0.01, 40.0, 400.0, 2.0, 4.0, 25.0, 26.0, 83.0, 10.0, -300.0, -900.0, 5.0, 7.0, 60.0, 61.0, 62.0, 25.0, -0.9,
+       0.05]  # fmt: skip
 TITLE = "Tire_Name=Somebody's 16x7.5-10\tRim_Width=7\tISO False"
 
 
@@ -71,19 +52,6 @@ def test_channels_in_si_and_sae(bench_file, separator):
     assert recording.signs == "sae"
     assert recording.about["units"] == "declared in the file"
     assert "16x7.5-10" in recording.about["tireid"]
-
-
-def test_us_customary_units(bench_file):
-    row = read_recording(bench_file(units=USCS, P=12.0, V=25.0, TSTC=140.0)).table.iloc[0]
-    expected = {
-        "Fz": -900 * POUND,
-        "p": 12 * PSI,
-        "V": 25 * 0.44704,
-        "T": 60.0,
-        "Mz": 7 * POUND * 0.3048,
-        "kappa": 0.05,
-    }
-    assert row[list(expected)].to_dict() == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(
@@ -122,9 +90,9 @@ def test_titles_that_are_absent_long_or_not_utf8(bench_file):
         assert len(read_recording(bench_file(title=title))) == 9
 
 
-@pytest.mark.parametrize("missing", ["V", "N", "P", "TSTC", "MX", "AmbTmp", "SR"])
-def test_what_may_be_missing(bench_file, missing):
-    assert len(read_recording(bench_file(drop=[missing]))) == 9
+def test_what_may_be_missing(bench_file):
+    recording = read_recording(bench_file(drop=["V", "N", "P", "TSTC", "MX", "AmbTmp", "SR"]))
+    assert list(recording.table) == ["t", "kappa", "alpha", "gamma", "Fz", "Fx", "Fy", "Mz"]
 
 
 def test_warm_up_files_without_slip_roll_freely(bench_file):
@@ -136,10 +104,7 @@ def test_warm_up_files_without_slip_roll_freely(bench_file):
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        (
-            {"drop": ["SL"], "FX": -700.0},
-            r"no channel SL \(kappa\), and FX is that of a driven wheel \(SR is another",
-        ),
+        ({"drop": ["SL"], "FX": -700.0}, r"no channel SL \(kappa\), and FX is that of a driven wheel \(SR is another"),
         ({"drop": ["FZ"]}, r"no channel FZ \(Fz\)"),
         ({"drop": ["FX", "FY", "MZ", "MX"]}, "nothing was measured"),
         ({"rows": 0}, "no rows"),

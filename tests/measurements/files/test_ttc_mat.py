@@ -50,42 +50,13 @@ def test_channels_in_si_and_sae(tmp_path):
     assert iso["alpha"] == -radians(2)
 
 
-def test_us_customary_units(tmp_path):
-    units = SI | {"V": "mph", "P": "psi", "FZ": "lb", "FX": "lb", "FY": "lb", "MZ": "ft-lb", "TSTC": "deg F"}
-    row = read_recording(bench_file(tmp_path, units=units)).table.iloc[0]
-    assert row["Fz"] == pytest.approx(-900 * 4.4482216)
-    assert row["p"] == pytest.approx(80 * 6894.757)
-    assert row["T"] == pytest.approx(15.5556, rel=1e-4)
-    assert row["Mz"] == pytest.approx(7 * 1.3558179)
-    assert row["Mx"] == 5.0
-
-
-@pytest.mark.parametrize(
-    ("name", "load", "system"), [("B1464run30.mat", -900.0, "SI"), ("A1464run30.mat", -4003.4, "USCS")]
-)
-def test_units_assumed_where_none_are_declared(tmp_path, name, load, system):
-    recording = read_recording(bench_file(tmp_path, name, units=None, tireid=np.empty((0, 0))))
-    assert recording.table["Fz"].iloc[0] == pytest.approx(load, rel=1e-5)
-    assert recording.about["units"].startswith(f"assumed {system}")
+def test_a_file_without_units_and_with_names_in_another_case(tmp_path):
+    path = bench_file(tmp_path, "A1464run30.mat", units=None, drop=["TSTC"], tstc=np.full((ROWS, 1), 140.0))
+    recording = read_recording(path)
+    assert recording.table["T"].iloc[0] == pytest.approx(60.0)
+    assert recording.table["Fz"].iloc[0] == pytest.approx(-4003.4, rel=1e-5)
+    assert recording.about["units"].startswith("assumed USCS")
     assert recording.about["declared"] == ""
-    assert recording.about["tireid"] == ""
-
-
-def test_names_in_another_case(tmp_path):
-    path = bench_file(tmp_path, drop=["TSTC"], tstc=np.full((ROWS, 1), 61.0))
-    assert read_recording(path).table["T"].iloc[0] == 61.0
-
-
-def test_without_slip_the_wheel_rolls_freely(tmp_path):
-    recording = read_recording(bench_file(tmp_path, drop=["SL"]))
-    assert (recording.table["kappa"] == 0.0).all()
-    assert "rolls freely" in recording.about["kappa"]
-
-
-def test_pressure_that_is_no_kpa_means_us_customary_units(tmp_path):
-    recording = read_recording(bench_file(tmp_path, units=None, P=np.full((ROWS, 1), 12.0)))
-    assert recording.table["p"].iloc[0] == pytest.approx(12 * 6894.757)
-    assert recording.about["units"].startswith("assumed USCS: the file declares none, and P is about 12")
 
 
 @pytest.mark.parametrize("name", ["tireid", "testid"])
@@ -110,27 +81,13 @@ def test_channels_within_a_struct(tmp_path):
     assert recording.about["tireid"] == "inside"
 
 
-@pytest.mark.parametrize("missing", ["P", "V", "TSTC", "MX", "SR", "N"])
-def test_what_may_be_missing(tmp_path, missing):
-    assert len(read_recording(bench_file(tmp_path, drop=[missing]))) == ROWS
-
-
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        (
-            {"drop": ["SL"], "FX": np.full((ROWS, 1), 800.0)},
-            r"no channel SL \(kappa\), and FX is that of a driven wheel .*SR is another slip",
-        ),
         ({"drop": ["FZ"], "FZN": np.ones((ROWS, 1))}, r"no channel FZ \(Fz\): did you mean FZN\?"),
-        ({"drop": ["FX", "FY", "MZ", "MX"]}, "nothing was measured"),
         ({"SA": np.ones((ROWS + 1, 1))}, rf"channel SA has {ROWS + 1} rows, ET has {ROWS}"),
-        (
-            {"SA": np.r_[np.ones(3), np.full(ROWS - 3, np.nan)][:, None]},
-            r"row 4: SA: alpha is NaN \(9 of 12 rows\)",
-        ),
+        ({"SA": np.r_[np.ones(3), np.full(9, np.nan)][:, None]}, r"row 4: SA: alpha is NaN \(9 of 12 rows\)"),
         ({"units": SI | {"FZ": "stone"}}, "channel FZ: unknown unit 'stone'"),
-        ({"units": SI | {"FZ": "deg"}}, "channel FZ: unit 'deg' measures angle, not force"),
     ],
 )
 def test_bad_files(tmp_path, options, expected):
@@ -142,11 +99,8 @@ def test_bad_files(tmp_path, options, expected):
 
 def test_files_that_are_not_matlabs(tmp_path):
     (tmp_path / "a.mat").write_bytes(b"not a MATLAB file at all" * 20)
-    (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + b"\x89HDF" * 50)
-    (tmp_path / "c.mat").write_bytes(b"")
-    whole = bench_file(tmp_path, "d.mat").read_bytes()
-    (tmp_path / "d.mat").write_bytes(whole[: len(whole) // 2])
-    for name in "acd":
+    (tmp_path / "b.mat").write_bytes(b"")
+    for name in "ab":
         with pytest.raises(DataError) as caught:
             read_recording(tmp_path / f"{name}.mat")
         assert "\n" not in str(caught.value)

@@ -56,11 +56,8 @@ def kinds(*tables):
     return {finding.kind for finding in found(*tables)}
 
 
-def test_a_sound_recording_has_no_finding():
+def test_sound_recordings_of_one_tire_have_no_finding():
     assert found(bench()) == []
-
-
-def test_two_sound_recordings_of_one_tire_have_no_finding():
     assert found(bench(), bench(seed=1)) == []
 
 
@@ -75,11 +72,34 @@ def test_files_that_share_rows():
     assert "a.csv shares 900 rows with b.csv" in str(found(bench(), pd.concat([bench().iloc[:900], bench(seed=1)]))[0])
 
 
+def channels(**columns):
+    sweep = {"kappa": [0.0, 0.1] * 40, "alpha": [-0.1, 0.1] * 40, "Fz": [500.0, 900.0] * 40, "Fy": [9.0, -9.0] * 40}
+    table = {name: values for name, values in (sweep | columns).items() if values is not None}
+    return data_findings([Recording(pd.DataFrame(table), "iso", "a.csv")])
+
+
+def test_a_missing_slip_comes_first_and_is_serious():
+    first, *others = channels(alpha=None)
+    assert (first.kind, first.serious) == ("missing slip", True)
+    assert first.text.startswith("a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted, and every row counts as")
+    assert not any(finding.kind == "missing slip" for finding in others)
+    assert channels(kappa=None) == []  # it has no influence on Fy
+
+
+def test_columns_that_are_not_read_are_named_and_counted():
+    (few,) = channels(lap=1)
+    assert (few.kind, few.serious) == ("unread columns", False)
+    assert few.text == "a.csv: columns that are no channels are not fitted: lap"
+    (many,) = channels(**{f"c{number}": 1 for number in range(11)})
+    assert many.text.endswith(": c0, c1, c2, c3, c4, c5, c6, c7 and 3 more")
+
+
 @pytest.mark.parametrize(("rows", "serious"), [(100, False), (1800, True)])
 def test_repeated_rows(rows, serious):
     table = bench()
-    again = table.iloc[:rows].assign(t=table["t"].iloc[:rows] + 1000.0)
-    finding = next(each for each in found(pd.concat([table, again])) if each.kind == "repeated rows")
+    repeated = table.iloc[:rows].assign(t=table["t"].iloc[:rows] + 1000.0)
+    findings = found(pd.concat([table, repeated]))
+    (finding,) = [finding for finding in findings if finding.kind == "repeated rows"]
     assert finding.serious == serious
     assert f"{rows} of {len(table) + rows} rows repeat earlier rows in every channel but t, the first" in finding.text
     assert f"at row {len(table) + 1}" in finding.text
@@ -102,13 +122,10 @@ def two_tires(recordings):
     return [finding.text for finding in data_findings(recordings) if finding.kind == "two tires"]
 
 
-def test_one_tire_in_several_files():
+def test_names_of_tires():
     named = [Recording(bench(rows=100), "iso", f"{name}.mat", {"tireid": "Hoosier"}) for name in "ab"]
     unnamed = Recording(bench(rows=100), "iso", "c.mat", {"tireid": ""})
     assert two_tires([*named, unnamed]) == []
-
-
-def test_tires_of_two_names():
     both = [Recording(bench(rows=100), "iso", f"{name}.mat", {"tireid": name}) for name in ("Hoosier", "Avon")]
     assert two_tires(both) == ["two tires? the tire is 'Hoosier' in Hoosier.mat, 'Avon' in Avon.mat"]
 
@@ -127,12 +144,9 @@ def test_two_files_in_one():
     assert note.startswith("two tires? both.csv: the clock restarts at row 401, and the loads reach 90")
 
 
-def test_the_effect_of_pressure_on_friction_is_not_two_tires():
-    assert "two tires" not in kinds(bench(), bench(seed=1, friction=1.12 * 1.5))
-
-
 def test_two_tires_in_two_files():
-    (finding,) = [each for each in found(bench(), bench(seed=1, friction=1.0)) if each.kind == "two tires"]
+    assert "two tires" not in kinds(bench(), bench(seed=1, friction=1.12 * 1.5))  # pressure changes friction as much
+    (finding,) = [finding for finding in found(bench(), bench(seed=1, friction=1.0)) if finding.kind == "two tires"]
     assert "of a.csv and 1" in finding.text
     assert "of b.csv" in finding.text
 
@@ -185,24 +199,18 @@ def test_clock_and_unit():
     table = bench()
     half = len(table) // 2
     jumps = {
-        "jumps forward within a sweep 1 time, most by 50 s at row 302": table.assign(
-            t=table["t"] + 50.0 * (table.index > 300)
-        ),
-        "jumps back 1 time, most by 8.99 s at row 1801": table.assign(
-            t=table["t"] - np.where(table.index < half, 0, 9)
-        ),
-        "t repeats in 1 of 3599 steps": table.assign(t=table["t"].where(table.index != 5, 0.04)),
-        "t repeats in 3599 of 3599 steps": table.assign(t=0.0),
-        "mixed units? V is 11 m/s in some rows and 39.6 m/s in others, the ratio of m/s and km/h": table.assign(
-            V=np.where(table.index < half, 11.0, 39.6)
-        ),
-        "mixed units? p is 83 Pa in some rows and 8.3e+04 Pa in others, the ratio of Pa and kPa": table.assign(
-            p=np.where(table.index < half, 83e3, 83.0)
-        ),
-        "V is about 40 m/s (144 km/h) and declares no unit: in km/h?": table.assign(V=40.0),
-    }
-    for text, changed in jumps.items():
-        assert any(text in finding.text for finding in found(changed)), text
+        "jumps forward within a sweep 1 time, most by 50 s at row 302": {"t": table["t"] + 50.0 * (table.index > 300)},
+        "jumps back 1 time, most by 8.99 s at row 1801": {"t": table["t"] - np.where(table.index < half, 0, 9)},
+        "t repeats in 1 of 3599 steps": {"t": table["t"].where(table.index != 5, 0.04)},
+        "t repeats in 3599 of 3599 steps": {"t": 0.0},
+        "mixed units? V is 11 m/s in some rows and 39.6 m/s in others, the ratio of m/s and km/h":
+            {"V": np.where(table.index < half, 11.0, 39.6)},
+        "mixed units? p is 83 Pa in some rows and 8.3e+04 Pa in others, the ratio of Pa and kPa":
+            {"p": np.where(table.index < half, 83e3, 83.0)},
+        "V is about 40 m/s (144 km/h) and declares no unit: in km/h?": {"V": 40.0},
+    }  # fmt: skip
+    for text, change in jumps.items():
+        assert any(text in finding.text for finding in found(table.assign(**change))), text
 
 
 def test_a_pause_between_two_sweeps_is_no_finding():

@@ -14,8 +14,10 @@ def found(data_folder):
     return data_findings([read_recording(data_folder / f"{name}.mat") for name in ("cornering", "drivebrake")])
 
 
-def test_nothing_serious(found):
+def test_nothing_serious_and_pressure_run_in_order(found):
     assert not [finding for finding in found if finding.serious]
+    sources = [finding.text.split(":")[0] for finding in found if finding.kind == "run order"]
+    assert sources == ["cornering.mat", "drivebrake.mat"]
 
 
 def test_the_warm_up_of_drive_and_brake(found):
@@ -30,10 +32,3 @@ def test_the_files_differ_in_stiffness_and_shift(found):
     worst = float(re.search(r"by \+([\d.]+) \+- [\d.]+ % at \d+ N, 0 deg, 83", difference.text)[1])
     assert 8.0 < worst < 16.0  # K_yalpha of fits to each file differs by 10.9 %
     assert "the zero of Fy by -0.2" in difference.text
-
-
-def test_pressure_was_run_in_order(found):
-    assert [finding.text.split(":")[0] for finding in found if finding.kind == "run order"] == [
-        "cornering.mat",
-        "drivebrake.mat",
-    ]

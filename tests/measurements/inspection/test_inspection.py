@@ -29,11 +29,12 @@ def test_every_sweep_is_found_with_its_speed(found):
 
 
 def test_every_condition_is_found_with_its_rows(found, raw):
-    loads = {round(each.held["Fz"], -1) for each in found.conditions}
-    cambers = {round(np.degrees(each.held["gamma"])) for each in found.conditions}
+    loads = {round(condition.held["Fz"], -1) for condition in found.conditions}
+    cambers = {round(np.degrees(condition.held["gamma"])) for condition in found.conditions}
     assert cambers == {0, 2, 4}
     assert len(loads) == 4
-    assert sum(each.rows for each in found.conditions) == pytest.approx(np.count_nonzero(~raw.between), rel=0.03)
+    rows = sum(condition.rows for condition in found.conditions)
+    assert rows == pytest.approx(np.count_nonzero(~raw.between), rel=0.03)
     assert found.interval == pytest.approx(0.01)
     assert (found.segments, found.longest_gap) == (1, 0.0)
 
@@ -49,8 +50,8 @@ def test_drift_within_a_condition():
 
 def test_loads_are_positive_and_other_channels_as_recorded(raw):
     (inspection,), _ = inspect([raw.recording.with_signs("sae")])
-    assert all(each.held["Fz"] > 0.0 for each in inspection.conditions)
-    assert {each.name: each.highest for each in inspection.channels}["Fz"] < 0.0
+    assert all(condition.held["Fz"] > 0.0 for condition in inspection.conditions)
+    assert {channel.name: channel.highest for channel in inspection.channels}["Fz"] < 0.0
 
 
 def test_a_panel_over_slip_has_one_level_of_the_other_inputs():

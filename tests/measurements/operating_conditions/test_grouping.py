@@ -6,7 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.measurements import Grouping, Recording, VirtualBench, alpha_sweeps, concatenate, group_by_condition
+from tirefmu.measurements import (
+    Grouping,
+    Recording,
+    VirtualBench,
+    alpha_sweeps,
+    concatenate,
+    group_by_condition,
+    read_recording,
+)
 from tirefmu.tires import published
 
 
@@ -20,11 +28,6 @@ def test_no_condition_outweighs_the_median_one(counts):
     for number, count in enumerate(counts):
         (weight,) = set(share[labels == number])
         assert weight == pytest.approx(1.0 if count <= 1.25 * median else median / count)
-
-
-def test_conditions_with_few_rows_are_not_weighted_up():
-    labels = np.repeat([0, 1, 2], [1000, 1000, 2])
-    assert (Grouping(labels, ((),) * 3).weights() == 1.0).all()
 
 
 def test_sweeps_of_different_inputs_are_weighted_separately():
@@ -97,8 +100,6 @@ def test_swept_inputs_define_no_conditions():
 
 
 def test_measured_files_are_grouped_by_their_conditions(data_folder):
-    from tirefmu.measurements import read_recording
-
     for name, swept, conditions, fewest in (
         ("cornering", "alpha", 5 * 3 * 3, 1200), ("drivebrake", "kappa", 4 * 3 * 3 * 3, 600),
     ):  # fmt: skip

@@ -126,19 +126,11 @@ def test_steps_of_the_slip_angle_separate_plateaus():
     assert {phase.kind for phase in found} == {"plateau"}
 
 
-@pytest.mark.parametrize(
-    ("program", "moving"),
-    [
-        (alpha_sweeps([300.0, 900.0], [0.0, 0.05]), ("alpha",)),
-        (kappa_sweeps([300.0, 900.0], [0.0, 0.05]), ("kappa",)),
-    ],
-)
-def test_programs_of_the_virtual_bench_are_sweeps(program, moving):
-    recording = VirtualBench(published("trento_hoosier"), seed=1).run(program)
-    found = phases(recording)
-    assert [(phase.rows, phase.kind, phase.moving) for phase in found] == [
-        (segment, "sweep", moving) for segment in recording.segments()
-    ]
+@pytest.mark.parametrize(("sweeps", "slip"), [(alpha_sweeps, "alpha"), (kappa_sweeps, "kappa")])
+def test_programs_of_the_virtual_bench_are_sweeps(sweeps, slip):
+    recording = VirtualBench(published("trento_hoosier"), seed=1).run(sweeps([300.0, 900.0], cambers=[0.0, 0.05]))
+    expected = [(segment, "sweep", (slip,)) for segment in recording.segments()]
+    assert [(phase.rows, phase.kind, phase.moving) for phase in phases(recording)] == expected
 
 
 def test_steady_points_are_no_time_series():

@@ -62,8 +62,9 @@ def test_a_contradiction_names_the_convention_that_fits(signs, as_signs, spikes)
 
 
 def test_a_single_reversed_channel_is_named():
-    """No convention has a side force as in iso and the opposite aligning moment."""
-    for channel, expected in (("Mz", "Mz falls with alpha"), ("Fx", "Fx falls with kappa")):
+    """No convention reverses a single force."""
+    facts = {"Fy": "Fy rises with alpha", "Mz": "Mz falls with alpha at small angles", "Fx": "Fx falls with kappa"}
+    for channel, expected in facts.items():
         table = bench().table
         with pytest.raises(DataError, match=expected) as caught:
             check_convention(recording(**table.assign(**{channel: -table[channel]})))

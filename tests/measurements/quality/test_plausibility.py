@@ -21,6 +21,7 @@ def recording(signs="iso", declared="", **columns) -> Recording:
             "mixed units? alpha reaches 0.2 rad in the first rows and 11.46 rad from row 10 on",
         ),
         ({"gamma": [0.0, 4.0]}, "gamma reaches 4 rad: in degrees?"),
+        ({"kappa": [-4.0, 4.0], "Fx": [-1.0, 1.0]}, "backwards: in percent? declare it: 'kappa [%]' (or 'kappa [1]')"),
         ({"kappa": [-15.0, 100.0]}, "kappa reaches 100: in percent? declare it: 'kappa [%]'"),
         ({"Fz": [0.9, 1.1]}, "no |Fz| is above 1.1 N: in kN?"),
         ({"p": [83.0, 84.0]}, "p is about 83.5 Pa: in kPa?"),
@@ -52,6 +53,7 @@ def test_refused(columns, expected):
         {"signs": "sae", "Fz": [-60.0]},
         {"Fz": [-5.0, 400.0, 900.0]},
         {"Fy": [1e7]},
+        {"kappa": [-5.0, 5.0]},  # Fx was not measured
         {"T": [-20.0, 130.0], "V": [0.0, 90.0]},
     ],
 )
@@ -59,9 +61,9 @@ def test_possible(columns):
     check_plausible(recording(**columns))
 
 
-@pytest.mark.parametrize(("name", "value"), [("alpha", 12.0), ("Fz", 1.0), ("p", 5.0)])
+@pytest.mark.parametrize(("name", "value"), [("alpha", 12.0), ("Fz", 1.0), ("p", 5.0), ("kappa", -4.0)])
 def test_a_declared_unit_is_used(name, value):
-    check_plausible(recording(declared=name, **{name: [value]}))
+    check_plausible(recording(declared=name, Fx=[1.0], **{name: [value]}))
 
 
 def test_declared_unit_does_not_excuse_the_sign():
