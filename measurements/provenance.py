@@ -29,10 +29,6 @@ def provenance(recordings: Iterable[Recording], command: str = "") -> list[tuple
     """Return what a result was computed from, as names and texts.
 
     `command`: the command line; empty if a program computed the result.
-
-    >>> run = Recording(pd.DataFrame({"alpha": [0.1], "Fy": [-800.0]}), "iso", "run.csv")
-    >>> [name for name, _ in provenance([run], "tirefmu fit run.csv -o my.tir")]
-    ['command', 'run.csv', 'versions']
     """
     rows = [("command", command)] if command else []
     for recording in recordings:

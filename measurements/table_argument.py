@@ -89,7 +89,7 @@ def recording_from(
 
         recording = selected(recording, where)
     check_plausible(recording)
-    object.__setattr__(recording, "checked", True)  # the one change, before anyone else has the recording
+    object.__setattr__(recording, "checked", True)  # the only change; no caller has the recording yet
     return recording
 
 

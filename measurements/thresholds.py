@@ -168,7 +168,7 @@ MAX_INCOMPLETE = 0.2
 # ---------------------------------------------------------------- findings: `findings`
 
 #: Fraction of the rows. If more occur twice, the same data were joined or given twice. Judgement: rows of a recording
-#: differ by noise, so that chance repeats hardly any.
+#: differ by noise, so that almost none are equal by chance.
 MAX_REPEATED_ROWS = 0.01
 #: Fraction of the rows. If more occur twice, the repetition changes the weights of a fit seriously. Judgement.
 SERIOUS_REPEATED_ROWS = 0.2
@@ -182,7 +182,7 @@ COOL_TREAD = 4.0
 #: m/s. A median speed above it without a declared unit may be in km/h: common test speeds are 30 to 120 km/h, and few
 #: benches run at more than 90 km/h. Judgement.
 FAST = 25.0
-#: Fraction of the largest slip. Below it a sweep is under way, above it may be at an end or turn. Judgement.
+#: Fraction of the largest slip. Below it a sweep is in progress. Above it the sweep may end or turn. Judgement.
 INNER_SLIP = 0.8
 #: Relative. Levels in two units have the ratio of the units up to the control of the bench. Judgement.
 RATIO_TOLERANCE = 0.02

@@ -72,9 +72,6 @@ def unit_named(spelling: str) -> Unit:
 
     `spelling`: "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes are ignored. Raises `UnknownName` if
     no unit has this spelling.
-
-    >>> unit_named("deg C")
-    Unit(quantity='temperature', factor=1.0, offset=0.0)
     """
     unit = UNITS.get(spelling.casefold().translate(_IGNORED))
     if unit is None:

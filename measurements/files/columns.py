@@ -34,15 +34,7 @@ _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 
 @dataclass(frozen=True)
 class Column:
-    """One column of a table: its name and its declared unit.
-
-    `unit`: as declared in the header, ``alpha [deg]``. None means the SI unit.
-
-    >>> Column.parse("alpha [deg]")
-    Column(name='alpha', unit='deg')
-    >>> Column.parse("lap [1]").name
-    'lap [1]'
-    """
+    """One column of a table: its name and the unit that its header declares (``alpha [deg]``); None for SI."""
 
     name: str
     unit: str | None = None
@@ -146,12 +138,8 @@ def in_si(values: NDArray[np.float64], unit: str, quantity: str, place: str) -> 
 def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:
     """Check that a channel has no infinities, and an input few NaN.
 
-    Rows without an input are excluded later (`without_incomplete_rows`). `location`: as for `channels_in_si`.
-
-    >>> check_finite(np.array([0.0, np.nan]), "alpha", "a.csv", lambda row: f"line {row + 2}")
-    Traceback (most recent call last):
-    ...
-    tirefmu.boundary.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows): up to 20 % are excluded
+    Rows without an input are excluded later (`without_incomplete_rows`). `location`: as for `channels_in_si`. The
+    `DataError` has the first location, the channel and the number of rows.
     """
     infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
     for bad, kind, most in ((infinite, "infinite", 0.0), (unknown, "NaN", MAX_INCOMPLETE)):

@@ -37,11 +37,6 @@ def segments_of(recording: Recording) -> list[Segment]:
 
     They are in the order of the rows and contain every row once. A recording has hundreds of segments: each channel is
     compared with its tolerance once, for all of them.
-
-    >>> import pandas as pd
-    >>> steps = Recording(pd.DataFrame({"kappa": np.tile([0.0, 0.2, -0.2], 20)}), "iso", "points.csv")
-    >>> segments_of(steps)
-    [Segment(rows=slice(0, 60, None), is_series=False, interval=0.01)]
     """
     pieces = recording.segments()
     clock = _clock(recording)

@@ -88,7 +88,7 @@ def _numbers(recording: Recording, name: str) -> NDArray[np.float64]:
     if name == "sample":
         return np.arange(1.0, len(recording) + 1.0)
     if name == "segment":
-        return recording.segment_numbers() + 1.0
+        return recording.segment_numbers().astype(np.float64) + 1.0
     if name == "sweep":
         numbers = np.zeros(len(recording))  # 0 outside of sweeps
         for number, sweep in enumerate((phase for phase in phases(recording) if phase.kind == "sweep"), start=1):

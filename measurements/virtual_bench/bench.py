@@ -89,13 +89,9 @@ class VirtualBench:
         """
         exact = self.truth(program)
         t = exact["t"].to_numpy(dtype=np.float64)
-        recorded = exact.assign(
-            **{
-                name: self.noise.record(name, exact[name].to_numpy(dtype=np.float64), t, self._rng(name))
-                for name in exact.columns
-                if name != "t"
-            }
-        )
+        recorded = exact.copy()
+        for name in exact.columns.drop("t"):
+            recorded[name] = self.noise.record(name, exact[name].to_numpy(dtype=np.float64), t, self._rng(name))
         signs = program.signs or self.tire.signs
         about = {"program": program.name, "seed": str(self.seed)}
         table = convert_signs(recorded, "iso", signs)

@@ -130,19 +130,12 @@ class Noise:
         >>> Noise().scaled(0.05).channels["Fy"].constant
         0.4
         """
-        scaled = {
-            name: replace(
-                part,
-                constant=factor * part.constant,
-                offset=factor * part.offset,
-                drift=factor * part.drift,
-                step=factor * part.step,
-            )
-            if CHANNELS[name].quantity in ("force", "moment")
-            else part
-            for name, part in self.channels.items()
-        }
-        return replace(self, channels=scaled)
+        channels = dict(self.channels)
+        for name, part in self.channels.items():
+            if CHANNELS[name].quantity in ("force", "moment"):
+                sizes = {size: factor * getattr(part, size) for size in ("constant", "offset", "drift", "step")}
+                channels[name] = replace(part, **sizes)
+        return replace(self, channels=channels)
 
     def record(
         self, name: str, exact: NDArray[np.float64], t: NDArray[np.float64], rng: np.random.Generator
@@ -178,24 +171,16 @@ class Noise:
         part = self.channels[name]
         deviation = np.hypot(part.constant, part.proportional * np.abs(exact))
         drift = np.sqrt(2.0) * np.sin(2.0 * pi * t / self.drift_period + rng.uniform(0.0, 2.0 * pi))
-        recorded = (
-            exact
-            + deviation * correlated(t, self.correlation_time, rng)
-            + part.offset * rng.standard_normal()
-            + part.drift * drift
-        )
+        random = deviation * correlated(t, self.correlation_time, rng)
+        recorded = exact + random + part.offset * rng.standard_normal() + part.drift * drift
         return np.asarray(np.round(recorded / part.step) * part.step if part.step else recorded)
 
 
 def correlated(t: NDArray[np.float64], correlation_time: float, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return first-order autoregressive noise of standard deviation 1 at the given times.
+    """Return first-order autoregressive noise of standard deviation 1 at the given times, shape (n,).
 
-    `t`, shape (n,): ascending, with any steps. The correlation decays over a pause. `correlation_time`: s. 0 gives
-    white noise. Returns shape (n,): stationary from the first row, correlation exp(-|t_i - t_j|/correlation_time).
-
-    >>> noise = correlated(np.arange(20000) / 100.0, 0.03, np.random.default_rng(1))
-    >>> bool(abs(np.corrcoef(noise[:-1], noise[1:])[0, 1] - np.exp(-0.01 / 0.03)) < 0.03)
-    True
+    `t`, shape (n,): ascending, with any steps. `correlation_time`: s; 0 gives white noise. The noise is stationary from
+    the first row. Its correlation is exp(-|t_i - t_j|/correlation_time), so it decays over a pause.
     """
     white = rng.standard_normal(len(t))
     if correlation_time == 0.0:
