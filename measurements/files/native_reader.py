@@ -46,7 +46,7 @@ class _Process:
     def send(self, request: tuple[str, str, int, int, tuple[Any, ...]], seconds: float) -> tuple[str, Any]:
         """Return the answer to a request.
 
-        Raises `TimeoutError, EOFError` if there is no answer within the time, or none at all.
+        Raises `TimeoutError`, `EOFError` if there is no answer within the time, or none at all.
         """
         assert self._popen.stdin is not None
         assert self._popen.stdout is not None

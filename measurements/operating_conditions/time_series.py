@@ -37,7 +37,7 @@ def segments_of(recording: Recording) -> list[Segment]:
 
     A recording has hundreds of segments: each channel is compared with its tolerance once, for all of them.
 
-    Returns: in the order of the rows. Together they contain every row once.
+    The result is in the order of the rows. Together they contain every row once.
 
     >>> import pandas as pd
     >>> steps = Recording(pd.DataFrame({"kappa": np.tile([0.0, 0.2, -0.2], 20)}), "iso", "points.csv")

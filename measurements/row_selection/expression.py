@@ -88,8 +88,8 @@ def parse_selection(expression: str) -> Selection:
 def parse_range(text: str, channel: str) -> tuple[float, float]:
     """Return value and tolerance of one range, such as ``220 +- 100 N`` or ``70..90 kPa``.
 
-    `channel`: the contract's name, for the unit. Returns: in SI units. The limits are included. Raises `DataError` if
-    it is not a range, or the unit is not one of the channel.
+    `channel`: the contract's name, for the unit. The result is in SI units. The limits are included. Raises `DataError`
+    if it is not a range, or the unit is not one of the channel.
 
     >>> parse_range("220 +- 100 N", "Fz"), parse_range("70..90 kPa", "p")
     ((220.0, 100.0), (80000.0, 10000.0))
