@@ -134,8 +134,8 @@ def minimize(
 
     `x`, `lower`, `upper`, shape (n,): start, within the bounds, and the bounds. `enough`: returns for x and its cost
     the largest predicted reduction of an optimum (the tolerance). The last step is taken, too. `steps`: upper limit;
-    with 0 the criterion is only evaluated at the start. `stop`: called after every step; True ends the loop. Returns:
-    also if the start violates a constraint, a value is not finite, or no step is accepted.
+    with 0 the criterion is only evaluated at the start. `stop`: called after every step; True ends the loop. There is a
+    result also if the start violates a constraint, a value is not finite, or no step is accepted.
 
     >>> class Line:  # residuals 2 x - 3
     ...     def cost(self, x):

@@ -34,8 +34,8 @@ STRAIGHT = 2.0
 def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     """Return a channel without its short-range noise, and the standard deviation of this noise.
 
-    `values`, shape (n,): at approximately equal time steps. Returns shape (n,). Returns: 0 if the channel was not
-    smoothed.
+    `values`, shape (n,): at approximately equal time steps. Returns the channel, shape (n,), and the standard
+    deviation: 0 if the channel was not smoothed.
 
     >>> rng = np.random.default_rng(1)
     >>> ramp = np.concatenate([np.linspace(0.0, 1.0, 300), np.ones(300)])

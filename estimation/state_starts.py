@@ -81,7 +81,7 @@ def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] =
     """Return a recording with the start values of states with a fitted start as columns, which `Tire.evaluate` reads.
 
     `recording`: with time and measured forces; returned unchanged without them, or if no state has a fitted start.
-    `free`: coefficients that are estimated together with the starts, but not returned. Returns: with a column for each
+    `free`: coefficients that are estimated together with the starts, but not returned. The result has a column for each
     such state; its values count at the first row of each segment.
     """
     names = [name for name in tire.states if tire.symbolic_model.states[name].start_is_fitted]

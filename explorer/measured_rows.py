@@ -39,8 +39,8 @@ class MeasuredRows:
 def measured_rows(recordings: Sequence[Recording], inputs: Collection[str]) -> list[MeasuredRows]:
     """Return the rows that a fit would use, by operating condition.
 
-    `inputs`: those that the tire reads. Returns: in the order of the recordings; those with the most rows first. Raises
-    `DataError` if a recording has no measured output, or an input is not finite.
+    `inputs`: those that the tire reads. The result is in the order of the recordings; those with the most rows first.
+    Raises `DataError` if a recording has no measured output, or an input is not finite.
     """
     found = []
     for recording in recordings:

@@ -54,8 +54,8 @@ class Plan:
     def of(cls, model_name: str | None, start: TireLike | None, options: FitOptions) -> Plan:
         """Check the arguments of a fit.
 
-        `model`: by default the model of the start tire, or the default model. Raises `UnknownName, FitError, WrongType`
-        if an argument names something unknown, or arguments contradict each other.
+        `model`: by default the model of the start tire, or the default model. Raises `UnknownName`, `FitError`,
+        `WrongType` if an argument names something unknown, or arguments contradict each other.
         """
         features = isinstance(start, str) and start == FEATURES and not Path(start).is_file()
         tire = None if start is None or features else _start_tire(start, (options.nominal or {}).get("R0"))
@@ -92,7 +92,7 @@ class Setup:
     def of(cls, plan: Plan, recordings: Sequence[Recording]) -> Setup:
         """Combine a plan with data.
 
-        `recordings`: of any signs. Raises `UnknownName, DataError, FitError` if the data have no information on the
+        `recordings`: of any signs. Raises `UnknownName`, `DataError`, `FitError` if the data have no information on the
         tire, or contradict the nominal values.
         """
         options, model, start = plan.options, plan.symbolic_model, plan.start

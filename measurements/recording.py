@@ -195,7 +195,7 @@ class Recording:
         Returns
         -------
         ndarray of int, shape (n,)
-            Number of the segment of each row, from 0.
+            It never decreases.
 
         Examples
         --------

@@ -58,7 +58,7 @@ BENCH_TIRE = {
 def bench_tire() -> Tire:
     """Return the tire of the virtual bench: the Trento Hoosier with the measured cornering stiffness.
 
-    Returns: in adapted SAE. It has camber thrust.
+    The result is in adapted SAE. It has camber thrust.
 
     >>> bench_tire().values["PKY2"]
     3.9

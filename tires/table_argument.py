@@ -44,7 +44,7 @@ def read_tables_with(reader: Reader) -> None:
     Parameters
     ----------
     reader : callable
-        From a path or a Recording to a DataFrame and its signs.
+        From a path or a Recording, and the signs that the caller gave or None, to a DataFrame and its signs.
     """
     global _reader
     _reader = reader

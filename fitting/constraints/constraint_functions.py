@@ -35,7 +35,7 @@ class ConstraintFunctions:
     - `low`, `high`, shape (n_constraints,): bounds of `values`.
     - `sparsity`: of `jacobian`, shape (n_constraints, n_free).
 
-    `constraints`, shape (n_inputs, n_points)): constraints, each with the points at which it is imposed.
+    `constraints`, shape (n_inputs, n_points): constraints, each with the points at which it is imposed.
     """
 
     def __init__(self, problem: Problem, constraints: Sequence[tuple[Constraint, FloatArray]]) -> None:

@@ -106,8 +106,8 @@ def chosen_constraints(
 ) -> dict[str, tuple[Constraint, ...]]:
     """Return the constraints of a model: the default ones and those in `also`, without those in `without`.
 
-    `also`, `without`: names of single constraints or of kinds; "all" means all constraints. Returns: by output. Raises
-    `UnknownName` if the model has no such constraint.
+    `also`, `without`: names of single constraints or of kinds; "all" means all constraints. The result is by output.
+    Raises `UnknownName` if the model has no such constraint.
 
     >>> [each.text for each in chosen_constraints("mf61", without=["all"], also=["curvature"])["Fx"]]
     []

@@ -50,7 +50,7 @@ class Margin:
 class VerifiedConstraints:
     """Constraints of a tire over its operating range.
 
-    - `violated`, shape (n_inputs, n_points)): points that verification has added.
+    - `violated`, shape (n_inputs, n_points): points that verification has added.
 
     `tire`: a tire with the model, effects and nominal values of the fit. `by_output`: constraints of each output; those
     of effects that the tire does not have are omitted. `ranges`: smallest and largest value of each input.

@@ -52,8 +52,8 @@ class Reading:
 def readings(table: pd.DataFrame) -> dict[str, Reading]:
     """Read slip stiffness, shift, friction and trail from slip sweeps.
 
-    `table`: measured rows in adapted SAE. Returns: by the role of the quantity (`tirefmu.symbolic.contract.ROLES`);
-    only quantities that the data show at some load.
+    `table`: measured rows in adapted SAE. The result is by the role of the quantity
+    (`tirefmu.symbolic.contract.ROLES`); only quantities that the data show at some load.
 
     >>> alpha = np.linspace(-0.2, 0.2, 201)
     >>> table = pd.DataFrame({"alpha": alpha, "Fz": 1000.0, "Fy": 1500.0 * np.tanh(20 * alpha + 0.2)})

@@ -143,7 +143,7 @@ class Comparison:
         """Return the tire evaluated over a slip, the other inputs at their medians in the group.
 
         `slip`, one of "kappa", "alpha": varies over the range of the group; the grid contains zero if the range does.
-        `tire`: by default the compared tire. Returns: as from `Tire.evaluate`, in the signs of the comparison.
+        `tire`: by default the compared tire. The result is as from `Tire.evaluate`, in the signs of the comparison.
         """
         low, high = float(group.rows[slip].min()), float(group.rows[slip].max())
         grid = np.linspace(low, high, _POINTS)

@@ -85,7 +85,7 @@ class ReadStiffness:
 def read_stiffnesses(residuals: Residuals) -> tuple[ReadStiffness, ...]:
     """Read slip stiffnesses from the measured rows in each operating condition, and average them by load.
 
-    Returns: by recording, channel and load; empty without a sweep through zero slip at zero other slip.
+    The result is by recording, channel and load; empty without a sweep through zero slip at zero other slip.
     """
     loads = np.array(residuals.levels.get("Fz", ()))
     found = []
@@ -117,7 +117,7 @@ def read_stiffnesses(residuals: Residuals) -> tuple[ReadStiffness, ...]:
 def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
     """Return slip stiffnesses read from the data, and the same combination of the tire's forces at the same rows.
 
-    Returns: by recording, channel and load; empty without a sweep through zero slip at zero other slip.
+    The result is by recording, channel and load; empty without a sweep through zero slip at zero other slip.
     """
     return tuple(
         SlipStiffness(

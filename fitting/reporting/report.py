@@ -105,7 +105,7 @@ def report_page(
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:
     """Return the pairs of coefficients with the largest correlations, from `CORRELATED` in magnitude.
 
-    `correlation`: as in `FitResult.correlation`; NaN for unknown ones. Returns: in decreasing magnitude.
+    `correlation`: as in `FitResult.correlation`; NaN for unknown ones. The result is in decreasing magnitude.
 
     >>> names = ["PKY1", "PKY2", "PDY1"]
     >>> correlated_pairs(pd.DataFrame([[1, 0.95, 0.2], [0.95, 1, -0.3], [0.2, -0.3, 1]], names, names))

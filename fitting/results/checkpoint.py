@@ -60,7 +60,7 @@ class FitState:
 
     - `done`: number of completed stages.
     - `values`: coefficients of the tire so far, in adapted SAE.
-    - `violated`, shape (n_inputs, n_points)): constraints by name, with the points that verification added.
+    - `violated`, shape (n_inputs, n_points): constraints by name, with the points that verification added.
     """
 
     done: int = 0

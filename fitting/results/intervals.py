@@ -53,7 +53,7 @@ def interval(
     convention of the table and of the result; by default that of the format, and "iso" for a DataFrame. `level`:
     confidence level, between 0 and 1. Returns: ``value``, ``error`` (standard error), ``lower`` and ``upper`` by row.
     Raises `FitError` if the level is not between 0 and 1, or the result has no covariance. Raises `UnknownName` if the
-    model has no such output or quantity. Raises `DataError, WrongType`: see `tirefmu.measurements.recording_from`.
+    model has no such output or quantity. Raises `DataError`, `WrongType`: see `tirefmu.measurements.recording_from`.
     """
     if not 0.0 < level < 1.0:
         raise FitError(f"confidence level {level:g} is not between 0 and 1")

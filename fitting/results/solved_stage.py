@@ -20,8 +20,7 @@ class SolvedStage:
     """A stage with all of its rows, and its solution, in adapted SAE.
 
     - `x`, `lower`, `upper`, shape (n_free,): scaled free values of the solution, and their bounds.
-    - `constraints`, shape (n_inputs, n_points)): the physical constraints, each with the points at which it was
-      imposed.
+    - `constraints`, shape (n_inputs, n_points): the physical constraints, each with the points at which it was imposed.
     - `ridge`: strength of the regularization.
     - `rows`, shape (n,): number of each row of the problem, counted over all rows of all recordings.
     - `determined`: the coefficients that no later stage frees.

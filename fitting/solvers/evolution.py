@@ -91,7 +91,7 @@ class Evolution:
 
         - `problem`: if it is that of the previous call, the search continues with its last population.
         - `start`, `lower`, `upper`, shape (n_free,): scaled free values.
-        - `constraints`, shape (n_inputs, n_points)): constraints, each with the points at which it is imposed.
+        - `constraints`, shape (n_inputs, n_points): constraints, each with the points at which it is imposed.
         - `ridge`: strength of the regularization towards the initial values, as in IPOPT's cost.
         - `stage_type`, one of "intermediate", "penultimate", "final": an intermediate stage stops earlier, because a
           later stage continues.

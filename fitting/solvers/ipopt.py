@@ -180,7 +180,7 @@ def solve(
     """Minimize the cost within bounds and constraints.
 
     - `start`, `lower`, `upper`, shape (n_free,): scaled free values.
-    - `constraints`, shape (n_inputs, n_points)): constraints, each with the points at which it is imposed.
+    - `constraints`, shape (n_inputs, n_points): constraints, each with the points at which it is imposed.
     - `ridge`: strength of the regularization towards the initial values, for directions that are not identifiable.
     - `stage_type`, one of "intermediate", "penultimate", "final": selects the stopping window and the least gain
       (`MIN_GAIN`).
@@ -191,7 +191,7 @@ def solve(
     - `stop`: called after every iteration; True ends the solver with the best feasible point, or with the start if
       there is none.
 
-    Returns: if no optimum is found, `converged` is False and `reason` states why.
+    If no optimum is found, `converged` is False and `reason` states why.
     """
     imposed = ConstraintFunctions(problem, constraints)
     cached = _CachedCost(problem, start, ridge, progress)

@@ -41,9 +41,9 @@ def check_large(
     The memory does not depend on the number of rows, except for 12 bytes a row with a column t. The FMU is initialized
     again at the start of each part as well, which has no influence if the rows are independent.
 
-    `tolerance`, `timeout`: as for `check`; the time limit is that of a part. Returns: without the tables of all rows.
+    `tolerance`, `timeout`: as for `check`; the time limit is that of a part. The result lacks the tables of all rows.
     None if the FMU has no embedded tire, or if its results depend on earlier rows: then the table cannot be divided.
-    Raises `FmuError, DataError`: as `check`.
+    Raises `FmuError`, `DataError`: as `check`.
     """
     with unpacked(fmu_path) as folder:
         description = read_description(fmu_path, folder)

@@ -291,57 +291,71 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     ]
 
 
-def _with_structure(listed: tuple[Variable, ...], model: Model, interface_inputs: str) -> tuple[Variable, ...]:
-    """Return the variables with the dependencies of outputs and derivatives, and the state of each derivative."""
-    references = {variable.name: reference for reference, variable in enumerate(listed)}
-    inputs = tuple(reference for reference, v in enumerate(listed) if v.causality == "input")
-    spin = (references[SPIN.name],) if interface_inputs == "hub-torque" else ()
-    states = (*spin, *(reference for reference, v in enumerate(listed) if v.group == "state"))
-    hub, wheel = interface_inputs in HUB, interface_inputs != "slip"
-    named = [v.name for v in listed if v.group == "extra" and not is_indicator(v)]
-    named = [*(q.name for q in model.outputs), *(name for name in named if name in model.structure.quantities)]
-    reached = feedthrough(model, named)
-    friction = (model.quantity("friction_x"), model.quantity("friction_y"))
-    reached["friction_use"] = {name for known in ("Fx", "Fy", *friction) for name in reached_by(model, known)}
+def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) -> tuple[Variable, ...]:
+    """Return the variables with the dependencies of computed ones, and the state of each derivative.
 
-    def depends(variable: Variable) -> tuple[int, ...]:
-        if hub:  # the load depends on the slips, and everything on the load
-            return tuple(sorted({*inputs, *states}))
+    `kind`: of the inputs, one of `INPUTS`.
+    """
+    references = {variable.name: reference for reference, variable in enumerate(variables)}
+    inputs = {variable.name for variable in variables if variable.causality == "input"}
+    spin = {SPIN.name} if kind == "hub-torque" else set()
+    states = spin | {variable.name for variable in variables if variable.group == "state"}
+
+    def causes(variable: Variable) -> set[str]:
+        if variable.group == "input":  # the plane of a road inside the FMU, or the spin
+            return spin if variable.name in spin else inputs
+        if kind in HUB or is_indicator(variable):  # at a hub the load depends on the slips, and all else on the load
+            return inputs | states
         if variable.group == "derivative":
-            rolled = [
-                references[name]
-                for name in ("V", "V_x")
-                if name in references and listed[references[name]].group == "input"
-            ]
-            own = references[_stem(variable.name)]
-            if _stem(variable.name) in model.states:
-                return tuple(sorted({*inputs, *states}))
-            if variable.name == f"der({TWIST.name})":
-                return tuple(sorted({*rolled, references[YAWING.name], own}))
-            return tuple(rolled) if variable.name == "der(distance)" else (*inputs, own)
-        if is_indicator(variable):
-            return tuple(sorted({*inputs, *states}))
-        known = reached.get(variable.name, {"kappa", "alpha"})
-        lag = [r for r in states if listed[r].name == "distance" and "distance" in known]
-        lag += [r for r in states if listed[r].name in model.states]
-        lag += [r for r in states if listed[r].name in LAGGED_SLIPS and known & {"kappa", "alpha"}]
-        lag += [r for r in states if listed[r].name == TWIST.name and variable.name == "Mz"]
-        given = inputs if wheel else [r for r in inputs if listed[r].name in known]
-        return tuple(sorted({*given, *lag}))
+            return _causes_of_rate(_stem(variable.name), model, inputs, states)
+        read = _model_inputs_of(variable.name, model)
+        acting = {state for state in states if _acts(state, variable.name, read, model)}
+        return acting | (inputs if kind == "wheel" else inputs & read)
 
-    return tuple(
-        replace(v, depends=depends(v), derivative_of=references[_stem(v.name)] if v.group == "derivative" else None)
-        if v.group in ("motion", "force", "extra", "derivative") and v.causality != "hidden"
-        else replace(v, depends=spin if references[v.name] in spin else inputs)
-        if v.group == "input" and v.causality == "output"
-        else v
-        for v in listed
-    )
+    computed = [
+        variable
+        for variable in variables
+        if variable.group in ("motion", "force", "extra", "derivative")
+        or (variable.group == "input" and variable.causality == "output")
+    ]
+    with_causes = {
+        variable.name: replace(
+            variable,
+            depends=tuple(sorted(references[name] for name in causes(variable))),
+            derivative_of=references[_stem(variable.name)] if variable.group == "derivative" else None,
+        )
+        for variable in computed
+    }
+    return tuple(with_causes.get(variable.name, variable) for variable in variables)
 
 
-def reached_by(model: Model, name: str) -> set[str]:
-    """Return the inputs that a named quantity depends on."""
-    return feedthrough(model, [name])[name]
+def _causes_of_rate(state: str, model: Model, inputs: set[str], states: set[str]) -> set[str]:
+    """Return the inputs and states that the rate of a state depends on, for slip and wheel inputs."""
+    if state in model.states:
+        return inputs | states
+    speed = inputs & {"V", "V_x"}
+    if state == DISTANCE.name:
+        return speed
+    return {*speed, YAWING.name, state} if state == TWIST.name else {*inputs, state}
+
+
+def _model_inputs_of(name: str, model: Model) -> set[str]:
+    """Return the inputs of the model that an output depends on; the slips if the model does not compute it."""
+    names = [name]
+    if name == "friction_use":
+        names = ["Fx", "Fy", model.quantity("friction_x"), model.quantity("friction_y")]
+    elif name not in model.structure.quantities and name not in {quantity.name for quantity in model.outputs}:
+        return {"kappa", "alpha"}
+    return set().union(*feedthrough(model, names).values())
+
+
+def _acts(state: str, output: str, read: set[str], model: Model) -> bool:
+    """Return whether an output that reads some inputs of the model depends on a state."""
+    if state in LAGGED_SLIPS:
+        return bool(read & {"kappa", "alpha"})
+    if state == TWIST.name:
+        return output == "Mz"
+    return state in read if state == DISTANCE.name else state in model.states
 
 
 def host_input_indices(shown: Interface) -> list[int]:

@@ -27,9 +27,8 @@ DEFAULT_SIGMA = Variable(
 def with_lengths(tire: Tire) -> tuple[Tire, str]:
     """Return a tire with relaxation lengths for an FMU with wheel inputs, and a note about assumed ones.
 
-    Returns: the tire itself if it has relaxation. Otherwise it has the lengths of its model, such as sigma = K/c of the
-    Magic Formula, provided that the tire has values of the coefficients they need. Returns: empty if the tire has
-    relaxation.
+    A tire that has relaxation is returned itself, with an empty note. Otherwise it has the lengths of its model, such
+    as sigma = K/c of the Magic Formula, provided that the tire has values of the coefficients they need.
 
     >>> from tirefmu.tires import published
     >>> tire, note = with_lengths(published("trento_hoosier"))

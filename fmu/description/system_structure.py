@@ -107,9 +107,8 @@ def system_structure(fmi: int, name: str, components: Sequence[Component], vehic
     """Return SystemStructure.ssd of a system of tires, alone or with a vehicle.
 
     `fmi`: 2 for SSP 1.0, 3 for SSP 2.0. `components`: the tires. `vehicle`: its variables are those of the tires, with
-    the name of the tire in front, such as FL_Fz. Returns: without a vehicle the system has the inputs and outputs of
-    every tire as connectors, such as FL_Fz. With one they are connected to those of the vehicle, and the system has no
-    connectors.
+    the name of the tire in front, such as FL_Fz. Without a vehicle the system has the inputs and outputs of every tire
+    as connectors, such as FL_Fz. With one they are connected to those of the vehicle, and the system has no connectors.
 
     Source: SSP 1.0, section 5 (SystemStructureDescription).
 

@@ -266,7 +266,7 @@ def c_identifier(name: str) -> str:
 def fingerprint(parts: Mapping[str, bytes]) -> str:
     """Return a token for named parts: different parts have different tokens.
 
-    Returns: with braces and hyphens, the form of FMI 2's guid.
+    The result has braces and hyphens, the form of FMI 2's guid.
 
     >>> fingerprint({"a": b"1"}) == fingerprint({"a": b"1"}) != fingerprint({"a": b"2"})
     True

@@ -65,7 +65,7 @@ def _common_files(shown: Interface) -> tuple[str, ...]:
 def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:
     """Return every source file of a library with the Standard Tyre Interface.
 
-    `shown`: with hub inputs. `tire_header`: content of sti_tire.h. Returns: by file name.
+    `shown`: with hub inputs. `tire_header`: content of sti_tire.h. The result is by file name.
     """
     code = code_files((*STI, STI_HEADER, BUILT_IN, *_common_files(shown)), shown)
     written = {CONFIG: model_config(shown), VALUES: tire_values(shown, ""), STI_TIRE: tire_header}
@@ -86,7 +86,7 @@ def generic_files(shown: Interface) -> tuple[str, ...]:
 def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     """Return every source file of an FMU, without the standard's own headers.
 
-    `fmi`: 2 or 3. `token`: as in the model description. Returns: by file name.
+    `fmi`: 2 or 3. `token`: as in the model description. The result is by file name.
 
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface

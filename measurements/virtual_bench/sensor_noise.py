@@ -123,7 +123,7 @@ class Noise:
         Returns
         -------
         Noise
-            All deviations times the factor.
+            Deviations of forces and moments times the factor; those of slips as before.
 
         Examples
         --------

@@ -26,7 +26,7 @@ def assembled(
     """Return every line of a model, with effects as switches and options as choices.
 
     `model`: its name; where models that share a line differ, its side is taken. `quantities`: the quantity that each
-    role is. Returns: without steps that no output and no named quantity uses: they belong to another model. Raises
+    role is. Steps that no output and no named quantity uses are omitted: they belong to another model. Raises
     `EffectError` if an added effect acts on a quantity that the model does not have.
     """
     written = (equation for chapter in chapters for equation in chapter.equations)

@@ -335,7 +335,7 @@ class Model(ModelDeclaration):
         Returns
         -------
         frozenset of str
-            Names of coefficients.
+            Names of inputs, coefficients, options and lines.
         """
         present = self.effects if effects is None else effects
         needed = set(targets)

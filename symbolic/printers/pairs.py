@@ -22,7 +22,7 @@ def in_pairs(body: Sequence[Assignment]) -> list[tuple[Assignment, ...]]:
 
     First comes what needs no call, then all calls whose arguments are known, then what needs their results.
 
-    Returns: without headings. Single statements, and pairs of calls.
+    The result has no headings. Single statements, and pairs of calls.
 
     >>> a, b, c, x, y = sp.symbols("a b c x y")
     >>> waiting = [Assignment(a, 2 * sp.atan(x)), Assignment(b, sp.atan(a)), Assignment(c, sp.atan(y))]

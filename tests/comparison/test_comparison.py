@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import radians
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tests.hostile import HOSTILE, Skeleton
@@ -48,6 +49,16 @@ def test_differences_are_those_of_the_values(old, new):
     assert result.effects == (("camber_thrust",), ())
     assert compare(old, old, names=("a", "a")).differences == ()
     assert compare(old, old, names=("a", "a")).names == ("a (1)", "a (2)")
+
+
+def test_characteristics_are_those_of_each_tire_at_the_nominal_load(old, new):
+    nominal = {"Fz": [old.values["FNOMIN"]]}
+    values = [tire.evaluate(pd.DataFrame(nominal), signs="iso", steady=True).loc[0] for tire in (old, new)]
+    characteristics = compare(old, new, names=("old", "new")).characteristics
+    pairs = {(characteristic.first, characteristic.second) for characteristic in characteristics}
+    for name in ("mu_y", "K_yalpha"):
+        assert values[0][name] != values[1][name]
+        assert (values[0][name], values[1][name]) in pairs
 
 
 def test_tires_of_other_models_lack_coefficients(old, golden):

@@ -36,6 +36,13 @@ def test_it_is_the_noise_whatever_smooth_function_of_the_inputs_a_model_lacks(se
         assert floor_of(table, residual).floor == pytest.approx(size, rel=0.1)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_is_not_explained_by_the_rows_that_have_it(seed):
+    """A regression that used the same 400 rows would explain 2 to 5 % of white noise."""
+    noise = np.random.default_rng(seed).normal(0.0, 10.0, 400)
+    assert floor_of(sweeps(400), noise).floor == pytest.approx(np.sqrt(np.mean(noise**2)), rel=0.01)
+
+
 def test_the_floors_are_plain_numbers():
     floors = floor_of(sweeps(), missing(sweeps()))
     assert {type(floors.floor), type(floors.with_history)} == {float}

@@ -126,6 +126,7 @@ def test_the_best_point_of_a_stopped_fit_satisfies_the_constraints(problem, star
     calls = itertools.count(1)
     stopped = solve(problem, free.x, *bounds(problem), tight, stop=lambda: next(calls) >= STOPPED_AT)
     assert stopped.reason == INTERRUPTED
+    assert not stopped.converged
     assert curvature_at(problem, stopped.x, 1).max() <= ceiling + 1e-5
     assert stopped.cost > free.cost
 

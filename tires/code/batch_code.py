@@ -36,7 +36,7 @@ def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> Fl
     Parameters
     ----------
     code : Code
-        Compiled code of the model.
+        Of the model, in any language.
     inputs : ndarray, shape (n_inputs, n)
         In the order of the model, SI, signs of the parameters.
     population : ndarray, shape (n_tires, n_parameters)
@@ -60,7 +60,7 @@ def chosen_derivatives(
     Parameters
     ----------
     code : Code
-        Compiled code of the model.
+        Of the model, in any language.
     inputs : ndarray, shape (n_inputs, n)
         In the order of the model, SI, signs of the parameters.
     parameters : ndarray, shape (n_parameters,)
@@ -84,7 +84,7 @@ def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> 
     Parameters
     ----------
     code : Code
-        Compiled code of the model.
+        Of the model, in any language.
     rows : WeightedRows
         Inputs, residual weights and channels.
     parameters : ndarray, shape (n_parameters,)

@@ -57,7 +57,7 @@ def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) ->
     """Return the folder of an entry, made where it is missing or damaged.
 
     `name`: a file name that identifies the content: equal names mean equal entries. `make`: writes the files into an
-    empty folder. `rebuild`: make the entry again: its content is as recorded, but of no use here. Returns: in the
+    empty folder. `rebuild`: make the entry again: its content is as recorded, but of no use here. The folder is in the
     cache, or in a private temporary folder that goes with this process. Raises `OSError` if it can be written nowhere.
 
     >>> folder = cached("example", lambda folder: folder.joinpath("text").write_text("made once"))

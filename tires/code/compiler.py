@@ -121,7 +121,7 @@ def shared_library(
 def loaded_library(name: str, sources: Sequence[Path], **options: Any) -> ctypes.CDLL:
     """Return a shared library, loaded; one that is there but cannot be loaded is built again.
 
-    `name, sources, **options`: as for `shared_library`. Raises `CompilerError`: as `shared_library`, or if what was
+    `name`, `sources`, `**options`: as for `shared_library`. Raises `CompilerError`: as `shared_library`, or if what was
     just built cannot be loaded.
     """
     try:

@@ -37,7 +37,7 @@ def numpy_routine(model: Model, routine: str, *, straight: bool = False) -> Call
     """Return a printed function of a model; its Jacobians have a module of their own.
 
     `routine`: "forces", "quantities", "drives", "relaxation", "jacobian_inputs" or "jacobian_parameters". `straight`:
-    the faster variant for rows without effects on demand, under default options, where there is one. Returns: of
+    the faster variant for rows without effects on demand, under default options, where there is one. The function takes
     inputs, parameters and the library of arrays, NumPy by default. Raises `AttributeError` if the model lacks the
     routine.
     """

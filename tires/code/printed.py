@@ -35,7 +35,7 @@ def model_with(name: str, added: Sequence[AddedEffect] = ()) -> Model:
 
     Where its code has been printed before, its structure is read from there: no equation has to be loaded.
 
-    Returns: one object for one model and the same effects. Raises `UnknownName, EffectError`: as
+    Returns: one object for one model and the same effects. Raises `UnknownName`, `EffectError`: as
     `tirefmu.symbolic.models.model`.
     """
     return model_named(name, added, find=_printed_structure)
@@ -65,7 +65,7 @@ def packaged_file(model: Model, name: str) -> str:
 def printed_folder(model: Model) -> Path:
     """Return the folder of a printed model, printing it where it is not there yet.
 
-    Returns: with numpy/, c/ and structure/ below it, and the Python files compiled. Raises `ModelError` if the model
+    The folder contains numpy/, c/ and structure/, and the Python files compiled. Raises `ModelError` if the model
     violates its declarations. Raises `TirefmuError` if it cannot be written.
     """
 

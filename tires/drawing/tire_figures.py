@@ -63,7 +63,7 @@ def default_loads(tire: TireDefinition) -> tuple[float, ...]:
     """Return three loads over the range in which a tire is known, as round as the range allows.
 
     `tire`: of its range, the part from a quarter of the nominal load to three times it; up to twice the nominal load
-    where it has no range. Returns: in N; fewer where the range is a single load.
+    where it has no range. The result is in N; fewer where the range is a single load.
 
     >>> from tirefmu.tires import published
     >>> default_loads(published("unicamp_small_tire"))

@@ -118,8 +118,8 @@ def folded(format_: str) -> str:
 def model_by_coefficients(format_: str, keys: Collection[str]) -> str | None:
     """Return the model of a shared format of which a file has coefficients that the others lack, or None.
 
-    `format_`: PROPERTY_FILE_FORMAT. `keys`: the keys of the file. Returns: of several the one with the highest FITTYP,
-    as later models have the coefficients of earlier ones.
+    `format_`: PROPERTY_FILE_FORMAT. `keys`: the keys of the file. Of several models it is the one with the highest
+    FITTYP, as later models have the coefficients of earlier ones.
 
     >>> model_by_coefficients("USER", {"PKY6", "Q_CAM3"}), model_by_coefficients("USER", {"PCX1"})
     ('mf62', None)
@@ -158,7 +158,7 @@ def written_sections(model: Model) -> tuple[str, ...]:
 def not_given(tire: TireDefinition) -> tuple[str, ...]:
     """Return the coefficients that were not given: at their default, or as other programs assume them.
 
-    `tire`: read from a file, or made from values. Returns: in the model's order.
+    `tire`: read from a file, or made from values. The result is in the model's order.
 
     >>> from tirefmu.tires import Tire
     >>> not_given(Tire("mf96", {name: 1.0 for name in MODELS["mf96"].coefficients if name != "PKY2"}))

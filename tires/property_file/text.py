@@ -55,7 +55,7 @@ class Row:
 def read_lines(path: Path) -> list[Entry | Row]:
     """Read the entries and rows of a .tir file.
 
-    Returns: in the file's order; comments, blank lines and prose before the first section are skipped. Raises
+    The result is in the file's order; comments, blank lines and prose before the first section are skipped. Raises
     `TirError` if the file cannot be read, is larger than `MAX_BYTES`, `MAX_LINES` or `LONGEST_LINE`, or a section's
     name is broken.
     """

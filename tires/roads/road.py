@@ -75,7 +75,7 @@ class Road:
     def along_and_across(self, x: ArrayLike, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return u (0 at the first point) and v of points.
 
-        `x`, `y`: global, m. Returns `u, v`: of the nearest part of the reference line. Beyond its ends it continues
+        `x`, `y`: global, m. Returns `u`, `v`: of the nearest part of the reference line. Beyond its ends it continues
         straight.
 
         >>> turn = Road(1.0, np.array([-1.0, 1.0]), np.zeros((3, 2)), np.array([0.0, 0.0, np.pi / 2]))

@@ -1,0 +1,55 @@
+"""How packages are imported, and how large folders are. import-linter checks who may import whom (`make check`)."""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = {path.parent.name for path in ROOT.glob("*/__init__.py")}
+FILES = sorted(path.relative_to(ROOT).as_posix() for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+MAX_MODULES = 15
+
+
+def wrong_imports(path: str, source: str) -> list[str]:
+    """Return the imports that are not relative in a package, or not ``tirefmu.PACKAGE`` of another one."""
+    root, *folders, _ = path.split("/")
+    wrong = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ImportFrom) and node.level > len(folders) + 1:
+            wrong.append(ast.unparse(node))
+        elif isinstance(node, ast.Import) or (isinstance(node, ast.ImportFrom) and not node.level):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
+            tops = {name.split(".")[0] for name in names}
+            inside = any(f"{name}.".startswith(f"tirefmu.{root}.") for name in names)
+            if inside or tops & PACKAGES - {"tirefmu"}:
+                wrong.append(ast.unparse(node))
+    return wrong
+
+
+def test_imports_are_relative_inside_a_package_and_absolute_across_packages():
+    assert {"symbolic", "tirefmu"} <= PACKAGES
+    found = {path: wrong_imports(path, (ROOT / path).read_text(encoding="utf-8")) for path in FILES}
+    assert not {path: wrong for path, wrong in found.items() if wrong}
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "from tirefmu.tires.signs import flip",
+        "from ...fmu import export",
+        "import symbolic.model",
+        "from symbolic import a",
+    ],
+)
+def test_a_wrong_import_is_found(source):
+    assert wrong_imports("tires/code/kernel.py", source)
+    assert not wrong_imports("tires/code/kernel.py", "from ..signs import flip\nimport tirefmu.symbolic.model")
+
+
+def test_folders_are_small():
+    modules = Counter((ROOT / path).parent for path in FILES if not path.startswith("generated/"))
+    assert max(modules.values()) <= MAX_MODULES, modules.most_common(1)
