@@ -16,6 +16,7 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import excerpt, visible
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from .arguments import (
     FILE,
@@ -57,7 +58,7 @@ def cli() -> None:
 @click.argument("tire", type=FILE)
 @click.argument("table", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="CSV or Parquet file to write.")
-@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
 @click.option(
     "--convention",
     type=click.Choice(["tno", "book"]),
@@ -141,7 +142,7 @@ def evaluate(
 @cli.command()
 @click.argument("fmu", type=FILE)
 @click.argument("table", type=FILE)
-@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
 @WHERE
 @click.option(
     "--tolerance",
@@ -229,7 +230,7 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
 @click.option("--loads", type=Numbers(), help="Loads in N (default: those of TABLES, or three over the tire's range).")
 @click.option("--kappa", type=Numbers(), metavar="LOW,HIGH",
               help="Range of kappa, such as -1.1,1.1 (default: that of the tire, at most -1,1).")  # fmt: skip
-@click.option("--signs", type=SIGNS, help="Convention of TABLES (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of TABLES (default: {DEFAULT_SIGNS}).")
 @click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
 @WHERE
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)

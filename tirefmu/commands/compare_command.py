@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
+
 from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
 
 
@@ -14,7 +16,7 @@ from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_path
 @click.argument("tire2", type=FILE)
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for report.html and the figures.")
-@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
 @WHERE
 @click.option("--all", "every", is_flag=True, help="List every coefficient that differs.")

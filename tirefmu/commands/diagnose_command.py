@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from tirefmu.boundary.errors import TirefmuError
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from tirefmu.symbolic import DEFAULT_MODEL
 
 from ..arguments import (
@@ -35,7 +36,7 @@ FURTHER = {FMUS: 8.0, REPORT: 18.0}
 @MODEL
 @click.option("--effects", callback=names, help="Effects of the baseline model in addition to its core, or 'none'.")
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
-@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
 @WHERE
 @click.option("--turn-slip", "turning", is_flag=True,
               help="The bench turns the wheel plane: phit = -(d alpha/dt)/V where phit is not recorded.")  # fmt: skip

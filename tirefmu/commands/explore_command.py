@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
+
 from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
 
 
@@ -15,7 +17,7 @@ from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_path
 @click.option("-o", "--output", type=FILE, required=True, help="HTML page to write.")
 @click.option("--compare", type=FILE, help="Second tire, of any model.")
 @click.option("--fit", "fit_json", type=FILE, help="Result of 'fit --json': its 95 % intervals are marked.")
-@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @WHERE
 @common
 def explore(

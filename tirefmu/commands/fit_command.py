@@ -12,6 +12,7 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import command_text, file_name
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from ..arguments import (
     FILE,
@@ -68,7 +69,7 @@ if TYPE_CHECKING:
 @click.option("--loss", default="squares", show_default=True,
               help="Loss function: squares; huber or cauchy for data with outliers.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
-@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @WHERE
 @click.option("--all-rows", is_flag=True, help="Do not exclude rows (warm-up, transitions, outliers).")
 @click.option("--rows", default="condition", show_default=True,

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from tirefmu.boundary.errors import TirefmuError
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, command_line, common, write_json
 
@@ -17,7 +18,7 @@ MAX_ROWS = 14
 @click.command()
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option("-o", "--output", type=FILE, help="HTML page with tables and figures.")
-@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @WHERE
 @click.option("--table", "selection", type=FILE,
               help="Write the selected rows of one table as CSV or Parquet, in SI units.")  # fmt: skip

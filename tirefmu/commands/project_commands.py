@@ -13,6 +13,7 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.boundary.escaping import command_text
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from tirefmu.symbolic import DEFAULT_MODEL
 
 from ..arguments import FILE, MODEL, SIGNS, Pairs, check_output_paths, common, names, write_json
@@ -26,7 +27,7 @@ DEFAULT = Path("tirefmu.toml")
 @MODEL
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--effects", callback=names, help="Exactly these effects in addition to the core, or 'none'.")
-@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @click.option("-o", "--output", type=FILE, default=DEFAULT, show_default=True, help="Project file to write.")
 @common
 def init(

@@ -11,6 +11,7 @@ from typing import Any
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.boundary.escaping import quoted, toml_string
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 #: Default time limit of a diagnosis, seconds. Judgement: longer than all other steps of a measured recording together.
 TIME_LIMIT = 900.0
@@ -201,9 +202,7 @@ def project_text(
         "# tirefmu run: inspects the data, fits, exports, checks, diagnoses; redoes what has changed.",
         "[data]",
         f"tables = [{listed}]",
-        f"signs = {toml_string(signs)}"
-        if signs
-        else '# signs = "sae"  # default: sae for .mat and .dat, iso for tables',
+        f"signs = {toml_string(signs)}" if signs else f'# signs = "sae"  # default: {DEFAULT_SIGNS}',
         '# where = "t > 120 and p in 70..90 kPa"',
         "",
         "[fit]",
