@@ -174,20 +174,25 @@ class Motions:
 @once
 def motions_of(recording: Recording) -> Motions:
     """Return how the inputs of a recording move."""
-    segments, inputs = segments_of(recording), _inputs(recording)
+    segments = segments_of(recording)
     series = [segment for segment in segments if segment.is_series]
+    inputs = _inputs(recording, series)
     return Motions(segments, inputs, [list(_motions(channel, series)) for channel in inputs])
 
 
-def _inputs(recording: Recording) -> list[_Input]:
+def _inputs(recording: Recording, series: Sequence[Segment]) -> list[_Input]:
     # In one convention, so that rounding does not depend on that of the recording.
     table = recording.with_signs("iso").table
+    interval = float(np.median([segment.interval for segment in series])) if series else np.inf
     inputs = []
     for name in CONTROLLED_INPUTS:
         if name in table:
             values = table[name].to_numpy(dtype=np.float64)
             tolerance = level_tolerance(values, name) or 1.0
-            inputs.append(_Input(name, values, _levels_with_stay(values, tolerance), tolerance))
+            held = _levels_with_stay(values, tolerance)
+            smooth = _smoothed(values, series)
+            held = _levels_of_long_stays(smooth, held, tolerance, interval)
+            inputs.append(_Input(name, smooth, held, tolerance))
     return inputs
 
 
@@ -208,6 +213,29 @@ def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[
     return np.array([value for value, stay in zip(held, stays, strict=True) if stay >= MIN_STAY_ROWS])
 
 
+def _levels_of_long_stays(
+    values: NDArray[np.float64], held: NDArray[np.float64], tolerance: float, interval: float
+) -> NDArray[np.float64]:
+    """Return the levels, and those at which an input stayed for longer than any transition takes.
+
+    A level beside one with many more rows has no density peak of its own. Its rows are no transition: they stay.
+    """
+    while len(held):
+        far = np.abs(values[:, None] - held).min(axis=1) > tolerance
+        far = _closed(far, round(SHORTEST_STAY / interval), ends=False)
+        ends = np.flatnonzero(np.diff(far) | (np.abs(np.diff(values)) > tolerance)) + 1
+        runs = [values[start:stop] for start, stop in pairwise([0, *ends.tolist(), len(far)]) if far[start]]
+        long_runs = [run for run in runs if len(run) * interval > LONGEST_TRANSITION]
+        stays = [run for run in long_runs if np.ptp(np.quantile(run, (0.05, 0.95))) <= tolerance]
+        # A new level is apart from all others: the loop ends.
+        medians = [np.median(run) for run in sorted(stays, key=len, reverse=True)]
+        apart = [median for median in medians if np.abs(median - held).min() > 0.5 * tolerance]
+        if not apart:
+            break
+        held = np.sort(np.append(held, apart[0]))
+    return held
+
+
 def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:
     """Return the segments; consecutive ones that are no time series are merged."""
     merged: list[Segment] = []
@@ -226,7 +254,7 @@ def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input
 
 def _motions(channel: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
     """Yield the motion of an input in each segment."""
-    smooth = _smoothed(channel.values, series)
+    smooth = channel.values
     if not len(channel.held):
         for segment in series:
             yield _swept_motion(smooth[segment.rows], channel.tolerance, segment.interval)

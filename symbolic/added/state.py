@@ -93,6 +93,13 @@ class State:
         return f"{self.name}{SPEED_ENDING}"
 
     @property
+    def rate_unit(self) -> str:
+        """The unit of its derivative: one ``/``, behind which all factors divide."""
+        if self.unit.endswith("/s"):
+            return f"{self.unit}^2"
+        return f"{self.unit} s" if "/" in self.unit else f"{self.unit}/s"
+
+    @property
     def follows_a_path(self) -> bool:
         """Whether it changes along a path, without regard to time."""
         return self.kind in PATHS
@@ -132,6 +139,5 @@ def with_speeds(states: Iterable[State]) -> Iterator[State]:
     for state in states:
         yield state
         if state.oscillates:
-            unit = f"{state.unit}/s" if state.unit != "1" else "1/s"
             what = f"rate of change of {state.description or state.name}"
-            yield replace(state, name=state.speed_name, kind=SPEED, start="", unit=unit, description=what)
+            yield replace(state, name=state.speed_name, kind=SPEED, start="", unit=state.rate_unit, description=what)

@@ -68,7 +68,7 @@ def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> No
     parts = {key: formula(text, f"state {name}") for key, text in texts.items()}
     target, rate = _target_and_rate(state, parts)
     x = sp.Symbol(name, real=True)
-    what, unit = state.description or name, f"{state.unit}/s" if state.unit != "1" else "1/s"
+    what, unit = state.description or name, state.rate_unit
     per_time = state.kind == "accumulation" or state.follows_a_path
     first, second, third, last = state.line_names
     u = eq("tirefmu", first, only_with(target), unit if per_time else state.unit, f"target of {what}")

@@ -37,7 +37,8 @@ def memory_fmus(compiler, remembering, tmp_path_factory):
     """Return the FMUs of the tires: FMI 3 with lagged slips, FMI 2 without."""
     folder = tmp_path_factory.mktemp("memory")
     return {
-        name: export(remembering[name], folder / f"{name}.fmu", fmi=fmi) for name, fmi in (("lagged", 3), ("direct", 2))
+        name: export(remembering[name], folder / f"{name}.fmu", fmi=fmi, quantities=True)
+        for name, fmi in (("lagged", 3), ("direct", 2))
     }
 
 

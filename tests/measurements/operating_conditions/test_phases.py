@@ -20,6 +20,37 @@ def rows_of(found, kind):
     return rows
 
 
+@pytest.mark.parametrize(
+    ("channel", "levels"),
+    [
+        ("gamma", np.radians([0.0, 2.0, 4.0, 0.0, 3.44])),
+        *(("gamma", np.radians([0.0, 2.0, 0.0, 2.0 + step])) for step in (0.5, 1.0, 1.2, 1.5)),
+        *(("p", 1e3 * np.array([83.0, 97.0, 70.0, 97.0 - step])) for step in (3.0, 4.0, 6.0, 8.0, 10.0)),
+        *(("Fz", np.array([250.0, 1000.0, 500.0, 1000.0 * (1.0 + share)])) for share in (0.05, 0.1, 0.15)),
+    ],
+)
+def test_no_held_row_is_a_transition_because_another_level_has_more_rows(channel, levels):
+    """The last two conditions are those of a shorter run on the same bench."""
+    rng, rows = np.random.default_rng(3), [8000] * (len(levels) - 2) + [1600] * 2
+    held = np.repeat(levels, rows)
+    noise = {"gamma": 5e-4, "p": 200.0, "Fz": 5.0}[channel] * rng.standard_normal(len(held))
+    t = 0.01 * np.arange(len(held))
+    table = pd.DataFrame({"t": t, "alpha": 0.15 * np.sin(t), "kappa": 0.0, "gamma": 0.0, "Fz": 1000.0, "V": 11.0})
+    table = table.assign(Fy=-1000.0 * np.tanh(8.0 * table["alpha"])).assign(**{channel: held + noise})
+    assert not np.any(transitions(Recording(table, "iso", "made.csv")) != "")
+
+
+def test_a_slow_change_from_level_to_level_stays_a_transition():
+    """A pressure takes 20 s; its rows are far from both levels for longer than a load takes."""
+    p = 1e3 * np.concatenate([np.full(6000, 83.0), np.linspace(83.0, 97.0, 2000), np.full(6000, 97.0)])
+    t = 0.01 * np.arange(len(p))
+    table = pd.DataFrame({"t": t, "alpha": 0.15 * np.sin(t), "Fz": 1000.0, "p": p, "Fy": -900.0 * np.sin(t)})
+    found = transitions(Recording(table, "iso", "made.csv")) == "p"
+    assert found[6600:7400].all()
+    assert not found[:5900].any()
+    assert not found[8100:].any()
+
+
 @settings(max_examples=20)
 @given(
     loads=st.lists(st.sampled_from([250.0, 500.0, 700.0, 1100.0, 1550.0]), min_size=1, max_size=4, unique=True),
