@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from tirefmu.boundary.errors import FmuError, UnknownName
-from tirefmu.symbolic.added.state import State
+from tirefmu.symbolic.added.state import State, rate_unit
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
@@ -247,8 +247,7 @@ def _state(state: Quantity) -> Variable:
 
 
 def _derivative(state: Variable) -> Variable:
-    over, divided, under = state.unit.partition("/")
-    unit = f"{over}/{under} s" if divided else f"{over}/s"
+    unit = rate_unit(state.unit)
     return Variable(f"der({state.name})", "local", unit, f"rate of {state.name}", group="derivative")
 
 

@@ -93,13 +93,6 @@ class State:
         return f"{self.name}{SPEED_ENDING}"
 
     @property
-    def rate_unit(self) -> str:
-        """The unit of its derivative: one ``/``, behind which all factors divide."""
-        if self.unit.endswith("/s"):
-            return f"{self.unit}^2"
-        return f"{self.unit} s" if "/" in self.unit else f"{self.unit}/s"
-
-    @property
     def follows_a_path(self) -> bool:
         """Whether it changes along a path, without regard to time."""
         return self.kind in PATHS
@@ -129,6 +122,15 @@ class State:
         return self.reads <= {*inputs, *coefficients}
 
 
+def rate_unit(unit: str) -> str:
+    """Return the unit of a derivative by time. All factors behind the one ``/`` divide.
+
+    >>> rate_unit("N"), rate_unit("N/s")
+    ('N/s', 'N/s s')
+    """
+    return f"{unit} s" if "/" in unit else f"{unit}/s"
+
+
 def with_speeds(states: Iterable[State]) -> Iterator[State]:
     """Yield states, and the speed of each oscillator behind it.
 
@@ -140,4 +142,6 @@ def with_speeds(states: Iterable[State]) -> Iterator[State]:
         yield state
         if state.oscillates:
             what = f"rate of change of {state.description or state.name}"
-            yield replace(state, name=state.speed_name, kind=SPEED, start="", unit=state.rate_unit, description=what)
+            yield replace(
+                state, name=state.speed_name, kind=SPEED, start="", unit=rate_unit(state.unit), description=what
+            )

@@ -14,7 +14,7 @@ from tirefmu.boundary.errors import EffectError, nearest
 
 from ..added.effect import AddedEffect, owners_of
 from ..added.formula import formula
-from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State
+from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State, rate_unit
 from ..declarations import Effect
 from ..functions import absolute, sgn, where
 from ..notation import Chapter, Equation
@@ -68,7 +68,7 @@ def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> No
     parts = {key: formula(text, f"state {name}") for key, text in texts.items()}
     target, rate = _target_and_rate(state, parts)
     x = sp.Symbol(name, real=True)
-    what, unit = state.description or name, state.rate_unit
+    what, unit = state.description or name, rate_unit(state.unit)
     per_time = state.kind == "accumulation" or state.follows_a_path
     first, second, third, last = state.line_names
     u = eq("tirefmu", first, only_with(target), unit if per_time else state.unit, f"target of {what}")

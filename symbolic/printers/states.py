@@ -13,7 +13,7 @@ import sympy as sp
 
 from tirefmu.boundary.errors import TirefmuError
 
-from ..added.state import State
+from ..added.state import State, rate_unit
 from ..declarations import Quantity
 from ..functions import absolute, where
 from ..model import Model
@@ -66,7 +66,7 @@ def state_lines(
         decay = none if state.oscillates else decay
         what = state.description or state.name
         eq("tirefmu", f"{state.name}_decay", decay, "1/s", f"decay of {what}", named=False)
-        eq("tirefmu", f"{state.name}_dot", derivative, state.rate_unit, f"derivative of {what}", named=False)
+        eq("tirefmu", f"{state.name}_dot", derivative, rate_unit(state.unit), f"derivative of {what}", named=False)
     if not eq.equations:
         raise TirefmuError("states: the tire has none; relaxation (relax_*) and some added effects have states")
     found = (*copies, *eq.equations)
