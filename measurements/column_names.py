@@ -90,7 +90,7 @@ def check_names(names: Iterable[str], source: str, required: Collection[str] = I
     """Refuse a column whose name resembles a channel that the table lacks.
 
     `required`: the channels that the caller reads. Outputs are required where data are compared with a tire
-    (`Recording.measured`). A table to evaluate may have columns such as FX as a reference. The `DataError` has the
+    (`Recording.measured`). A table to evaluate may have columns such as FX as a reference. Raises `DataError` with the
     column, and the name or the header that was probably meant.
     """
     given = list(names)

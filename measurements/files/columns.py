@@ -55,8 +55,8 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     """Read the headers of a table.
 
     A name of FSAE TTC files is that of the input if the table lacks it and the unit is clear. Other unknown columns are
-    passed through, unless the name resembles an input that the table lacks (`check_names`). A `DataError` reports more
-    than `MAX_COLUMNS` columns, a name that occurs twice, and a table without a channel.
+    passed through, unless the name resembles an input that the table lacks (`check_names`). Raises
+    `DataError` if there are more than `MAX_COLUMNS` columns, a name occurs twice, or no column is a channel.
 
     >>> [column.name for column in parse_header(["alpha", "TSTC", "IA [deg]", "remark"], "a.csv")]
     ['alpha', 'T', 'gamma', 'remark']
@@ -95,8 +95,8 @@ def channels_in_si(
 
     `columns`: one for each column of the table, in the same order. `location`: converts the number of a row, counted
     from 0, to "line 12" or "row 12" for messages. Channels are floats; other columns are unchanged. The metadata
-    ``declared`` has the channels whose unit the table declares. Raises `DataError` if there are no rows, as
-    `converted_channels` and as `check_finite`.
+    ``declared`` has the channels whose unit the table declares. Raises `DataError` if there are no rows. Also
+    raises what `converted_channels` and `check_finite` raise.
     """
     if table.empty:
         raise DataError(f"{source}: no rows")
@@ -138,8 +138,8 @@ def in_si(values: NDArray[np.float64], unit: str, quantity: str, place: str) -> 
 def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:
     """Check that a channel has no infinities, and an input few NaN.
 
-    Rows without an input are excluded later (`without_incomplete_rows`). `location`: as for `channels_in_si`. The
-    `DataError` has the first location, the channel and the number of rows.
+    Rows without an input are excluded later (`without_incomplete_rows`). `location`: as for `channels_in_si`.
+    Raises `DataError` with the first location, the channel and the number of rows.
     """
     infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
     for bad, kind, most in ((infinite, "infinite", 0.0), (unknown, "NaN", MAX_INCOMPLETE)):

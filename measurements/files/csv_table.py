@@ -28,7 +28,7 @@ def read_csv_table(path: Path, signs: str) -> Recording:
     """Read a CSV table.
 
     Lines before the header that begin with ``#`` are skipped. Columns are separated by commas, semicolons or tabs.
-    Numbers are read exactly. A `DataError` has file, line and column of the first error.
+    Numbers are read exactly. Raises `DataError` with file, line and column of the first error.
     """
     source = str(path)
     with _opened(path) as file:

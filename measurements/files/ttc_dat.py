@@ -21,7 +21,7 @@ def read_ttc_dat(path: Path, signs: str) -> Recording:
 
     `signs`: the convention of the file; Calspan writes sae. ``about["signs"]`` has that of the title (``ISO True``), if
     any, and ``about["tireid"]`` the title. Raises `DataError` if no line has the names of the channels, rows differ in
-    length, a cell is not a number (with the line), and as `bench_recording`.
+    length, or a cell is not a number (with the line). Also raises what `bench_recording` raises.
     """
     source = str(path)
     lines = _lines(path)

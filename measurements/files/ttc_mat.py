@@ -29,8 +29,8 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
     pressure indicates it, and ``about`` has the reason. Fields that are known to be unreliable (RUN of the wrong
     length, an empty tireid) are not used. A table with column names of the contract is read like a CSV table.
 
-    `signs`: the convention of the file; Calspan writes sae. Raises `DataError` if the file is not a MATLAB file, as
-    `bench_recording`, and for tables and files of version 7.3 if mat-io is not installed.
+    `signs`: the convention of the file; Calspan writes sae. Raises `DataError` if the file is not a MATLAB file,
+    or if mat-io is not installed and the file has a table or version 7.3. Also raises what `bench_recording` raises.
     """
     fields = _load(path)
     for value in fields.values():

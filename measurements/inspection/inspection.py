@@ -139,7 +139,7 @@ def _inspected(recording: Recording) -> Inspection:
     clock = recording.table["t"].to_numpy(dtype=np.float64) if "t" in recording.table else None
     interval = sample_interval(recording, max(pieces, key=lambda piece: piece.stop - piece.start))
     gaps = [clock[piece.start] - clock[piece.start - 1] for piece in pieces[1:]] if clock is not None else []
-    every = phases(recording)
+    all_phases = phases(recording)
     return Inspection(
         recording,
         tuple(_channel(recording, name) for name in CHANNELS if name in recording.table),
@@ -147,8 +147,8 @@ def _inspected(recording: Recording) -> Inspection:
         interval * len(recording),
         len(pieces),
         float(max([0.0, *gaps])),
-        tuple(_sweeps(recording, every)),
-        tuple(_conditions(recording, every, interval)),
+        tuple(_sweeps(recording, all_phases)),
+        tuple(_conditions(recording, all_phases, interval)),
         exclude_rows(recording),
     )
 
@@ -166,9 +166,9 @@ def _channel(recording: Recording, name: str) -> ChannelSummary:
     )  # fmt: skip
 
 
-def _sweeps(recording: Recording, every: Sequence[Phase]) -> list[SweepSummary]:
+def _sweeps(recording: Recording, all_phases: Sequence[Phase]) -> list[SweepSummary]:
     sweeps: list[SweepSummary] = []
-    for phase in (phase for phase in every if phase.kind == "sweep"):
+    for phase in (phase for phase in all_phases if phase.kind == "sweep"):
         moved = [recording.table[name].to_numpy(dtype=np.float64)[phase.rows] for name in phase.moving]
         step = sample_interval(recording, phase.rows)
         sweeps.append(
@@ -187,10 +187,10 @@ def _rate(values: NDArray[np.float64], step: float) -> float:
     return float(np.median(np.abs(values[lag:] - values[:-lag]))) / (lag * step) if lag else 0.0
 
 
-def _conditions(recording: Recording, every: Sequence[Phase], interval: float) -> list[ConditionSummary]:
+def _conditions(recording: Recording, all_phases: Sequence[Phase], interval: float) -> list[ConditionSummary]:
     groups = group_by_condition(recording)
     steady = np.ones(len(recording), dtype=np.bool_)
-    for phase in every:
+    for phase in all_phases:
         steady[phase.rows] = phase.kind != "transition"
     conditions = []
     for number, (held, moving) in enumerate(zip(groups.conditions, groups.moving, strict=True)):

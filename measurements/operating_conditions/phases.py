@@ -136,10 +136,10 @@ def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.ob
 
 @dataclass(frozen=True)
 class _Input:
-    """One input of a recording, with the levels at which it was held (none if it was swept)."""
+    """One input of a recording, as a running median, with the levels at which it was held (none if it was swept)."""
 
     name: str
-    values: NDArray[np.float64]
+    smooth: NDArray[np.float64]
     held: NDArray[np.float64]
     tolerance: float
 
@@ -189,9 +189,8 @@ def _inputs(recording: Recording, series: Sequence[Segment]) -> list[_Input]:
         if name in table:
             values = table[name].to_numpy(dtype=np.float64)
             tolerance = level_tolerance(values, name) or 1.0
-            held = _levels_with_stay(values, tolerance)
             smooth = _smoothed(values, series)
-            held = _levels_of_long_stays(smooth, held, tolerance, interval)
+            held = _levels_of_long_stays(smooth, _levels_with_stay(values, tolerance), tolerance, interval)
             inputs.append(_Input(name, smooth, held, tolerance))
     return inputs
 
@@ -254,12 +253,11 @@ def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input
 
 def _motions(channel: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
     """Yield the motion of an input in each segment."""
-    smooth = channel.values
     if not len(channel.held):
         for segment in series:
-            yield _swept_motion(smooth[segment.rows], channel.tolerance, segment.interval)
+            yield _swept_motion(channel.smooth[segment.rows], channel.tolerance, segment.interval)
         return
-    offset = np.abs(smooth[:, None] - channel.held)
+    offset = np.abs(channel.smooth[:, None] - channel.held)
     nearest, distance = offset.argmin(axis=1), offset.min(axis=1)
     for segment in series:
         yield _held_motion(channel, nearest[segment.rows], distance[segment.rows], segment.interval)

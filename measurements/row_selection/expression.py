@@ -69,7 +69,7 @@ def parse_selection(expression: str) -> Selection:
 
     Numbers without a unit are in SI units (deg C for T). Fz is the load in every sign convention, positive for a loaded
     wheel; all other channels have the signs of the table. Names are the channels, ``sample``, ``segment`` and ``sweep``
-    (counted from 1), and ``file``. A `DataError` has the word that is wrong, and the nearest valid name.
+    (counted from 1), and ``file``. Raises `DataError` with the word that is wrong, and the nearest valid name.
     """
     parser = _Parser(expression)
     matches = parser.selection()

@@ -4,7 +4,7 @@ import pytest
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.measurements.channels import CHANNELS, INPUTS, OUTPUTS, channel
-from tirefmu.measurements.column_names import intended_channel
+from tirefmu.measurements.column_names import intended_channel, unit_in_name
 from tirefmu.measurements.units import unit_named
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS
 
@@ -74,3 +74,8 @@ def test_every_single_typing_error_is_recognized(name):
 def test_unknown_channel():
     with pytest.raises(UnknownName, match="unknown channel 'gama': did you mean gamma"):
         channel("gama")
+
+
+def test_the_unit_must_fit_the_channel():
+    assert unit_in_name("gamma_deg") == ("gamma", "deg")
+    assert unit_in_name("gamma_kPa") is None

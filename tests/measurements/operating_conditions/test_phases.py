@@ -20,6 +20,7 @@ def rows_of(found, kind):
     return rows
 
 
+@pytest.mark.parametrize("change", [0.0, 1.0])
 @pytest.mark.parametrize(
     ("channel", "levels"),
     [
@@ -29,15 +30,19 @@ def rows_of(found, kind):
         *(("Fz", np.array([250.0, 1000.0, 500.0, 1000.0 * (1.0 + share)])) for share in (0.05, 0.1, 0.15)),
     ],
 )
-def test_no_held_row_is_a_transition_because_another_level_has_more_rows(channel, levels):
-    """The last two conditions are those of a shorter run on the same bench."""
-    rng, rows = np.random.default_rng(3), [8000] * (len(levels) - 2) + [1600] * 2
-    held = np.repeat(levels, rows)
-    noise = {"gamma": 5e-4, "p": 200.0, "Fz": 5.0}[channel] * rng.standard_normal(len(held))
-    t = 0.01 * np.arange(len(held))
+def test_no_held_row_is_a_transition_because_another_level_has_more_rows(channel, levels, change):
+    """The last two conditions are those of a shorter run on the same bench. `change`: s from one level to the next."""
+    rows, ramp = [8000] * (len(levels) - 2) + [1600] * 2, round(change / 0.01)
+    values = np.full(rows[0], levels[0])
+    held = np.full(rows[0], True)
+    for before, level, stay in zip(levels, levels[1:], rows[1:], strict=False):
+        values = np.concatenate([values, np.linspace(before, level, ramp), np.full(stay, level)])
+        held = np.concatenate([held, np.full(ramp, False), np.full(stay, True)])
+    noise = {"gamma": 5e-4, "p": 200.0, "Fz": 5.0}[channel] * np.random.default_rng(3).standard_normal(len(values))
+    t = 0.01 * np.arange(len(values))
     table = pd.DataFrame({"t": t, "alpha": 0.15 * np.sin(t), "kappa": 0.0, "gamma": 0.0, "Fz": 1000.0, "V": 11.0})
-    table = table.assign(Fy=-1000.0 * np.tanh(8.0 * table["alpha"])).assign(**{channel: held + noise})
-    assert not np.any(transitions(Recording(table, "iso", "made.csv")) != "")
+    table = table.assign(Fy=-1000.0 * np.tanh(8.0 * table["alpha"])).assign(**{channel: values + noise})
+    assert not np.any(transitions(Recording(table, "iso", "made.csv"))[held] != "")
 
 
 def test_a_slow_change_from_level_to_level_stays_a_transition():

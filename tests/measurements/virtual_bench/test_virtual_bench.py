@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
+from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.measurements import (
     ChannelNoise,
     Noise,
@@ -69,8 +69,9 @@ def test_the_same_physics_in_every_convention(tire_signs, signs):
     assert convention_notes(recording) == []
 
 
-def test_signs_are_the_tires_where_the_program_names_none():
-    assert VirtualBench(BrushedTire("sae")).run(alpha_sweeps([900.0])).signs == "sae"
+@pytest.mark.parametrize("signs", SIGNS)
+def test_signs_are_the_tires_where_the_program_names_none(signs):
+    assert VirtualBench(BrushedTire(signs)).run(alpha_sweeps([900.0])).signs == signs
 
 
 def test_seeded():
@@ -205,19 +206,19 @@ def test_joined_programs_have_every_row_in_order_and_a_segment_for_each_sweep():
 
 
 @pytest.mark.parametrize(
-    ("make", "expected"),
+    ("make", "error", "expected"),
     [
-        (lambda: concatenate([alpha_sweeps([300.0]), steady_points([0.0], [0.0], [60.0])]), "input p is not in all"),
-        (lambda: concatenate([]), "no programs"),
-        (lambda: alpha_sweeps([]), "no loads"),
-        (lambda: steady_points([], [0.0], [60.0]), "no rows"),
-        (lambda: kappa_sweeps([300.0], lowest=0.1), "a sweep needs"),
-        (lambda: Program("x", pd.DataFrame({"t": [0.0], "Fy": [1.0]})), "'Fy' is not an input"),
-        (lambda: Program("x", pd.DataFrame({"t": [0.0, 0.0]})), "t is not ascending"),
-        (lambda: Program("x", pd.DataFrame({"t": [0.0], "Fz": [np.nan]})), "NaN or infinite"),
-        (lambda: trento_program(signs="din"), "sign convention"),
+        (lambda: concatenate([alpha_sweeps([300.0]), steady_points([0.0], [0.0], [60.0])]), DataError, "p is not in"),
+        (lambda: concatenate([]), DataError, "no programs"),
+        (lambda: alpha_sweeps([]), DataError, "no loads"),
+        (lambda: steady_points([], [0.0], [60.0]), DataError, "no rows"),
+        (lambda: kappa_sweeps([300.0], lowest=0.1), DataError, "a sweep needs"),
+        (lambda: Program("x", pd.DataFrame({"t": [0.0], "Fy": [1.0]})), DataError, "'Fy' is not an input"),
+        (lambda: Program("x", pd.DataFrame({"t": [0.0, 0.0]})), DataError, "t is not ascending"),
+        (lambda: Program("x", pd.DataFrame({"t": [0.0], "Fz": [np.nan]})), DataError, "NaN or infinite"),
+        (lambda: trento_program(signs="din"), UnknownName, "sign convention"),
     ],
 )
-def test_bad_programs(make, expected):
-    with pytest.raises(TirefmuError, match=expected):
+def test_bad_programs(make, error, expected):
+    with pytest.raises(error, match=expected):
         make()
