@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from tirefmu.boundary.errors import UnknownName, no_single_text
 from tirefmu.estimation.nominal_values import check_nominal
@@ -17,6 +17,8 @@ from tirefmu.symbolic.models import model_named, whole_library
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
+from .comparison.answer import Answer
+from .comparison.compare import compared
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
 from .probing.effect_probing import Screen
@@ -132,6 +134,7 @@ class _Outcome:
     before: Screen
     began: float
     report: Callable[[str], None]
+    answers: dict[tuple[str, ...], Answer] = field(default_factory=dict)
 
     def of(self, search: Search, start: Tire) -> Diagnosis:
         """Return the diagnosis with the proposed formulas, or without them if the tire with them is not delivered.
@@ -159,9 +162,13 @@ class _Outcome:
     ) -> Diagnosis:
         settled = settle(search, self.before)
         self.report(EVIDENCE)
+        names = tuple(one.name for one in search.found)  # the same for each formula that is tried
+        if names not in self.answers:
+            self.answers[names] = compared(search, self.before, self.tried, self.report)
         turns = any(one.name == "turn_slip" for one in search.found)
         recording = self.turning if turns else self.recording
-        return composed(SearchOutcome(recording, tire, self.tried, settled, search, unknown, correction), self.began)
+        outcome = SearchOutcome(recording, tire, self.tried, settled, search, unknown, self.answers[names], correction)
+        return composed(outcome, self.began)
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:

@@ -72,6 +72,13 @@ class LeastSquares:
     center: Mapping[str, float]
     whitening: Whitening | None = None
 
+    def over(self, simulator: Simulator) -> LeastSquares:
+        """Return the problem with another simulator, for the same rows."""
+        other = replace(self, simulator=simulator)
+        for name in ("_disturbance_system", "disturbance_products"):  # they do not depend on the simulator
+            other.__dict__[name] = getattr(self, name)
+        return other
+
     def bounds(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper bounds of coefficients."""
         declarations = self.simulator.symbolic_model.coefficients
@@ -80,13 +87,14 @@ class LeastSquares:
         factor = self._factors(free)
         return lower * factor, upper * factor
 
-    def at_bounds(self, parameters: FloatArray, free: Sequence[str]) -> tuple[str, ...]:
-        """Return the coefficients that are at a bound, except at a neutral value, where the effect is absent."""
+    def at_bounds(self, parameters: FloatArray, free: Sequence[str], *, neutral: bool = False) -> tuple[str, ...]:
+        """Return the coefficients that are at a bound; at a neutral value, where the effect is absent, on request."""
         declarations, ends = self.simulator.symbolic_model.coefficients, np.stack(self.bounds(free))
         values = parameters[[self.simulator.index[name] for name in free]]
-        neutral = np.array([np.nan if (one := declarations[name].neutral) is None else one for name in free])
+        absent = np.array([np.nan if (one := declarations[name].neutral) is None else one for name in free])
         close = np.isclose(values, ends, rtol=0.0, atol=AT_BOUND * np.ptp(ends, axis=0)).any(axis=0)
-        return tuple(name for name, at in zip(free, close & ~np.isclose(values, neutral), strict=True) if at)
+        chosen = close & (neutral | ~np.isclose(values, absent))
+        return tuple(name for name, at in zip(free, chosen, strict=True) if at)
 
     def prior(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return means and standard deviations of the weak priors of coefficients."""
@@ -196,6 +204,13 @@ class LeastSquares:
         weighted = self.weighted(self.disturbances.columns)
         flat = weighted.reshape(-1, weighted.shape[-1])
         return weighted, cho_factor(flat.T @ flat + np.diag(self.disturbances.deviation**-2))
+
+    @cached_property
+    def disturbance_products(self) -> tuple[FloatArray, FloatArray]:
+        """Weighted columns of the disturbances, shape (n_channels * n, k), and their cross products, shape (k, k)."""
+        weighted, _ = self._disturbance_system
+        flat = weighted.reshape(-1, weighted.shape[-1])
+        return flat, flat.T @ flat
 
     def _cost(self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray) -> float:
         residual = self.misfit(parameters) - self.disturbances.columns @ disturbance

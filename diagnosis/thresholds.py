@@ -153,6 +153,22 @@ CONFIRMED_STRETCHES = 6
 #: the agreement that is required of reported residuals.
 MAX_WHITENED_MISFIT = 1.02
 
+# ------------------------------------------------------------------ the probability of explanations
+
+#: Power of the likelihood. No model of a tire or of its noise is exact; with 1 probabilities are too near 0 and 1.
+#: Calibrated on the first suite, confirmed on the second one (docs/discovery.md).
+LIKELIHOOD_POWER = 0.3
+#: Prior odds of each effect and of an unknown component. Convention: about one of all effects is missing.
+EFFECT_ODDS, UNKNOWN_ODDS = 1.0 / 40.0, 1.0 / 40.0
+#: Prior standard deviation of a term of the unknown component, as a share of all forces. Convention.
+UNKNOWN_SHARE = 0.1
+#: Prior standard deviation of the discrepancy of an effect, as a share of its response, and those of the discrepancy of
+#: the model, as a share of the forces, of which the evidence selects one. Conventions.
+FORM_ERROR, DISCREPANCIES = 0.1, (0.002, 0.006, 0.02)
+#: Number of effects that are refitted in place of each identified one, and logarithm of the evidence relative to the
+#: best explanation from which an addition is refitted. Conventions: computing time.
+RIVALS, REFIT_MARGIN = 3, -4.0
+
 # ------------------------------------------------------------------ unexplained structure
 
 #: p-values as for effects; lower by a factor of ten, as a formula can have many forms. Not recorded.

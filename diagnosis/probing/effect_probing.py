@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -21,7 +21,9 @@ from tirefmu.estimation.block_regression import (
 from tirefmu.symbolic.detection import Form, Probe
 
 from ..least_squares import LeastSquares, Solution
+from ..recording.simulation import Simulator
 from ..thresholds import MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK, PROBE_PRIOR
+from .baseline_fit import readable
 from .candidates import counts_from_neutral
 
 FloatArray = npt.NDArray[np.float64]
@@ -112,34 +114,8 @@ class Screen:
         """Return the weighted responses of the forces to a form's probes, shape (n_channels, n, k)."""
         return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)
 
-    def probed(self, form: Form, probe: Probe) -> FloatArray:
-        """Return the parameters with a probe applied, at the first point of the form's grid.
-
-        Coefficients that are already fitted are shifted by the probe, and their values on the grid are ignored.
-        """
-        simulator, parameters = self.problem.simulator, self.solution.parameters.copy()
-        declarations = simulator.symbolic_model.coefficients
-        for name, values in form.grid.items():
-            if name not in self.solution.free:
-                parameters[simulator.index[name]] = values[0]
-        for name, size in probe.items():
-            index, declaration = simulator.index[name], declarations[name]
-            adds = counts_from_neutral(declaration) and (declaration.neutral != 0.0 or name in self.solution.free)
-            parameters[index] = parameters[index] + size if adds else size
-        if form.holds and not set(probe) & set(self.solution.free):
-            self._hold(form.holds, parameters)
-        return parameters
-
-    def _hold(self, role: str, parameters: FloatArray) -> None:
-        """Rescale the leading coefficient of a role so that its quantity at nominal inputs is the solution's."""
-        simulator = self.problem.simulator
-        leading = simulator.symbolic_model.leading(role)
-        if leading in simulator.index:
-            before, after = (simulator.at_nominal(role, each) for each in (self.solution.parameters, parameters))
-            parameters[simulator.index[leading]] *= before / after if before * after > 0.0 else 1.0
-
     def _column(self, form: Form, probe: Probe) -> FloatArray:
-        moved = self.problem.simulator.forces(self.probed(form, probe))
+        moved = self.problem.simulator.forces(probed(self.problem.simulator, self.solution, form, probe))
         return self.problem.weighted(np.nan_to_num(moved - self._baseline_forces))
 
     def project(self, columns: FloatArray) -> FloatArray:
@@ -218,6 +194,51 @@ class Screen:
         """The rows of all channels of each block, one after another."""
         q, starts = self.tangent.shape[-1], self.edges.tolist()
         return [self.tangent[:, first:last].reshape(-1, q) for first, last in pairwise(starts)]
+
+
+def probed(simulator: Simulator, solution: Solution, form: Form, probe: Probe) -> FloatArray:
+    """Return the parameters of a solution with a probe applied, at the first point of the form's grid.
+
+    Coefficients that are already fitted are shifted by the probe, and their values on the grid are ignored.
+    """
+    parameters = solution.parameters.copy()
+    declarations = simulator.symbolic_model.coefficients
+    for name, values in form.grid.items():
+        if name not in solution.free:
+            parameters[simulator.index[name]] = values[0]
+    for name, size in probe.items():
+        index, declaration = simulator.index[name], declarations[name]
+        adds = counts_from_neutral(declaration) and (declaration.neutral != 0.0 or name in solution.free)
+        parameters[index] = parameters[index] + size if adds else size
+    if form.holds and not set(probe) & set(solution.free):
+        _hold(simulator, form.holds, solution.parameters, parameters)
+    return parameters
+
+
+def _hold(simulator: Simulator, role: str, before: FloatArray, parameters: FloatArray) -> None:
+    """Rescale the leading coefficient of a role so that its quantity at nominal inputs is as before."""
+    leading = simulator.symbolic_model.leading(role)
+    if leading in simulator.index:
+        first, last = (simulator.at_nominal(role, each) for each in (before, parameters))
+        parameters[simulator.index[leading]] *= first / last if first * last > 0.0 else 1.0
+
+
+def starts(simulator: Simulator, solution: Solution, form: Form, estimate: FloatArray) -> list[FloatArray]:
+    """Return initial values for a fit with a form: by the estimated amplitudes, or by each probe."""
+    if not form.scalable:
+        return [probed(simulator, solution, form, probe) for probe in form.probes]
+    start = probed(simulator, solution, form, {})
+    for probe, times in zip(form.probes, estimate, strict=True):
+        for name, value in probe.items():
+            start[simulator.index[name]] += float(np.clip(times, -3.0, 3.0)) * value
+    return [start]
+
+
+def unfitted(form: Form, simulator: Simulator, free: Collection[str]) -> Form | None:
+    """Return a form with the coefficients that influence a measured channel and are not free, or None."""
+    names = [n for n in readable(form.free, simulator.signals, simulator.symbolic_model) if n not in free]
+    probes = tuple(probe for probe in form.probes if set(probe) & set(names))
+    return replace(form, free=tuple(names), probes=probes) if names and probes else None
 
 
 def _edges(block: IntArray, inverse_noise: FloatArray) -> IntArray:

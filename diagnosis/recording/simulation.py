@@ -44,6 +44,7 @@ class Simulator:
     _code: Code = field(init=False)
     _forces: Callable[[bytes], FloatArray] = field(init=False)
     _acting: Callable[[bytes, tuple[int, ...]], FloatArray] = field(init=False)
+    _slips: Callable[[bytes, tuple[int, ...]], dict[str, Course]] = field(init=False)
     _stateful: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
 
     #: The latest courses of states, from which the next iteration starts, and their times.
@@ -96,6 +97,7 @@ class Simulator:
         self._forces = lru_cache(REMEMBERED)(self._computed_forces)
         self._acting = lru_cache(REMEMBERED)(self._computed_acting)
         self._stateful = lru_cache(REMEMBERED)(self._with_states)
+        self._slips = lru_cache(REMEMBERED)(self._lagged)
 
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
@@ -125,7 +127,7 @@ class Simulator:
         if acting := self._acting_states(parameters):
             return self._stateful(parameters.tobytes(), unused, acting)
         if self.signals.timed and self._sigma and parameters[self._relaxation].any():
-            relevant = np.where(self._determines_lag, parameters, self.tire.parameters())
+            relevant = np.where(self._determines_lag, parameters, self._off)
             return self._acting(relevant.tobytes(), unused)
         return self._active(unused)[:, self.signals.rows]
 
@@ -139,9 +141,8 @@ class Simulator:
 
     def _computed_acting(self, relevant: bytes, unused: tuple[int, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips, for the parameters that determine them."""
-        inputs = self._active(unused)
-        acts = inputs.copy()
-        for name, course in self._lagged(inputs, np.frombuffer(relevant)).items():
+        acts = self._active(unused).copy()
+        for name, course in self._slips(relevant, unused).items():
             acts[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
         return acts[:, self.signals.rows]
 
@@ -164,7 +165,8 @@ class Simulator:
         )
         if not signals.timed:
             return equilibrium(model, self._code, inputs[:, signals.rows], values, states)
-        slips = self._lagged(inputs, values)
+        relevant = np.where(self._determines_lag, values, self._off)
+        slips = self._slips(relevant.tobytes(), unused)
 
         def simulated(starts: Mapping[str, FloatArray]) -> FloatArray:
             simulation = StateSimulation(model, self._code, signals.t, inputs, values, False, slips, states, starts)
@@ -209,8 +211,9 @@ class Simulator:
         )  # fmt: skip
         return simulated(spread(found))
 
-    def _lagged(self, inputs: FloatArray, parameters: FloatArray) -> dict[str, Course]:
-        """Return the courses of the lagged slips; none without relaxation."""
+    def _lagged(self, relevant: bytes, unused: tuple[int, ...]) -> dict[str, Course]:
+        """Return the courses of the lagged slips, for the parameters that determine them; none without relaxation."""
+        inputs, parameters = self._active(unused), np.frombuffer(relevant)
         if not self._sigma or not parameters[self._relaxation].any():
             return {}
         named = dict(zip(self.signals.names, inputs, strict=True))

@@ -17,6 +17,7 @@ from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
+from ..verdict.verdict import percent
 from .curves_figure import curves_figure
 from .memory_figure import memory_figure
 from .residual_figure import residual_location_figure
@@ -95,6 +96,7 @@ def report_page(
         "tirefmu.diagnosis.reporting",
         {
             "number": lambda value: "-" if value is None or value != value else f"{value:.4g}",
+            "percent": percent,
             "typeset": Markup,  # MathML of the program, with escaped texts
             "rows": ROWS.__getitem__,
             "rating": {"green": "good", "amber": "limited", "red": "bad"}.__getitem__,

@@ -13,10 +13,9 @@ from tirefmu.estimation.block_regression import error_of_sum
 from tirefmu.symbolic.detection import Form
 
 from ..least_squares import LeastSquares, Solution
-from ..probing.baseline_fit import readable
 from ..probing.candidates import Candidate, is_testable, refinements_for
 from ..probing.confounding import correlations
-from ..probing.effect_probing import Response, Screen
+from ..probing.effect_probing import Screen, starts, unfitted
 from ..thresholds import (
     CONFOUNDED,
     EFFECT_P,
@@ -264,17 +263,14 @@ class Search:
 
     def tested(self, forms: Iterable[tuple[str, Form]]) -> list[Tried]:
         """Estimate the noise, and return the forms that can be tested with their responses."""
-        tried = [(name, form) for name, declared in forms if (form := self._readable(declared))]
+        tried = [
+            (name, form)
+            for name, declared in forms
+            if (form := unfitted(declared, self.problem.simulator, self.solution.free))
+        ]
         columns = {i: self.screen.columns(form) for i, (_, form) in enumerate(tried)}
         self.screen.learn_noise(columns)
         return [Tried(name, form, self.screen.response(columns[i])) for i, (name, form) in enumerate(tried)]
-
-    def _readable(self, form: Form) -> Form | None:
-        """Return a form with the coefficients that influence a channel and are not yet free."""
-        already_free, simulator = self.solution.free, self.problem.simulator
-        names = [n for n in readable(form.free, simulator.signals, simulator.symbolic_model) if n not in already_free]
-        probes = tuple(probe for probe in form.probes if set(probe) & set(names))
-        return replace(form, free=tuple(names), probes=probes) if names and probes else None
 
     def refit(self, tried: Tried) -> Refit | None:
         """Fit a form jointly with the current model, from its initial values."""
@@ -282,7 +278,10 @@ class Search:
         order = self.problem.simulator.names
         free = tuple(sorted({*self.solution.free, *form.free}, key=order.index))
         thin = slice(None, None, max(1, len(self.problem.simulator.signals.rows) // SEARCH_ROWS))
-        tries = [self.problem.solve(start, free, rows=thin, iterations=8) for start in self._starts(form, response)]
+        tries = [
+            self.problem.solve(start, free, rows=thin, iterations=8)
+            for start in starts(self.problem.simulator, self.solution, form, response.estimate)
+        ]
         best = min(tries, key=lambda solution: solution.cost)
         solution = self.problem.solve(best.parameters, free, iterations=4)
         screen = Screen(self.problem, solution)
@@ -293,12 +292,3 @@ class Search:
         return Refit(
             tried.name, form, solution, screen, p, float(gains.sum()) / total, error / total, gains, response
         )  # fmt: skip
-
-    def _starts(self, form: Form, response: Response) -> list[FloatArray]:
-        if not form.scalable:
-            return [self.screen.probed(form, probe) for probe in form.probes]
-        start = self.screen.probed(form, {})
-        for probe, times in zip(form.probes, response.estimate, strict=True):
-            for name, value in probe.items():
-                start[self.problem.simulator.index[name]] += float(np.clip(times, -3.0, 3.0)) * value
-        return [start]

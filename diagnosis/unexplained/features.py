@@ -15,8 +15,8 @@ from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
 from ..probing.candidates import excited, varies
-from ..probing.effect_probing import Screen
 from ..recording.signals import Signals
+from ..recording.simulation import Simulator
 from .past import Past, add_rates_and_memory
 
 FloatArray = npt.NDArray[np.float64]
@@ -179,14 +179,14 @@ def determined(location: Location, feature: Feature, signals: Signals, tire: Tir
     return not feature.expressible or len(needed) < 2 or excited(signals, tire, sorted(needed))
 
 
-def directions(screen: Screen) -> dict[str, FloatArray]:
+def directions(simulator: Simulator, parameters: FloatArray) -> dict[str, FloatArray]:
     """Return the response of the forces to each location, N and N m, shape (n_channels, n), by name of location.
 
     Parameters
     ----------
-    screen : Screen
+    simulator : Simulator
+    parameters : ndarray, shape (n_parameters,)
     """
-    simulator, parameters = screen.problem.simulator, screen.solution.parameters
     locations = locations_of(simulator.symbolic_model)
     names = [name for location in locations for name in location.coefficients]
     jacobian = simulator.jacobian(parameters, names)

@@ -161,7 +161,7 @@ def _evaluated(
     total = float(screen.baseline.loss.sum())
     gain, error = float(gains.sum()) / total, error_of_sum(gains) / total
     p = min(1.0, response.p_coloured * tests)
-    acts = directions(screen)[location.name]
+    acts = directions(screen.problem.simulator, screen.solution.parameters)[location.name]
     unweighted = np.stack([acts * term.values for term in terms], axis=-1)
     stretch_gains = _stretch_gains(screen, response.columns)
     return Structure(location, terms, response, gain, error, gains, p, unweighted, stretch_gains, tests)
@@ -244,7 +244,10 @@ def _dictionary(screen: Screen) -> tuple[FloatArray, list[tuple[Location, Featur
     expressible = [f for f in even if f.expressible]
     pairs = [a * b for i, a in enumerate(expressible) for b in expressible[i:]]
     odd_pairs = [a * b for a in odd for b in expressible]
-    at = {name: screen.problem.inverse_noise * acts for name, acts in directions(screen).items()}
+    at = {
+        name: screen.problem.inverse_noise * acts
+        for name, acts in directions(screen.problem.simulator, screen.solution.parameters).items()
+    }
     candidates: list[tuple[Location, Feature]] = []
     for location in locations_of(screen.problem.simulator.symbolic_model):
         if not np.any(at[location.name]):

@@ -14,6 +14,8 @@ from scipy.special import stdtrit
 from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
 
+from ..comparison.answer import Answer
+from ..comparison.explanation import UNKNOWN
 from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Response, Screen
@@ -59,6 +61,8 @@ class SearchOutcome:
     search : Search
         Completed, after `settle`.
     unknown : tuple of Unknown
+    answer : Answer
+        How probable the identified effects and their rivals are.
     correction : FormCorrection, optional
         Of the functional form, in `start`.
     """
@@ -69,6 +73,7 @@ class SearchOutcome:
     settled: Settled
     search: Search
     unknown: tuple[Unknown, ...]
+    answer: Answer
     correction: FormCorrection | None = None
 
     @property
@@ -148,6 +153,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     return Diagnosis(
         verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, found_errors),
         found=findings,
+        answer=outcome.answer,
         confounded_with=confounded,
         next_measurement=next_measurement,
         unknown=unknown,
@@ -213,16 +219,19 @@ def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
 def _in_order(
     outcome: SearchOutcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...], errors: FloatArray
 ) -> tuple[Finding, ...]:
-    """Return identified effects and unexplained structure in order of evidence."""
+    """Return identified effects and unexplained structure in order of probability."""
+    probabilities = outcome.answer.probabilities
     identified = [_finding(outcome, refit, errors) for refit in outcome.search.found]
     structures = [
-        Finding("UNKNOWN", _shown(one.response, outcome.signals), {}, one.p, one.gain, one.gain_error)
+        Finding(
+            UNKNOWN, _shown(one.response, outcome.signals), {}, one.p, one.gain, one.gain_error, probabilities[UNKNOWN]
+        )
         for one in outcome.search.structures
     ]
     if unknown and not structures:  # nothing but a residual far above the noise floor
         channels = tuple(one.channel for one in adequacy if one.rating == "red")
-        structures = [Finding("UNKNOWN", channels, {}, float("nan"), 0.0, float("nan"))]
-    return tuple(sorted([*identified, *structures], key=lambda finding: -finding.cv_gain))
+        structures = [Finding(UNKNOWN, channels, {}, float("nan"), 0.0, float("nan"), probabilities[UNKNOWN])]
+    return tuple(sorted([*identified, *structures], key=lambda finding: (-finding.probability, -finding.cv_gain)))
 
 
 def _shown(response: Response, signals: Signals) -> tuple[str, ...]:
@@ -247,6 +256,7 @@ def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Findin
         refit.p,
         refit.gain,
         refit.gain_error,
+        outcome.answer.probabilities[refit.name],
         _stretches(refit, outcome.signals),
         _size(outcome, refit),
         frozenset(name for name in refit.form.free if declarations[name].flips),

@@ -35,6 +35,8 @@ class Finding:
         p-value under coloured noise, adjusted for the number of forms tested.
     cv_gain, cv_gain_se : float
         Reduction of the squared misfit in blocked cross-validation, as a share, and its standard error.
+    probability : float
+        Of all explanations that contain it, among those compared (`tirefmu.diagnosis.comparison`).
     when : tuple of (float, float)
         Stretches of time with most of the evidence, s.
     size : mapping of str to (float, float)
@@ -51,6 +53,7 @@ class Finding:
     p: float
     cv_gain: float
     cv_gain_se: float
+    probability: float
     when: tuple[tuple[float, float], ...] = ()
     size: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     flips: frozenset[str] = frozenset()

@@ -18,6 +18,7 @@ from tirefmu.symbolic.added import AddedEffect, effect_text
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
+from ..comparison.answer import Answer
 from ..search.confirmation import Confirmation
 from ..search.proposals import FormCorrection
 from ..unexplained.formula_proposal import Unknown
@@ -27,7 +28,7 @@ from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "3.0"
+VERSION = "3.1"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,7 +40,9 @@ class Diagnosis:
     verdict : str
         One line.
     found : tuple of Finding
-        In order of evidence.
+        In order of probability.
+    answer : Answer
+        The compared explanations with their probabilities.
     confounded_with : mapping of str to mapping of str to float
         By identified effect: other explanations and their correlation with it.
     next_measurement : tuple of str
@@ -89,6 +92,7 @@ class Diagnosis:
 
     verdict: str
     found: tuple[Finding, ...]
+    answer: Answer
     confounded_with: Mapping[str, Mapping[str, float]]
     next_measurement: tuple[str, ...]
     unknown: tuple[Unknown, ...]
@@ -223,6 +227,7 @@ class Diagnosis:
             "found": [
                 {
                     "effect": one.effect,
+                    "probability": one.probability,
                     "channels": list(one.channels),
                     "coefficients": {name: vars(value) for name, value in one.coefficients.items()},
                     "p": one.p,
@@ -233,6 +238,8 @@ class Diagnosis:
                 }
                 for one in self.found
             ],
+            "explanations": [{**vars(one), "effects": list(one.effects)} for one in self.answer.reported],
+            "probabilities": self.answer.probabilities,
             "confounded_with": {
                 name: sorted(others, key=lambda x: -others[x]) for name, others in self.confounded_with.items()
             },

@@ -8,6 +8,7 @@ from tirefmu.boundary.escaping import visible
 from tirefmu.tires.notebook import html_details, html_summary, html_table
 
 from .findings import Finding
+from .verdict import percent
 
 
 def diagnosis_text(
@@ -28,8 +29,8 @@ def diagnosis_text(
     lines = [f"Diagnosis: {verdict}"]
     for one in found:
         values = ", ".join(f"{name} {interval.value:.4g}" for name, interval in one.coefficients.items())
-        evidence = f": p {one.p:.2g}" if one.p == one.p else ""  # without a test, a residual far above the noise floor
-        lines.append(f"  {one.effect} in {', '.join(one.channels)}{evidence}{'; ' * bool(values)}{values}")
+        sure = percent(one.probability)
+        lines.append(f"  {one.effect} in {', '.join(one.channels)}: probability {sure}{'; ' * bool(values)}{values}")
     for channel, error in holdout.items():
         lines.append(f"  {channel} on the hold-out set: RMSE {error['before']:.4g} before, {error['after']:.4g} after")
     lines.append(f"  {n_rows} rows; coefficients in {signs} signs")

@@ -61,13 +61,34 @@ def _missing(
     for one in findings:
         if one.effect == "UNKNOWN":
             if unknown[0].formula:
-                missing.append(f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)}")
+                sure = percent(one.probability)
+                missing.append(
+                    f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)} (probability {sure})"
+                )
             continue
         size = confounded.get(one.effect, {})
         others = ", ".join(sorted(size, key=lambda name: -size[name]))
-        bounds = f" (at its bound: {', '.join(one.at_bounds)})" if one.at_bounds else ""
-        missing.append(one.effect + bounds + (f" (confounded with {others})" if others else ""))
+        bounds = f"; at its bound: {', '.join(one.at_bounds)}" if one.at_bounds else ""
+        confounded_with = f"; confounded with {others}" if others else ""
+        missing.append(f"{one.effect} (probability {percent(one.probability)}{bounds}{confounded_with})")
     return f"Missing: {'; '.join(missing)}" if missing else ""
+
+
+def percent(probability: float) -> str:
+    """Return a probability in percent; never 0 or 100 %, as only the compared explanations count.
+
+    Parameters
+    ----------
+    probability : float
+
+    Examples
+    --------
+    >>> percent(0.9999), percent(0.625)
+    ('over 99 %', '62 %')
+    """
+    if not 0.01 <= probability <= 0.99:
+        return "over 99 %" if probability > 0.5 else "under 1 %"
+    return f"{100.0 * probability:.0f} %"
 
 
 def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -> str:

@@ -11,6 +11,7 @@ import pytest
 import tirefmu.symbolic.effects as effects
 from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.probing.candidates import candidates_for, refinements_for
+from tirefmu.diagnosis.probing.effect_probing import probed
 from tirefmu.symbolic.added import folder, library, read_effect
 from tirefmu.symbolic.detection import Form
 from tirefmu.symbolic.models import model_named
@@ -92,7 +93,7 @@ def test_a_probe_of_load_stiffness_preserves_the_nominal_stiffness(without_cambe
     assert free == without_camber.solution.free
     before = without_camber.solution.parameters
     for probe in form.probes:
-        after = without_camber.probed(form, probe)
+        after = probed(without_camber.problem.simulator, without_camber.solution, form, probe)
         assert after[simulator.index["PKY2"]] == probe["PKY2"]
         assert after[simulator.index["PKY1"]] != before[simulator.index["PKY1"]]
         held = [simulator.at_nominal("stiffness_y", each) for each in (before, after)]

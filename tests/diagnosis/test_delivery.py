@@ -175,9 +175,9 @@ def test_a_residual_far_above_the_floor_is_inadequate():
 
 
 def test_a_coefficient_at_its_bound_is_in_the_verdict():
-    one = Finding("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, at_bounds=("LLEN",))
+    one = Finding("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, 0.97, at_bounds=("LLEN",))
     text = verdict_text([one], (), {}, (), (), {}, (), {"periodic": [], "derived_columns": [], "ignored_columns": []})
-    assert text == "Missing: load_lag (at its bound: LLEN)"
+    assert text == "Missing: load_lag (probability 97 %; at its bound: LLEN)"
 
 
 # ------------------------------------------------------------------ confirmation

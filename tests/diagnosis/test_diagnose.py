@@ -10,6 +10,7 @@ import pytest
 import tirefmu
 from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
 from tirefmu.boundary.escaping import visible
+from tirefmu.diagnosis.comparison.answer import RankedExplanation
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.reporting import curves_figure, report
 from tirefmu.diagnosis.reporting.memory_figure import memory_figure
@@ -69,6 +70,22 @@ def test_the_saved_files_agree_with_the_result(thrust, tmp_path):
         pd.testing.assert_frame_equal(computed[["Fx", "Fy", "Mz"]], expected[["Fx", "Fy", "Mz"]], rtol=1e-9)
 
 
+def test_the_probabilities_are_those_of_the_explanations(thrust, tmp_path):
+    case, diagnosis = thrust
+    reported = json.loads(diagnosis.save(tmp_path).read_text())
+    explanations, probabilities = reported["explanations"], reported["probabilities"]
+    assert explanations[0]["effects"] == ["camber_thrust"]
+    assert [one["unknown"] for one in explanations[:1]] == [False]
+    values = [one["probability"] for one in explanations]
+    assert values == sorted(values, reverse=True)
+    assert 0.95 <= sum(values) <= 1.0 + 1e-9
+    assert reported["found"][0]["probability"] == probabilities["camber_thrust"] > 0.9
+    assert {"UNKNOWN", "camber_thrust", "relax_lat", "conicity"} <= probabilities.keys()
+    assert all(0.0 <= value <= 1.0 for value in probabilities.values())
+    page = report_page(diagnosis, Recording(case.table, case.signs, "plain"))
+    assert page.index("<caption>Explanations") < page.index("<h2") if "<caption>" in page else "Explanations" in page
+
+
 def test_the_result_does_not_depend_on_the_signs_of_the_recording(thrust):
     case, diagnosis = thrust
     turned = case.table.assign(Fy=-case.table["Fy"], Mz=-case.table["Mz"])
@@ -76,6 +93,7 @@ def test_the_result_does_not_depend_on_the_signs_of_the_recording(thrust):
     assert [one.effect for one in other.found] == ["camber_thrust"]
     assert (diagnosis.signs, other.signs) == ("iso", "iso")
     assert (diagnosis.recording_signs, other.recording_signs) == ("adapted-sae", "iso")
+    assert other.answer.probabilities == pytest.approx(diagnosis.answer.probabilities, abs=1e-3)
     here, there = diagnosis.found[0].coefficients["PKY6"], other.found[0].coefficients["PKY6"]
     assert there.value == pytest.approx(here.value, rel=1e-6)
     assert there.lower < there.value < there.upper
@@ -248,7 +266,7 @@ def test_the_json_is_valid_for_any_text(thrust, text, tmp_path):
 
 
 def test_every_yes_or_no_of_the_json_is_true_or_false(thrust):
-    names = declared_flags(Diagnosis, Finding, Adequacy, Confirmation, Unknown, Extrapolation)
+    names = declared_flags(Diagnosis, RankedExplanation, Finding, Adequacy, Confirmation, Unknown, Extrapolation)
     numbers = Adequacy("Fy", np.float64(20.0), np.float64(10.0), "", (), np.bool_(True))  # of NumPy, as computed
     unknown = Unknown(("T",), "", False)
     reported = replace(thrust[1], unknown=(unknown,), adequacy=(*thrust[1].adequacy, numbers)).to_json()
@@ -308,17 +326,19 @@ def test_a_wave_far_below_the_noise_floor_is_not_in_the_verdict():
 
 
 def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
-    finding = Finding("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01)
+    finding = Finding("relax_lat", ("Fy",), {}, 1e-9, 0.5, 0.01, 0.8)
     confounded = {"relax_lat": {"relax_load": 0.71, "relax_slip": 0.95}}
     recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
     text = verdict_text((finding,), (), confounded, (), (), {}, (), recording)
-    assert text == "Missing: relax_lat (confounded with relax_slip, relax_load)"
+    assert text == "Missing: relax_lat (probability 80 %; confounded with relax_slip, relax_load)"
 
 
 def test_no_effect_is_identified_without_a_missing_effect():
     diagnosis = answer(make_case(13, extra=("camber_thrust",), artefacts=("outliers", "ripple", "drift")))
     assert diagnosis.found == ()
     assert diagnosis.verdict.startswith("Nothing material is missing")
+    assert diagnosis.answer.explanations[0].effects == ()
+    assert diagnosis.answer.explanations[0].probability > 0.5
     assert diagnosis.detectable["temp_friction"]["Fy"] > 0.0
 
 

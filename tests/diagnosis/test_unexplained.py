@@ -30,7 +30,7 @@ def velocity_dependent_friction(problem, at_true_values):
     """Return a screen of a recording whose friction decreases with sliding speed, unlike that of the tire."""
     signals = problem.simulator.signals
     fall = -0.1 * 5.0 * np.abs(np.tan(signals.named()["alpha"]))
-    missing = directions(at_true_values)["friction"] * fall
+    missing = directions(at_true_values.problem.simulator, at_true_values.solution.parameters)["friction"] * fall
     measured = signals.measured + missing
     other = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
     screen = Screen(other, other.at(at_true_values.solution.parameters, at_true_values.solution.free))
@@ -124,7 +124,7 @@ def test_the_response_at_a_location_equals_finite_differences(at_true_values):
     model = at_true_values.problem.simulator.symbolic_model
     assert {location.name for location in locations_of(model)} >= {"friction", "slip stiffness", "slip angle"}
     simulator, parameters = at_true_values.problem.simulator, at_true_values.solution.parameters
-    acts = directions(at_true_values)
+    acts = directions(at_true_values.problem.simulator, at_true_values.solution.parameters)
     for name, scaled in (("friction", ("PDX1", "PDY1")), ("slip stiffness", ("PKX1", "PKY1"))):
         changes = []
         for share in (1e-5, -1e-5):
@@ -187,7 +187,10 @@ def test_the_states_of_a_proposal_resemble_the_features(at_true_values, velocity
     extended, parameters = Simulator(tire, signals), tire.parameters()
     own = [extended.index[name] for name in simulator.names]
     parameters[own] = simulator.tire.parameters()
-    without, direction = extended.forces(parameters), directions(at_true_values)["friction"]
+    without, direction = (
+        extended.forces(parameters),
+        directions(at_true_values.problem.simulator, at_true_values.solution.parameters)["friction"],
+    )
     for i, feature in enumerate(past):
         parameters[extended.index[f"FOUND{i + 1}"]] = size
         change = (extended.forces(parameters) - without).ravel()

@@ -1,0 +1,75 @@
+"""Explanations and effects with their probabilities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from .explanation import UNKNOWN
+
+
+@dataclass(frozen=True)
+class RankedExplanation:
+    """An explanation with its probability.
+
+    Attributes
+    ----------
+    effects : tuple of str
+        In alphabetical order.
+    unknown : bool
+        Whether it has an unknown component.
+    probability : float
+        0 to 1.
+    """
+
+    effects: tuple[str, ...]
+    unknown: bool
+    probability: float
+
+
+@dataclass(frozen=True)
+class Answer:
+    """All compared explanations.
+
+    Attributes
+    ----------
+    explanations : tuple of RankedExplanation
+        In falling order of probability; the sum is 1.
+    candidates : tuple of str
+        The effects that were compared.
+    """
+
+    explanations: tuple[RankedExplanation, ...]
+    candidates: tuple[str, ...]
+
+    @property
+    def probabilities(self) -> dict[str, float]:
+        """The probability of each candidate and of `UNKNOWN`: the sum over the explanations that contain it.
+
+        >>> one = answer_of({("conicity",): 2.0, ("plysteer",): 2.0, (): -50.0}, ["conicity", "plysteer"])
+        >>> {name: round(value, 3) for name, value in one.probabilities.items()}
+        {'conicity': 0.5, 'plysteer': 0.5, 'UNKNOWN': 0.0}
+        """
+        return {
+            name: sum(one.probability for one in self.explanations if name in (*one.effects, *[UNKNOWN] * one.unknown))
+            for name in (*self.candidates, UNKNOWN)
+        }
+
+    @property
+    def reported(self) -> tuple[RankedExplanation, ...]:
+        """The leading explanations that have at least 99 % together."""
+        before = np.cumsum([0.0, *(one.probability for one in self.explanations)])[:-1]
+        return tuple(one for one, sum_before in zip(self.explanations, before, strict=True) if sum_before < 0.99)
+
+
+def answer_of(evidences: Mapping[tuple[str, ...], float], candidates: Iterable[str]) -> Answer:
+    """Return the answer from the logarithm of the evidence of each explanation, prior odds included, by its parts."""
+    values = np.array(list(evidences.values()))
+    weights = np.exp(values - values.max())
+    ranked = [
+        RankedExplanation(tuple(one for one in parts if one != UNKNOWN), UNKNOWN in parts, float(weight))
+        for parts, weight in zip(evidences, weights / weights.sum(), strict=True)
+    ]
+    return Answer(tuple(sorted(ranked, key=lambda one: -one.probability)), tuple(candidates))

@@ -1,0 +1,101 @@
+"""What every explanation contains beside its coefficients: discrepancies of the functional form, errors of the bench.
+
+The discrepancy of the model is a Gaussian process over the inputs of the core, in proportion to the forces (Kennedy and
+O'Hagan, Bayesian calibration of computer models, JRSS B 63, 2001). The discrepancy of an effect is one in proportion to
+its own response, as no formula of an effect is exact. Both are approximated by random Fourier features (Rahimi and
+Recht, Random features for large-scale kernel machines, 2007).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ..recording.load_error import LAGS, load_error_responses
+from ..recording.signals import Signals
+from ..recording.simulation import Simulator
+from ..thresholds import LOAD_ERROR_PRIOR, MAX_SKEW
+from ..unexplained.structure import CORE_INPUTS
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Features of each channel: of the model, and of an effect. Convention: computing time.
+MODEL_FEATURES, EFFECT_FEATURES = 30, 12
+#: Inputs of which the magnitude counts: a discrepancy is symmetric between left and right, driving and braking.
+SYMMETRIC = ("alpha", "kappa", "gamma", "phit")
+#: Moments that follow the side force: their own sign changes within a sweep.
+OF_SIDE_FORCE = ("Mz", "Mx")
+
+
+def model_discrepancy(signals: Signals, forces: FloatArray) -> FloatArray:
+    """Return the features of each channel, N and N m, shape (n_channels, n, n_channels * MODEL_FEATURES).
+
+    `forces`, shape (n_channels, n): of the baseline model.
+    """
+    size = np.sqrt(np.mean(np.nan_to_num(forces) ** 2, axis=1))
+    proportional = forces.copy()
+    if "Fy" in signals.channels:
+        side = signals.channels.index("Fy")
+        for i, name in enumerate(signals.channels):
+            if name in OF_SIDE_FORCE:
+                proportional[i] = forces[side] * size[i] / max(size[side], 1e-12)
+    return _by_channel(proportional, smooth_functions(signals, sorted(CORE_INPUTS), MODEL_FEATURES))
+
+
+def effect_discrepancy(signals: Signals, response: FloatArray, requires: Sequence[str]) -> FloatArray:
+    """Return the features of an effect, N and N m, shape (n_channels, n, k), over the core inputs and its own.
+
+    `response`, shape (n_channels, n): the change of the forces by the effect.
+    """
+    inputs = sorted(CORE_INPUTS | set(requires).intersection(signals.names))
+    return _by_channel(response, smooth_functions(signals, inputs, EFFECT_FEATURES))
+
+
+def _by_channel(rows: FloatArray, functions: FloatArray) -> FloatArray:
+    """Return the products of each channel with all functions, shape (n_channels, n, n_channels * n_functions)."""
+    columns = np.zeros((*rows.shape, len(rows), functions.shape[1]))
+    for i, row in enumerate(rows):
+        columns[i, :, i] = row[:, None] * functions
+    return columns.reshape(*rows.shape, -1)
+
+
+def smooth_functions(signals: Signals, inputs: Sequence[str], number: int) -> FloatArray:
+    """Return random functions of inputs at the compared rows, shape (n, number).
+
+    Combined with independent coefficients of variance 1 they are a Gaussian process of variance 1 whose length scale is
+    the standard deviation of each input. The same inputs always give the same functions.
+    """
+    named, axes = signals.named(), []
+    for name in inputs:
+        if name in named:
+            values = np.abs(named[name]) if name in SYMMETRIC else named[name]
+            if (spread := float(np.std(values))) > 1e-9:
+                axes.append((values - values.mean()) / spread)
+    rng = np.random.default_rng(0)
+    frequencies, phases = rng.standard_normal((len(axes), number)), rng.uniform(0.0, 2.0 * np.pi, number)
+    arguments = np.tensordot(np.array(axes), frequencies, axes=(0, 0)) if axes else 0.0
+    return np.asarray(np.sqrt(2.0 / number) * np.cos(arguments + np.broadcast_to(phases, (len(signals.rows), number))))
+
+
+def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the responses of the forces to errors of the bench that depend on the tire, and their prior deviations.
+
+    Skew of the recording (first), distortion of fast changes by sampling and smoothing, and errors of the load that
+    follow the direction of slip: shapes (n_channels, n, k) and (k,), with k = 0 without time.
+    """
+    signals = simulator.signals
+    if not signals.timed:
+        return np.zeros((*signals.measured.shape, 0)), np.zeros(0)
+    at_all = simulator.with_signals(replace(signals, rows=np.arange(len(signals.t)))).forces(parameters)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rate = np.nan_to_num(np.gradient(at_all, signals.t, axis=1), posinf=0.0, neginf=0.0)
+        bend = np.nan_to_num(np.gradient(rate, signals.t, axis=1), posinf=0.0, neginf=0.0)
+    step = float(np.median(np.diff(signals.t)))
+    columns = np.stack([-rate[:, signals.rows], bend[:, signals.rows]], axis=-1)
+    loads = load_error_responses(simulator, parameters)
+    # A line between two rows is wrong by an eighth of the squared step times the second derivative.
+    deviations = [0.5 * MAX_SKEW, step**2 / 8.0, *(LOAD_ERROR_PRIOR for _ in LAGS)]
+    return np.concatenate([columns, loads], axis=-1), np.array(deviations)

@@ -1,0 +1,94 @@
+"""The score of an explanation: its evidence by Laplace's approximation.
+
+The coefficients and everything else that an explanation contains are columns of a problem that is linear at its refit.
+The likelihood is raised to a power below 1, because no model of a tire is exact (Miller and Dunson, Robust Bayesian
+inference via coarsening, JASA 114, 2019). For Gaussian noise this is a larger variance of the noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Added to the diagonal of scaled matrices, whose diagonal is 1: columns may be equal.
+RIDGE = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class NormalEquations:
+    """Cross products of columns and residual in noise standard deviations, and the priors of the columns.
+
+    - `matrix`, shape (m, m), and `target`, shape (m,).
+    - `power`: sum of squares of the residual, and of the distances of all values from their prior means.
+    - `precision`, shape (m,): inverse variances of the priors.
+    - `gradient`, shape (m,): of the priors, where values are away from their means.
+    """
+
+    matrix: FloatArray
+    target: FloatArray
+    power: float
+    precision: FloatArray
+    gradient: FloatArray
+
+    def solved(self) -> tuple[FloatArray, float]:
+        """Return the estimate, shape (m,), and the logarithm of the evidence, up to a constant of the recording.
+
+        >>> one = NormalEquations(np.eye(1), np.array([3.0]), 9.0, np.ones(1), np.zeros(1))
+        >>> estimate, evidence = one.solved()
+        >>> estimate.round(6).tolist(), round(evidence, 6) == round(-0.5 * (9.0 / 2.0 + np.log(2.0)), 6)
+        ([1.5], True)
+        """
+        scale = 1.0 / np.sqrt(np.diag(self.matrix) + self.precision)
+        whole = scale[:, None] * self.matrix * scale + np.diag(self.precision * scale**2 + RIDGE)
+        factor = cho_factor(whole, lower=True)
+        target = scale * (self.target + self.gradient)
+        estimate = cho_solve(factor, target)
+        curvature = 2.0 * float(np.sum(np.log(np.diag(factor[0])) - np.log(scale)))
+        fit = float(target @ estimate) - self.power
+        return scale * estimate, 0.5 * (fit - curvature + float(np.sum(np.log(self.precision))))
+
+
+@dataclass(frozen=True, eq=False)
+class Projected:
+    """Columns of additions, in prior deviations, with the columns of the explanation projected out.
+
+    - `matrix`, shape (k, k), and `target`, shape (k,).
+    - `groups`: the columns of each addition.
+    """
+
+    matrix: FloatArray
+    target: FloatArray
+    groups: tuple[slice, ...]
+
+    @classmethod
+    def of(cls, normal: NormalEquations, sizes: Sequence[int]) -> Projected:
+        """Return the last columns of equations, in groups of given sizes, with all others projected out."""
+        always = len(normal.target) - sum(sizes)
+        first = normal.matrix[:always, :always] + np.diag(normal.precision[:always])
+        scale = 1.0 / np.sqrt(np.diag(first))
+        factor = np.linalg.cholesky(scale[:, None] * first * scale + RIDGE * np.eye(always))
+        cross = solve_triangular(factor, scale[:, None] * normal.matrix[:always, always:], lower=True)
+        along = solve_triangular(factor, scale * (normal.target[:always] + normal.gradient[:always]), lower=True)
+        deviation = normal.precision[always:] ** -0.5
+        matrix = deviation[:, None] * (normal.matrix[always:, always:] - cross.T @ cross) * deviation
+        ends = np.cumsum([0, *sizes]).tolist()
+        return cls(matrix, deviation * (normal.target[always:] - cross.T @ along), tuple(map(slice, ends, ends[1:])))
+
+    def gain(self, group: slice) -> tuple[float, FloatArray]:
+        """Return the increase of the logarithm of the evidence by an addition, and its estimate in prior deviations."""
+        inner = self.matrix[group, group] + np.eye(group.stop - group.start)
+        estimate = np.asarray(np.linalg.solve(inner, self.target[group]))
+        return 0.5 * float(self.target[group] @ estimate - np.linalg.slogdet(inner)[1]), estimate
+
+    def correlations(self, group: slice) -> FloatArray:
+        """Return the correlation of each column, shape (k,), with the best combination of an addition's columns."""
+        size = np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
+        scaled = self.matrix / np.outer(size, size)
+        inner = scaled[group, group] + 1e-9 * np.eye(group.stop - group.start)
+        return np.asarray(np.sqrt(np.einsum("gk,gk->k", scaled[group], np.linalg.solve(inner, scaled[group]))))

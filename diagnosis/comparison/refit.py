@@ -1,0 +1,155 @@
+"""Refits of explanations under one noise, and their evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.estimation.noise_model import Whitening, noise_parts
+
+from ..least_squares import LeastSquares, Solution
+from ..probing.candidates import Candidate
+from ..recording.simulation import Simulator
+from ..thresholds import DISCREPANCIES, LIKELIHOOD_POWER, SEARCH_ROWS
+from .discrepancy import model_discrepancy
+from .explanation import Explanation
+from .linearization import Addition, Linearization, clipped_skew
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Names of the columns of the discrepancy and of the unknown component in the disturbances begin so.
+DISCREPANCY, TERM = "discrepancy_", "term_"
+#: Iterations of a refit, from all and from some rows; corrections of the skew, and the smallest one, s.
+ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS, SKEW_STEP = 3, 8, 3, 2e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What all compared explanations have in common.
+
+    - `problem`: of the baseline model with the common noise and the discrepancy of the model.
+    - `free`: the coefficients of the baseline model.
+    """
+
+    problem: LeastSquares
+    free: tuple[str, ...]
+    candidates: Mapping[str, Candidate]
+
+
+@dataclass(frozen=True, eq=False)
+class Refitted:
+    """An explanation with its best coefficients.
+
+    - `evidence`: logarithm, without the prior odds of the explanation.
+    """
+
+    linear: Linearization
+    evidence: float
+
+    @property
+    def explanation(self) -> Explanation:
+        """The explanation."""
+        return self.linear.explanation
+
+
+def refitted(comparison: Comparison, explanation: Explanation, start: FloatArray, simulator: Simulator) -> Refitted:
+    """Fit an explanation from initial values, shape (n_parameters,), with the skew of a simulator as the first one."""
+    problem = comparison.problem
+    if explanation.terms:
+        names = tuple(f"{TERM}{i}" for i in range(len(explanation.terms)))
+        columns = np.stack([term.column for term in explanation.terms], axis=-1)
+        deviation = np.array([term.deviation for term in explanation.terms])
+        problem = replace(problem, disturbances=problem.disturbances.extended(names, columns, deviation))
+    problem = problem.over(simulator)
+    fitted = {*comparison.free, *(name for _, form in explanation.forms for name in form.free)}
+    free = tuple(sorted(fitted, key=simulator.names.index))
+    thin = slice(None, None, max(1, len(simulator.signals.rows) // SEARCH_ROWS))
+    coarse = problem.solve(start, free, rows=thin, iterations=COARSE_ITERATIONS)
+    best, estimate = _evaluated(comparison, explanation, problem, coarse.parameters, free)
+    for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
+        signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
+        step = clipped_skew(signals.skew + skew) - signals.skew
+        if abs(step) < SKEW_STEP:
+            break
+        delayed = problem.over(simulator.with_signals(signals.delayed(step)))
+        other, estimate = _evaluated(comparison, explanation, delayed, best.linear.solution.parameters, free)
+        if other.evidence <= best.evidence:
+            break
+        best = other
+    return best
+
+
+def _evaluated(
+    comparison: Comparison, explanation: Explanation, problem: LeastSquares, start: FloatArray, free: Sequence[str]
+) -> tuple[Refitted, FloatArray]:
+    """Return a refit from all rows, and the estimates of all columns at it."""
+    solution = problem.solve(start, free, iterations=ITERATIONS)
+    linear = Linearization(explanation, problem, solution, comparison.candidates)
+    estimate, evidence = linear.equations().solved()
+    return Refitted(linear, evidence), estimate
+
+
+def comparison_of(linear: Linearization, baseline: Solution, additions: Sequence[Addition]) -> Comparison:
+    """Return the common noise and discrepancy.
+
+    The noise is what no combination of all columns explains, so that no explanation has an advantage by it. The
+    deviation of the discrepancy is that of the largest evidence.
+
+    `linear`: at the leading explanation, with rows of independent noise. `baseline`: solution of the baseline model.
+    `additions`: to the leading explanation.
+    """
+    problem = linear.problem
+    columns = model_discrepancy(problem.simulator.signals, problem.simulator.forces(baseline.parameters))
+    names = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1]))
+
+    def with_discrepancy(weighted: LeastSquares, deviation: float) -> LeastSquares:
+        disturbances = problem.disturbances.extended(names, columns, np.full(len(names), deviation))
+        return replace(weighted, disturbances=disturbances)
+
+    widest = replace(linear, problem=with_discrepancy(problem, max(DISCREPANCIES)))
+    noisy = _with_noise(problem, saturated_residual(widest, additions))
+    tried = [with_discrepancy(noisy, deviation) for deviation in DISCREPANCIES]
+    evidences = [replace(linear, problem=one).equations().solved()[1] for one in tried]
+    return Comparison(tried[int(np.argmax(evidences))], baseline.free, linear.candidates)
+
+
+def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> FloatArray:
+    """Return what all columns together do not explain, in units of the weights of rows, shape (n_channels, n).
+
+    It is enlarged by the share of the rows that the columns follow.
+    """
+    problem = linear.problem
+    normal = linear.equations(additions)
+    scale = 1.0 / np.sqrt(np.diag(normal.matrix) + normal.precision)
+    whole = scale[:, None] * normal.matrix * scale + np.diag(normal.precision * scale**2 + 1e-10)
+    inverse = np.linalg.inv(whole)
+    estimate = scale * (inverse @ (scale * (normal.target + normal.gradient)))
+    columns = [problem.disturbances.columns, linear.contained, *(one.columns for one in additions)]
+    fitted = np.concatenate(columns, axis=-1) @ estimate
+    rest = problem.weighted(problem.misfit(linear.solution.parameters) - fitted)
+    rows = int((problem.inverse_noise > 0.0).sum())
+    followed = len(scale) - float(np.sum(np.diag(inverse) * scale**2 * normal.precision))
+    return np.asarray(rest / np.sqrt(max(1.0 - followed / rows, 0.1)))
+
+
+def _with_noise(problem: LeastSquares, residual: FloatArray) -> LeastSquares:
+    """Return a problem with the noise of a residual in units of its weights, the likelihood raised to its power."""
+    signals, used = problem.simulator.signals, problem.inverse_noise > 0.0
+    if not signals.timed:
+        size = np.array(
+            [
+                float(np.sqrt(np.mean(row[one] ** 2))) if one.any() else 1.0
+                for row, one in zip(residual, used, strict=True)
+            ]
+        )
+        return replace(problem, inverse_noise=np.sqrt(LIKELIHOOD_POWER) * problem.inverse_noise / size[:, None])
+    t = signals.t[signals.rows]
+    parts = [noise_parts(*rows, float(np.median(np.diff(t)))) for rows in zip(residual, used, strict=True)]
+    noise = tuple(
+        replace(one, **{name: getattr(one, name) / LIKELIHOOD_POWER for name in ("white", "short", "drift")})
+        for one in parts
+    )
+    return replace(problem, whitening=Whitening(noise, t, problem.inverse_noise))

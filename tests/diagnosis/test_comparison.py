@@ -1,0 +1,155 @@
+"""Probabilities of explanations: the evidence is that of the Gaussian model, and the answer is a distribution."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from tirefmu.diagnosis.comparison.answer import answer_of
+from tirefmu.diagnosis.comparison.discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
+from tirefmu.diagnosis.comparison.evidence import NormalEquations, Projected
+from tirefmu.diagnosis.comparison.explanation import UNKNOWN, Explanation
+from tirefmu.diagnosis.comparison.linearization import Linearization, unknown_terms
+from tirefmu.diagnosis.probing.candidates import candidates_for
+from tirefmu.diagnosis.unexplained.structure import CORE_INPUTS
+from tirefmu.diagnosis.verdict.verdict import percent
+
+
+def equations(columns, residual, deviations):
+    return NormalEquations(
+        columns.T @ columns,
+        columns.T @ residual,
+        float(residual @ residual),
+        deviations**-2.0,
+        np.zeros(len(deviations)),
+    )
+
+
+@pytest.fixture(scope="module")
+def linear_problem():
+    rng = np.random.default_rng(4)
+    columns, deviations = rng.standard_normal((40, 6)), rng.uniform(0.3, 3.0, 6)
+    return columns, columns @ (deviations * rng.standard_normal(6)) + rng.standard_normal(40), deviations
+
+
+def test_the_evidence_is_the_density_of_the_residual(linear_problem):
+    columns, residual, deviations = linear_problem
+    values = []
+    for count in (0, 3, 6):
+        part, own = columns[:, :count], deviations[:count]
+        density = multivariate_normal(np.zeros(40), np.eye(40) + (part * own**2) @ part.T).logpdf(residual)
+        evidence = equations(part, residual, own).solved()[1] if count else -0.5 * float(residual @ residual)
+        values.append(density - evidence)
+    assert values == pytest.approx([-20.0 * np.log(2.0 * np.pi)] * 3, rel=1e-9)
+
+
+def test_values_away_from_their_prior_means_have_the_same_evidence(linear_problem):
+    columns, residual, deviations = linear_problem
+    shift = np.linspace(-1.0, 1.0, 6)
+    distances = shift / deviations
+    moved = residual - columns @ shift
+    there = NormalEquations(
+        columns.T @ columns, columns.T @ moved, float(moved @ moved + distances @ distances), deviations**-2.0,
+        -distances / deviations,
+    )  # fmt: skip
+    estimate, evidence = there.solved()
+    assert evidence == pytest.approx(equations(columns, residual, deviations).solved()[1], rel=1e-9)
+    assert estimate + shift == pytest.approx(equations(columns, residual, deviations).solved()[0], rel=1e-6)
+
+
+def test_the_gain_of_an_addition_is_the_difference_of_evidences(linear_problem):
+    columns, residual, deviations = linear_problem
+    projected = Projected.of(equations(columns, residual, deviations), [1, 2])
+    without = equations(columns[:, :3], residual, deviations[:3]).solved()[1]
+    for group, kept in zip(projected.groups, ([0, 1, 2, 3], [0, 1, 2, 4, 5]), strict=True):
+        estimate, evidence = equations(columns[:, kept], residual, deviations[kept]).solved()
+        gain, own = projected.gain(group)
+        assert gain == pytest.approx(evidence - without, rel=1e-9)
+        assert own * deviations[kept[3:]] == pytest.approx(estimate[3:], rel=1e-6)
+
+
+def test_a_column_is_correlated_with_the_columns_that_reproduce_it(linear_problem):
+    columns, residual, deviations = linear_problem
+    repeated = np.column_stack([columns, columns[:, 3] - 2.0 * columns[:, 4]])
+    projected = Projected.of(equations(repeated, residual, np.append(deviations, 1.0)), [1, 2, 1])
+    assert projected.correlations(slice(0, 1))[0] == pytest.approx(1.0)
+    with_both = Projected.of(equations(repeated[:, [0, 1, 2, 3, 4, 6]], residual, np.ones(6)), [2, 1])
+    assert with_both.correlations(slice(0, 2))[2] == pytest.approx(1.0, abs=1e-6)
+    assert np.all(projected.correlations(slice(0, 1)) <= 1.0 + 1e-9)
+
+
+# ------------------------------------------------------------------ the answer
+
+
+def test_the_answer_is_a_distribution_over_explanations():
+    evidences = {(): 0.0, ("conicity",): 3.0, ("conicity", UNKNOWN): 1.0, ("plysteer",): 2.0}
+    answer = answer_of(evidences, ["conicity", "plysteer", "wear_drift"])
+    probabilities = [one.probability for one in answer.explanations]
+    assert sum(probabilities) == pytest.approx(1.0)
+    assert probabilities == sorted(probabilities, reverse=True)
+    assert answer.explanations[0].effects == ("conicity",)
+    weights = np.exp([0.0, 3.0, 1.0, 2.0]) / np.exp([0.0, 3.0, 1.0, 2.0]).sum()
+    expected = {"conicity": weights[1] + weights[2], "plysteer": weights[3], "wear_drift": 0.0, UNKNOWN: weights[2]}
+    assert answer.probabilities == pytest.approx(expected)
+
+
+def test_the_reported_explanations_have_nearly_all_of_the_probability():
+    evidences = {(f"effect_{i}",): -float(i) for i in range(30)}
+    answer = answer_of(evidences, [f"effect_{i}" for i in range(30)])
+    assert 0.99 <= sum(one.probability for one in answer.reported) < 0.999
+    assert len(answer.reported) < len(answer.explanations)
+
+
+def test_evidences_of_any_size_give_probabilities():
+    answer = answer_of({(): -1e5, ("conicity",): -1e5 + 800.0}, ["conicity"])
+    assert answer.probabilities["conicity"] == 1.0
+
+
+def test_a_probability_is_never_certainty_in_words():
+    assert [percent(value) for value in (1.0, 0.995, 0.5, 0.0)] == ["over 99 %", "over 99 %", "50 %", "under 1 %"]
+
+
+# ------------------------------------------------------------------ what every explanation contains
+
+
+def test_smooth_functions_are_a_process_of_variance_one(at_true_values):
+    signals = at_true_values.problem.simulator.signals
+    many = smooth_functions(signals, ["alpha", "Fz"], 4000)
+    assert np.sum(many**2, axis=1) == pytest.approx(1.0, abs=0.1)
+    np.testing.assert_array_equal(many, smooth_functions(signals, ["alpha", "Fz"], 4000))
+
+
+def test_discrepancies_are_proportional_to_what_they_belong_to(at_true_values):
+    simulator = at_true_values.problem.simulator
+    forces = simulator.forces(at_true_values.solution.parameters)
+    columns = model_discrepancy(simulator.signals, forces)
+    np.testing.assert_allclose(model_discrepancy(simulator.signals, 2.0 * forces), 2.0 * columns)
+    response = np.zeros_like(forces)
+    response[1] = forces[1]
+    of_effect = effect_discrepancy(simulator.signals, response, ("p",))
+    assert not of_effect[[0, 2]].any()
+    assert of_effect[1].any()
+
+
+def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
+    problem = at_true_values.problem
+    solution = at_true_values.solution
+    candidates = candidates_for(tire)
+    at_bound = solution.parameters.copy()
+    at_bound[problem.simulator.index["PHY1"]] = problem.bounds(["PHY1"])[1][0]
+    inside, outside = (
+        Linearization(Explanation(), problem, one, candidates).equations()
+        for one in (solution, replace(solution, parameters=at_bound))
+    )
+    assert len(outside.target) == len(inside.target) - 1
+
+
+def test_unknown_terms_are_no_errors_of_the_functional_form(at_true_values):
+    terms = unknown_terms(at_true_values.problem, at_true_values.solution)
+    assert terms
+    assert not any(term.name.partition(": ")[2] in ("Fz/FNOMIN - 1", "5*absolute(tan(alpha))") for term in terms)
+    assert "alpha" in CORE_INPUTS
+    for term in terms[:5]:
+        assert np.isfinite(term.column).all()
+        assert term.deviation > 0.0
