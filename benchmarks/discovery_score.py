@@ -31,6 +31,7 @@ class Outcome:
     - `seconds`: CPU time.
     - `rows`: rows of the recording.
     - `delivered`: the delivered tire; None if there is none.
+    - `claims`: for each candidate and UNKNOWN, its probability and whether it is missing (1 or 0).
     - `failed`: exception and reason if there is no diagnosis.
     """
 
@@ -53,6 +54,7 @@ class Outcome:
     seconds: float
     rows: int
     delivered: Delivered | None
+    claims: tuple[tuple[float, float], ...] = ()
     failed: str = ""
 
     @property
@@ -114,6 +116,7 @@ def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, s
         seconds=seconds,
         rows=len(case.table),
         delivered=delivered(case, result),
+        claims=tuple((value, float(one in hidden)) for one, value in result.answer.probabilities.items()),
     )  # fmt: skip
 
 

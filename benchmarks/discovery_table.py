@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from discovery_calibration import calibration
 from discovery_delivered import TOLERANCE
 from discovery_score import Outcome
 
@@ -22,6 +23,8 @@ def table_of(outcomes: Sequence[Outcome], source: str) -> str:
     """
     kinds = list(dict.fromkeys(one.kind for one in outcomes))
     parts = [f"Computed by {source}: {len(outcomes)} recordings.", _levels(outcomes), _delivered(outcomes)]
+    head = ("probability", "effects", "mean probability", "share missing")
+    parts.append("### Calibration\n\n" + _grid(head, calibration(outcomes)))
     parts.append(_kinds(outcomes, kinds))
     singles = [one for one in outcomes if one.kind == "single"]
     if singles:

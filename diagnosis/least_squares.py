@@ -74,9 +74,15 @@ class LeastSquares:
 
     def over(self, simulator: Simulator) -> LeastSquares:
         """Return the problem with another simulator, for the same rows."""
-        other = replace(self, simulator=simulator)
-        for name in ("_disturbance_system", "disturbance_products"):  # they do not depend on the simulator
-            other.__dict__[name] = getattr(self, name)
+        return self._with_same_columns(replace(self, simulator=simulator))
+
+    def with_deviation(self, deviation: FloatArray) -> LeastSquares:
+        """Return the problem with other prior deviations of the disturbances, shape (n_disturbances,)."""
+        return self._with_same_columns(replace(self, disturbances=replace(self.disturbances, deviation=deviation)))
+
+    def _with_same_columns(self, other: LeastSquares) -> LeastSquares:
+        """Return a problem with the same disturbances and weights, which does not compute their products again."""
+        other.__dict__["disturbance_products"] = self.disturbance_products
         return other
 
     def bounds(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
@@ -189,9 +195,8 @@ class LeastSquares:
 
     def best_disturbance(self, misfit: FloatArray) -> FloatArray:
         """Return the best-fitting disturbances for a misfit."""
-        weighted, factor = self._disturbance_system
-        target = self.weighted(misfit).ravel() @ weighted.reshape(-1, weighted.shape[-1])
-        return np.asarray(cho_solve(factor, target, check_finite=False))
+        target = self.weighted(misfit).ravel() @ self.disturbance_products[0]
+        return np.asarray(cho_solve(self._disturbance_factor, target, check_finite=False))
 
     def weighted(self, rows: FloatArray) -> FloatArray:
         """Return rows divided by their noise, shape (n_channels, n) or (n_channels, n, m)."""
@@ -199,18 +204,16 @@ class LeastSquares:
         return self.whitening(over) if self.whitening else np.asarray(over)
 
     @cached_property
-    def _disturbance_system(self) -> tuple[FloatArray, tuple[FloatArray, bool]]:
-        """Weighted columns of the disturbances, and the Cholesky factor of their Gauss-Newton matrix."""
-        weighted = self.weighted(self.disturbances.columns)
-        flat = weighted.reshape(-1, weighted.shape[-1])
-        return weighted, cho_factor(flat.T @ flat + np.diag(self.disturbances.deviation**-2))
-
-    @cached_property
     def disturbance_products(self) -> tuple[FloatArray, FloatArray]:
         """Weighted columns of the disturbances, shape (n_channels * n, k), and their cross products, shape (k, k)."""
-        weighted, _ = self._disturbance_system
+        weighted = self.weighted(self.disturbances.columns)
         flat = weighted.reshape(-1, weighted.shape[-1])
         return flat, flat.T @ flat
+
+    @cached_property
+    def _disturbance_factor(self) -> tuple[FloatArray, bool]:
+        """The Cholesky factor of the disturbances' Gauss-Newton matrix."""
+        return cho_factor(self.disturbance_products[1] + np.diag(self.disturbances.deviation**-2))
 
     def _cost(self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray) -> float:
         residual = self.misfit(parameters) - self.disturbances.columns @ disturbance
@@ -224,16 +227,14 @@ class LeastSquares:
     def tangent(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:
         """Return weighted derivatives by coefficients and disturbances, shape (n_channels * n, n_free + n_dist)."""
         jacobian = self.weighted(self.simulator.jacobian(parameters, free))
-        weighted, _ = self._disturbance_system
-        return np.concatenate([jacobian, weighted], axis=-1).reshape(-1, len(free) + weighted.shape[-1])
+        return np.concatenate([jacobian.reshape(-1, len(free)), self.disturbance_products[0]], axis=-1)
 
     def _normal(
         self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
         jacobian = self.weighted(self.simulator.jacobian(parameters, free)).reshape(-1, len(free))
-        weighted, factor = self._disturbance_system
-        columns = weighted.reshape(-1, weighted.shape[-1])
+        columns, factor = self.disturbance_products[0], self._disturbance_factor
         residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance).ravel()
         center, deviation = self.prior(free)
         values = parameters[[self.simulator.index[name] for name in free]]

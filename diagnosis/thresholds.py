@@ -155,8 +155,8 @@ MAX_WHITENED_MISFIT = 1.02
 
 # ------------------------------------------------------------------ the probability of explanations
 
-#: Power of the likelihood. No model of a tire or of its noise is exact; with 1 probabilities are too near 0 and 1.
-#: Calibrated on the first suite, confirmed on the second one (docs/discovery.md).
+#: Power of the likelihood. No model of a tire or of its noise is exact; with 1 probabilities are too near 0 and 1. From
+#: an independent study of 76 recordings; the suites of docs/discovery.md did not select it.
 LIKELIHOOD_POWER = 0.3
 #: Prior odds of each effect and of an unknown component. Convention: about one of all effects is missing.
 EFFECT_ODDS, UNKNOWN_ODDS = 1.0 / 40.0, 1.0 / 40.0

@@ -103,15 +103,11 @@ def comparison_of(linear: Linearization, baseline: Solution, additions: Sequence
     """
     problem = linear.problem
     columns = model_discrepancy(problem.simulator.signals, problem.simulator.forces(baseline.parameters))
-    names = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1]))
-
-    def with_discrepancy(weighted: LeastSquares, deviation: float) -> LeastSquares:
-        disturbances = problem.disturbances.extended(names, columns, np.full(len(names), deviation))
-        return replace(weighted, disturbances=disturbances)
-
-    widest = replace(linear, problem=with_discrepancy(problem, max(DISCREPANCIES)))
-    noisy = _with_noise(problem, saturated_residual(widest, additions))
-    tried = [with_discrepancy(noisy, deviation) for deviation in DISCREPANCIES]
+    names, known = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1])), problem.disturbances.deviation
+    widest = np.full(len(names), max(DISCREPANCIES))
+    extended = replace(problem, disturbances=problem.disturbances.extended(names, columns, widest))
+    noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions))
+    tried = [noisy.with_deviation(np.append(known, np.full(len(names), deviation))) for deviation in DISCREPANCIES]
     evidences = [replace(linear, problem=one).equations().solved()[1] for one in tried]
     return Comparison(tried[int(np.argmax(evidences))], baseline.free, linear.candidates)
 
