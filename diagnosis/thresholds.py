@@ -142,9 +142,9 @@ SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
 # ------------------------------------------------------------------ confirmation in the final fit
 
 #: Joint significance of an effect in the final fit, in standard deviations of a normal distribution. Convention: true
-#: effects of an independent study had 5.9 or more, false ones mostly less than 4. `benchmarks/false_names.py` measures
-#: the rate of false names: none of 100 recordings of the first generator from 2 on, 4 of 100 of the second generator at
-#: any threshold up to 4 (docs/discovery.md). It was selected on neither.
+#: effects of an independent study had 5.9 or more, false ones mostly less than 4. The measured rate of false names
+#: (docs/discovery.md) is none of 100 recordings of the first generator from 2 on, and 4 of 100 of the second generator
+#: at any threshold up to 4. It was selected on neither.
 CONFIRMED_Z = 4.0
 #: Long stretches (of `STRETCHES`) that an effect must predict better. From the requirements of the diagnosis: 43 of 44
 #: true effects of an independent study passed it.
