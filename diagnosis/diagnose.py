@@ -45,7 +45,7 @@ NOMINAL_COEFFICIENTS = {
 STEPS = {
     "fitting the baseline model": 1.0,
     "searching for missing effects": 40.0,
-    "computing confounded explanations and detectable sizes": 1.5,
+    "comparing explanations": 20.0,
 }
 BASELINE, SEARCH, EVIDENCE = STEPS
 

@@ -107,7 +107,13 @@ def test_evidences_of_any_size_give_probabilities():
 
 
 def test_a_probability_is_never_certainty_in_words():
-    assert [percent(value) for value in (1.0, 0.995, 0.5, 0.0)] == ["over 99 %", "over 99 %", "50 %", "under 1 %"]
+    assert [percent(value) for value in (1.0, 0.91, 0.9, 0.5, 0.0)] == [
+        "over 90 %",
+        "over 90 %",
+        "90 %",
+        "50 %",
+        "under 10 %",
+    ]
 
 
 # ------------------------------------------------------------------ what every explanation contains
