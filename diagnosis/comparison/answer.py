@@ -57,24 +57,6 @@ class Answer:
             for name in (*self.candidates, UNKNOWN)
         }
 
-    def prefers_other(self, identified: Iterable[str]) -> RankedExplanation | None:
-        """Return the leading explanation if it is probable and not that of the identified effects, otherwise None.
-
-        Parameters
-        ----------
-        identified : iterable of str
-            Effects, and `UNKNOWN`.
-
-        Examples
-        --------
-        >>> one = answer_of({("conicity",): 2.0, (): -9.0}, ["conicity"])
-        >>> one.prefers_other(["conicity"]) is None, one.prefers_other([]).effects
-        (True, ('conicity',))
-        """
-        first = self.explanations[0]
-        other = {*first.effects, *[UNKNOWN] * first.unknown} != set(identified)
-        return first if other and first.probability > 0.5 else None
-
     @property
     def reported(self) -> tuple[RankedExplanation, ...]:
         """The leading explanations that have at least 99 % together."""

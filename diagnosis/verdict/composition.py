@@ -151,17 +151,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
     }  # fmt: skip
     return Diagnosis(
-        verdict=verdict_text(
-            findings,
-            unknown,
-            confounded,
-            refined,
-            adequacy,
-            detectable,
-            against,
-            found_errors,
-            outcome.answer.prefers_other(one.effect for one in findings),
-        ),
+        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, found_errors),
         found=findings,
         answer=outcome.answer,
         confounded_with=confounded,

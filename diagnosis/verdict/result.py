@@ -174,12 +174,8 @@ class Diagnosis:
 
     @property
     def rating(self) -> str:
-        """The worst rating of a channel: "green", "amber" or "red".
-
-        It is amber at best if the tire is not delivered, or if another explanation than the findings is more probable.
-        """
-        doubtful = not self.delivered or self.answer.prefers_other(one.effect for one in self.found)
-        ratings = {one.rating for one in self.adequacy} | ({"amber"} if doubtful else set())
+        """The worst rating of a channel: "green", "amber" or "red"; amber at best if the tire is not delivered."""
+        ratings = {one.rating for one in self.adequacy} | ({"amber"} if not self.delivered else set())
         return next((color for color in ("red", "amber") if color in ratings), "green")
 
     @property

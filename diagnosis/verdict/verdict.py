@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from math import hypot
 from typing import Any
 
-from ..comparison.answer import RankedExplanation
 from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
@@ -16,7 +15,7 @@ from .findings import Finding
 def verdict_text(
     findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
-    against: Sequence[str], recording: Mapping[str, Any], other: RankedExplanation | None = None,
+    against: Sequence[str], recording: Mapping[str, Any],
 ) -> str:  # fmt: skip
     """Return the verdict: missing effects, finer forms, what was not identified, what was removed, and reservations.
 
@@ -35,8 +34,6 @@ def verdict_text(
         Reasons why the improved tire is not delivered.
     recording : mapping
         Errors of the recording.
-    other : RankedExplanation, optional
-        The leading explanation, if it is not that of the findings (`Answer.prefers_other`).
     """
     parts = [_missing(findings, unknown, confounded)]
     if refined:
@@ -45,9 +42,6 @@ def verdict_text(
     if red:
         what = "is missing in the delivered tire" if against else "is missing and was not identified"
         parts.append(f"something {what} in {', '.join(red)}")
-    if other:
-        names = ", ".join((*other.effects, *["an unknown effect"] * other.unknown)) or "nothing is missing"
-        parts.append(f"more probable, but not confirmed: {names} (probability {percent(other.probability)})")
     parts = [part for part in parts if part] or [_nothing(adequacy, detectable)]
     if against:
         parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")
@@ -83,7 +77,7 @@ def _missing(
 def percent(probability: float) -> str:
     """Return a probability in percent; beyond 10 and 90 % only that it is so.
 
-    Of the effects with more than 90 %, 80 to 100 % were missing in the suites of docs/discovery.md: the digits of a
+    Of the effects with more than 90 %, 74 to 96 % were missing in the suites of docs/discovery.md: the digits of a
     larger number would mean nothing.
 
     Parameters

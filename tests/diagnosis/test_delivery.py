@@ -10,7 +10,6 @@ import pytest
 from scipy.signal import lfilter
 
 import tirefmu
-from tirefmu.diagnosis.comparison.answer import RankedExplanation
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.search import settling
@@ -179,13 +178,6 @@ def test_a_coefficient_at_its_bound_is_in_the_verdict():
     one = Finding("load_lag", ("Fy",), {}, 0.0, 0.5, 0.1, 0.87, at_bounds=("LLEN",))
     text = verdict_text([one], (), {}, (), (), {}, (), {"periodic": [], "derived_columns": [], "ignored_columns": []})
     assert text == "Missing: load_lag (probability 87 %; at its bound: LLEN)"
-
-
-def test_a_more_probable_explanation_is_in_the_verdict():
-    recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
-    other = RankedExplanation(("conicity",), True, 0.87)
-    text = verdict_text((), (), {}, (), (), {}, (), recording, other)
-    assert text == "More probable, but not confirmed: conicity, an unknown effect (probability 87 %)"
 
 
 # ------------------------------------------------------------------ confirmation

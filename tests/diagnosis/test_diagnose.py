@@ -82,8 +82,6 @@ def test_the_probabilities_are_those_of_the_explanations(thrust, tmp_path):
     assert reported["found"][0]["probability"] == probabilities["camber_thrust"] > 0.9
     assert {"UNKNOWN", "camber_thrust", "relax_lat", "conicity"} <= probabilities.keys()
     assert all(0.0 <= value <= 1.0 for value in probabilities.values())
-    assert diagnosis.answer.prefers_other(["camber_thrust"]) is None
-    assert replace(diagnosis, found=()).rating != "green"
     page = report_page(diagnosis, Recording(case.table, case.signs, "plain"))
     assert page.index("<caption>Explanations") < page.index("<h2") if "<caption>" in page else "Explanations" in page
 
