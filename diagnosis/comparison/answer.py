@@ -28,6 +28,11 @@ class RankedExplanation:
     unknown: bool
     probability: float
 
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The effects, then `UNKNOWN` if it has an unknown component."""
+        return (*self.effects, UNKNOWN) if self.unknown else self.effects
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -53,7 +58,7 @@ class Answer:
         {'conicity': 0.5, 'plysteer': 0.5, 'UNKNOWN': 0.0}
         """
         return {
-            name: sum(one.probability for one in self.explanations if name in (*one.effects, *[UNKNOWN] * one.unknown))
+            name: min(1.0, sum(one.probability for one in self.explanations if name in one.parts))  # rounded sums
             for name in (*self.candidates, UNKNOWN)
         }
 
