@@ -58,7 +58,9 @@ class Answer:
         {'conicity': 0.5, 'plysteer': 0.5, 'UNKNOWN': 0.0}
         """
         return {
-            name: min(1.0, sum(one.probability for one in self.explanations if name in one.parts))  # rounded sums
+            name: min(
+                1.0, sum((one.probability for one in self.explanations if name in one.parts), 0.0)
+            )  # rounded sums
             for name in (*self.candidates, UNKNOWN)
         }
 

@@ -41,7 +41,7 @@ class NormalEquations:
 
         >>> one = NormalEquations(np.eye(1), np.array([3.0]), 9.0, np.ones(1), np.zeros(1))
         >>> estimate, evidence = one.solved()
-        >>> estimate.round(6).tolist(), round(evidence, 6) == round(-0.5 * (9.0 / 2.0 + np.log(2.0)), 6)
+        >>> estimate.round(6).tolist(), bool(np.isclose(evidence, -0.5 * (9.0 / 2.0 + np.log(2.0))))
         ([1.5], True)
         """
         scale = 1.0 / np.sqrt(np.diag(self.matrix) + self.precision)
