@@ -243,7 +243,7 @@ class ChainRule:
         }
 
     def _cost(self, symbol: sp.Symbol) -> int:
-        """Number of multiplications to eliminate a vertex."""
+        """Return the number of multiplications to eliminate a vertex."""
         above = sum(not _is_unit(self.edges[upper][symbol]) for upper in self.users.get(symbol, ()))
         return above * sum(not _is_unit(derivative) for derivative in self.edges[symbol].values())
 

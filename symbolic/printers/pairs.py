@@ -20,7 +20,7 @@ FUNCTIONS: dict[type[sp.Basic], str] = {
 def in_pairs(body: Sequence[Assignment]) -> list[tuple[Assignment, ...]]:
     """Return statements in the order in which their arguments are known, calls of one function in pairs.
 
-    Statements without calls are first, then all calls whose arguments are known, then statements with their results.
+    Statements without calls are first, then all calls whose arguments are known, then what uses their results.
 
     The result has no headings. It has single statements and pairs of calls.
 
