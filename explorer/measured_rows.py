@@ -1,4 +1,4 @@
-"""Rows of recordings for the page: by operating condition, compact, at most as many as a page can draw."""
+"""Rows of recordings for the page: by operating condition, compact, with an upper limit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tirefmu.measurements import CHANNELS, INPUTS, OUTPUTS, Recording, exclude_r
 
 from .tire_data import shown
 
-#: Rows that a page contains; of more, a random selection of each condition.
+#: Upper limit of the rows on a page; of more, a random selection of each condition.
 MAX_ROWS = 20_000
 #: Conditions with fewer rows are not listed.
 MIN_ROWS = 5

@@ -52,7 +52,7 @@ def property_file_template(tire: Tire) -> list[Any]:
 
 
 def _replaced(section: str, key: str) -> bool:
-    """Return whether the page writes an entry of its own instead."""
+    """Return whether the page writes its own entry instead."""
     if section == "TIREFMU":
         return key == "EFFECTS" or key.startswith("CORE_")
     return (section, key) == ("TIREFMU_ABOUT", CHANGES.upper())

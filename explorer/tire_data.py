@@ -14,7 +14,7 @@ from tirefmu.tires.definition import RANGES as RANGE_KEYS
 
 from .property_file_template import property_file_template
 
-#: Units of the sliders, and what converts SI values into them; other units are those of SI.
+#: Units of the sliders, and the factors from SI values; all other units are SI units.
 _SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-": ("", 1.0), "degC": ("deg C", 1.0)}
 #: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
 RANGES = {
@@ -30,7 +30,7 @@ CORE = "core"
 
 
 def shown(unit: str) -> tuple[str, float]:
-    """Return the unit in which an input is shown, and what converts an SI value into it.
+    """Return the unit in which an input is shown, and the factor from its SI value.
 
     >>> shown("Pa"), shown("N")
     (('kPa', 0.001), ('N', 1.0))
@@ -67,7 +67,7 @@ def tire_data(
     whole = switchable(tire)
     model = whole.symbolic_model
     effects = {name: each for name, each in model.effects.items() if name in whole.has}
-    # The ends of a range are no property that a slider could change independently.
+    # The ends of a range are not properties that a slider could change independently.
     ends = {name for pair in RANGE_KEYS.values() for name in pair}
     adjustable = read.keys() - ends
     owners = {name: _owner(whole, name) for name in model.coefficients}

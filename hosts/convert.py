@@ -27,7 +27,7 @@ SHAPE = {"WIDTH": 0.65, "RIM_RADIUS": 0.65, "ASPECT_RATIO": 0.55}
 UNCHANGED = 1e-4
 #: Kinds of physical constraints that a tire of another model may violate.
 NOT_ENFORCED = ("curvature", "friction_falling")
-#: Key and value that several hosts insist on and that a file may lack.
+#: Key and value that several hosts require and that a file may lack.
 GENERAL = {"LONGVL": 16.7, "VXLOW": 1.0}
 
 
@@ -142,8 +142,8 @@ def relative_errors(tire: Tire, table: pd.DataFrame, forces: pd.DataFrame) -> di
 def _of_model(plain: Tire, model: str, table: pd.DataFrame, truth: pd.DataFrame) -> Tire:
     """Fit another model to the forces of a tire.
 
-    Of the physical constraints, those of signs are enforced: a tire may violate the others itself (E_t of the Trento
-    tire is above 1), and then the fit would not converge.
+    Only the physical constraints on signs are enforced. The tire itself may violate the others (E_t of the Trento tire
+    is above 1); the fit would then not converge.
     """
     declared = MODELS[model].coefficients
     common = {name: value for name, value in plain.values.items() if name in declared and name not in plain.defaulted}

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-#: Effects that act through time: hosts have coefficients, but models of their own for it.
+#: Effects over time: hosts have coefficients, but use their own models.
 TRANSIENT = ("relax_lat", "relax_lon", "relax_load")
 PRESSURE = ("pressure_stiffness", "pressure_friction", "pressure_trail", "pressure_moment")
 
@@ -31,7 +31,7 @@ class Dialect:
     - `fittyp`: accepted values of FITTYP; empty: the host ignores it.
     - `use_modes`: accepted values of USE_MODE; empty: any.
     - `fe_methods`: accepted values of FE_METHOD; empty: the host ignores it.
-    - `required`: keys that the host insists on.
+    - `required`: keys that the host requires.
     - `lacking`: coefficients of tirefmu's model that the host's does not have: they must be neutral.
     """
 
@@ -64,7 +64,7 @@ class Host:
     notes: tuple[str, ...] = ()
 
 
-#: Keys that MF-Tyre/MF-Swift insists on.
+#: Keys that MF-Tyre/MF-Swift requires.
 _MF_TYRE = ("FITTYP", "UNLOADED_RADIUS", "WIDTH", "RIM_RADIUS", "FNOMIN")
 _PAC2002 = Dialect(
     {"PROPERTY_FILE_FORMAT": "'PAC2002'", "FITTYP": "6", "USE_MODE": "14"},

@@ -18,7 +18,7 @@ FloatArray = npt.NDArray[np.float64]
 #: Weight of a relative change of a coefficient against the relative error of the forces: coefficients without influence
 #: keep their values.
 CHANGE = 1e-3
-#: Relative decrease of the cost at which the fit ends: what follows changes no force by a tenth of its error.
+#: Relative decrease of the cost at which the fit ends: further steps change no force by a tenth of its error.
 ENOUGH = 1e-4
 
 

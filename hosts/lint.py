@@ -1,4 +1,4 @@
-"""Whether a program accepts a property file, and what of the tire it does not evaluate."""
+"""Whether a program accepts a property file, and which parts of the tire it does not evaluate."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ def _layout_errors(text: str, rules: Host) -> list[LintMessage]:
     """Check what simple readers stumble over: long lines, keys in lower case, several entries with one key."""
     found: list[LintMessage] = []
     seen: dict[tuple[str, str], int] = {}
-    # A cut line of tirefmu's own sections, which are the last ones, is more lines in sections that the host skips.
+    # A cut line of tirefmu's own sections, which are last, only adds lines to sections that the host skips.
     own = text.find(f"\n[{OWN}")
     for number, line in enumerate(text[: own if own >= 0 else None].splitlines(), 1):
         if rules.longest_line and len(line) > rules.longest_line:
@@ -178,7 +178,7 @@ def _layout_errors(text: str, rules: Host) -> list[LintMessage]:
 
 
 def _number_errors(tire: Tire) -> list[LintMessage]:
-    """Check values that every host divides by or takes a range from."""
+    """Check values that every host uses as a divisor or as the limit of a range."""
     found = [
         LintMessage("error", 0, f"{key} is {tire.values[key]:g}: a positive value expected")
         for key in ("FNOMIN", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "LONGVL", "NOMPRES")

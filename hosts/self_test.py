@@ -95,10 +95,10 @@ def _lagged(names: Sequence[str], rows: int, seed: int) -> FloatArray:
 def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return well-conditioned rows of inputs, results by tirefmu's NumPy code, and the size of each result.
 
-    A derivative may be a small difference of large terms: its size contains a hundredth of the force per argument. A
-    result that is ill-conditioned, such as the deflection by a quadratic equation with a tiny leading coefficient, is
-    not known better than it changes with the last digit of the coefficients: its size is larger accordingly. Single
-    rows in which a result is ill-conditioned are omitted, such as rows next to a jump.
+    A derivative may be a small difference of large terms: its size contains a hundredth of the force per argument. The
+    accuracy of an ill-conditioned result, such as the deflection by a quadratic equation with a tiny leading
+    coefficient, is limited by its change with the last digit of the coefficients: its size is larger accordingly.
+    Single rows in which a result is ill-conditioned are omitted, such as rows next to a jump.
 
     Returns `inputs`, shape (n_inputs, n). Returns `results`, shape (n, n_results). Returns `sizes`, shape (n_results,).
     """

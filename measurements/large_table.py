@@ -1,8 +1,8 @@
-"""A Parquet table of many rows, read and checked in parts: its size does not determine the memory.
+"""A Parquet table of many rows, read and checked in parts: the memory does not depend on its size.
 
-What is checked for a table in memory is checked for a survey of a large one: random rows, and the rows with the
-smallest and the largest value of each channel. So a single value beyond the limits of its channel is found; shares of
-rows and correlations are those of the random rows.
+The checks of a table in memory are applied to a survey of a large one: random rows, and the rows with the smallest and
+the largest value of each channel. So a single value beyond the limits of its channel is found. Shares of rows and
+correlations are those of the random rows.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class LargeTable:
         return not rolled and (steady or not (tire.lags or tire.states))
 
     def parts(self) -> Iterator[pd.DataFrame]:
-        """Yield the rows in their order, `PART` at most at a time.
+        """Yield the rows in their order, at most `PART` at a time.
 
         Raises `DataError` if a value of a channel is not a finite number, except for an output, which may be NaN; or
         the file has changed.

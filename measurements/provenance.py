@@ -1,4 +1,4 @@
-"""Provenance of a result: the command, the data with their digests, the versions of what computed it."""
+"""Provenance of a result: the command, the data with their digests, the versions of the software."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def table_digest(table: pd.DataFrame) -> str:
 
 
 def provenance(recordings: Iterable[Recording], command: str = "") -> list[tuple[str, str]]:
-    """Return what a result was computed from, as names and texts.
+    """Return the provenance of a result, as names and texts.
 
     `command`: the command line; empty if a program computed the result.
     """

@@ -81,7 +81,7 @@ class Recording:
     checked: bool = field(default=False, init=False)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the fields: what was computed from them (`once`) is not sent to other processes."""
+        """Return the fields: results computed from them (`once`) are not sent to other processes."""
         return {part.name: getattr(self, part.name) for part in fields(self)}
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Thresholds of the data screening: every number by which rows, levels, phases or units of a recording are judged.
+"""Thresholds of the data screening: all numbers for decisions on rows, levels, phases or units of a recording.
 
 Each constant states its unit, its meaning and the reason for its value. "Judgement" means that no study or source
 gives the value: it was chosen with a margin and is covered by the tests in ``tests/measurements``, which use virtual
@@ -50,9 +50,9 @@ LONGEST_TRANSITION = 3.0
 FAR_FROM_LEVELS = 4.0
 #: Rows. A shorter segment is not treated as a time series. Judgement.
 MIN_SERIES_ROWS = 25
-#: s. Rows farther apart are steady points: `SWEEP_WINDOW` has to contain four rows at least.
+#: s. Rows farther apart are steady points: `SWEEP_WINDOW` must contain at least four rows.
 LONGEST_SAMPLE_INTERVAL = SWEEP_WINDOW / 4.0
-#: Level tolerances. A larger step from one row to the next is a jump. Noise within one tolerance steps by two at most.
+#: Level tolerances. A larger step from one row to the next is a jump. Noise within one tolerance steps by at most two.
 JUMP_TOLERANCES = 3.0
 #: Fraction of the steps. Where more are jumps, the rows are steady points: those jump in every other row or more
 #: often, a time series only where a condition changes. Judgement.
@@ -75,7 +75,7 @@ OUTLIER_SIGMAS = 15.0
 SIGMA_PER_DEVIATION = 1.4826
 #: s, window of the running median. It covers 15 rows at 100 Hz, so that 7 consecutive bad values are found. Judgement.
 OUTLIER_WINDOW = 0.15
-#: Rows, least window of the running median: three consecutive bad values do not move it.
+#: Rows, smallest window of the running median: three consecutive bad values do not move it.
 MIN_WINDOW_ROWS = 7
 #: s, window in which the scatter is estimated: near its limit a tire scatters more than at zero slip. Judgement.
 SCATTER_WINDOW = 1.0

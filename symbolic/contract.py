@@ -1,7 +1,7 @@
-"""What a model declares in addition to its lines: roles, property file, physical constraints, how it is fitted.
+"""Declarations of a model in addition to its lines: roles, property file, physical constraints, fit.
 
 `tirefmu.symbolic.model.Model` holds these declarations; `tirefmu.symbolic.model.verification` checks them. All other
-packages read them and name no model and no coefficient of one.
+packages read these declarations. They contain no name of a model or of a coefficient.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from math import inf
 
 from .declarations import Quantity
 
-#: What a quantity can be for the other packages, with its symbol. A model declares which of its named quantities
-#: has which role; a role without a quantity is one that the model lacks.
+#: The roles that a quantity can have for the other packages, with its symbol. A model declares which of its named
+#: quantities has which role. The model lacks a role without a quantity.
 ROLES: dict[str, Quantity] = {
     "friction_x": Quantity("mu_x", "1", "largest |Fx| per load"),
     "friction_y": Quantity("mu_y", "1", "largest |Fy| per load"),
@@ -76,12 +76,12 @@ class Role:
 
 @dataclass(frozen=True)
 class PropertyFile:
-    """How a property file (.tir) is known to be for a model, and how one is written.
+    """How a property file (.tir) of a model is recognized and written.
 
     Attributes
     ----------
     fittyp : tuple of int
-        Values of FITTYP, the written one first; none where the format has no such key.
+        Values of FITTYP, the written one first; none if the format has no such key.
     formats : tuple of str
         Values of PROPERTY_FILE_FORMAT of this model alone; blanks, `-`, `_` and `.` do not count.
     shared_formats : tuple of str
@@ -100,8 +100,8 @@ class PropertyFile:
     in_si : tuple of str
         Keys, coefficients or aliases, whose values are in SI whatever [UNITS] declares.
     strict : bool
-        Whether a key that almost is a coefficient is an error. Files of the field hold what several programs
-        read: there it is a remark.
+        Whether a key that resembles a coefficient is an error. Files of other programs contain further keys: there it
+        is a remark.
     """
 
     fittyp: tuple[int, ...] = ()
@@ -127,7 +127,7 @@ class PhysicalConstraint:
     - `kind`: "signs", "curvature", "friction_falling", "stiffness_saturating" or "extrapolation".
     - `measure`: what is bounded: the "value" q, its "growth" Fz dq/dFz, or its "excess" Fz dq/dFz - q, by which it
       grows faster than load.
-    - `effect`: without this effect the quantity has no meaning; empty where it always has.
+    - `effect`: without this effect the quantity has no meaning; empty if it always has a meaning.
     - `on_request`: whether a fit enforces it only on request.
     """
 
@@ -143,7 +143,7 @@ class PhysicalConstraint:
 
 
 def positive(quantity: str, floor: float, *over: str, size: float = 1.0, effect: str = "") -> PhysicalConstraint:
-    """Return the constraint that a quantity stays above a floor, small against any plausible value of it.
+    """Return the constraint that a quantity stays above a floor, which is small compared with plausible values.
 
     Examples
     --------
@@ -154,7 +154,7 @@ def positive(quantity: str, floor: float, *over: str, size: float = 1.0, effect:
 
 
 def curvature(quantity: str, *over: str, effect: str = "") -> PhysicalConstraint:
-    """Return the constraint that a curvature factor is 1 at most."""
+    """Return the constraint that a curvature factor is at most 1."""
     return PhysicalConstraint(quantity, -inf, 1.0, over, kind="curvature", effect=effect)
 
 

@@ -1,6 +1,6 @@
-"""What a model declares, apart from its lines: coefficients and their sections, quantities, options, effects.
+"""Declarations of a model apart from its lines: coefficients and their sections, quantities, options, effects.
 
-Every package reads these declarations. They become SymPy terms in the chapters, where SymPy is loaded.
+Every package reads these declarations. The chapters load SymPy, and the declarations become SymPy terms there.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ class Coefficient:
     """A coefficient, declared once: every package reads this declaration.
 
     - `description`: what it is.
-    - `unit`: SI unit; "1" where it has none.
+    - `unit`: SI unit; "1" if it has none.
     - `lower`, `upper`: bounds of plausible tires, in adapted SAE signs.
-    - `neutral`: the value at which the coefficient does nothing; None for one that the model cannot do without.
-    - `start`: a generic value to start a fit from, in adapted SAE signs; the neutral value where None.
+    - `neutral`: the value at which the coefficient has no influence; None for an indispensable coefficient.
+    - `start`: a generic initial value of a fit, in adapted SAE signs; the neutral value if None.
     - `flips`: true if its sign changes between adapted SAE and ISO (the same tire, written in the other axes).
-    - `assumed`: what the field's readers take, in ISO-W, where a .tir file lacks the key; the default where None.
+    - `assumed`: the value that other readers assume, in ISO-W, if a .tir file lacks the key; the default if None.
     - `channels`: the outputs from which it can be identified, the most informative first; those of its section if
       empty.
-    - `fitted`: whether a fit may free it without naming it; as its section where None.
+    - `fitted`: whether a fit may free it without naming it; as its section if None.
     - `name`, `section`: the .tir name and the .tir section, filled in by the class that declares it.
     """
 
@@ -57,7 +57,7 @@ class Coefficient:
     def default(self) -> float:
         """The default value of a tire: neutral, else the generic start.
 
-        A neutral value beyond the bounds is a limit (PKY2: stiffness proportional to load), no default.
+        A neutral value beyond the bounds is a limit (PKY2: stiffness proportional to load), not a default.
         """
         lasting = self.neutral is not None and (self.start is None or self.lower <= self.neutral <= self.upper)
         value = self.neutral if lasting else self.start
@@ -65,7 +65,7 @@ class Coefficient:
 
     @property
     def generic(self) -> float:
-        """The value to start a fit from."""
+        """The initial value of a fit."""
         return self.default if self.start is None else self.start
 
 
@@ -103,7 +103,7 @@ class Quantity:
     - `unit`: SI unit; "1" where it has none.
     - `nominal`: the value of an absent input: a number, or the coefficient that holds it.
     - `typical`: a typical value, for scaling.
-    - `lower`: limit of the physical range: at and below it a tire is lifted, flat or at rest, or rolls in reverse.
+    - `lower`: limit of the physical range. At and below it a tire is lifted, flat or at rest, or rolls in reverse.
     """
 
     name: str
@@ -125,8 +125,8 @@ class Quantity:
 class Option:
     """A named convention, chosen when a tire is evaluated.
 
-    It is no property of the tire. In generated code it is an entry of the parameter vector behind the
-    coefficients, in upper case: 0 for the first value, 1 for the second.
+    It is not a property of the tire. In generated code it is an entry of the parameter vector after the coefficients,
+    in upper case: 0 for the first value, 1 for the second.
 
     - `values`: the default first.
 
@@ -158,7 +158,7 @@ class Option:
 class Effect:
     """A named physical phenomenon that a model has or lacks, with all its terms in the lines.
 
-    Which coefficients it owns is not written down: they are those that reach no output when it is off
+    Its coefficients are not declared: they are those that reach no output when the effect is off
     (`tirefmu.symbolic.model.Model.owned`).
 
     Attributes
@@ -171,9 +171,9 @@ class Effect:
         Coefficients whose meaning changes when the effect is off, and the factor by which a file written
         for readers without switches multiplies them (all owned coefficients at neutral).
     optional : bool
-        True for one that a tire has only if it is requested by name.
+        Whether a tire has it only if it is requested by name.
     detection : Detection or None
-        How a diagnosis looks for it; without it, a diagnosis tries a model's own and user-defined effects only.
+        How a diagnosis tests it. Without it, a diagnosis tests only a model's own and user-defined effects.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Functions of the lines that SymPy lacks, or has with other derivatives: signs, size, a choice by condition."""
+"""Functions of the lines that SymPy lacks or differentiates otherwise: signs, magnitude, a choice by condition."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class sgn1(sgn):
 
 
 class absolute(sp.Function):
-    """The size of x; its derivative is `sgn`, 0 at 0.
+    """The magnitude of x; its derivative is `sgn`, 0 at 0.
 
     >>> absolute(sp.Symbol("gamma")).diff(sp.Symbol("gamma"))
     sgn(gamma)
@@ -52,7 +52,7 @@ class absolute(sp.Function):
 
     @classmethod
     def eval(cls, x: Any) -> Any:
-        """Return the size of a number; leave a symbol alone."""
+        """Return the magnitude of a number; leave a symbol unchanged."""
         return sp.Abs(x) if x.is_Number else None
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
@@ -72,7 +72,7 @@ class expm1(sp.Function):
 
     @classmethod
     def eval(cls, x: Any) -> Any:
-        """Return 0 at 0; leave everything else alone."""
+        """Return 0 at 0; leave everything else unchanged."""
         return sp.Integer(0) if x.is_zero else None
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:

@@ -1,9 +1,8 @@
-"""The laws by which states change over a step, each declared once and printed for NumPy, C and CasADi.
+"""The laws of states over a step, each declared once and printed for NumPy, C and CasADi.
 
 A state x follows a target u at a rate r, x' = r (u - x), or adds up a flow, x' = g, or oscillates about a target, or
-follows a path without regard to time. A law is the exact solution over a step if the target and the rate are as stated,
-whatever the size of the step.
-`tirefmu.symbolic.printers.laws` prints a law as a function of its arguments.
+follows a path independent of time. A law is the exact solution over a step of any size if the target and the rate are
+as stated. `tirefmu.symbolic.printers.laws` prints a law as a function of its arguments.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ ROLES = {
     "weighting_x": Role("G_xa"),
     "weighting_y": Role("G_yk"),
 }
-#: What a tire without effects is fitted by: peaks, shapes, stiffnesses and trail.
+#: The coefficients of a tire without effects: peaks, shapes, stiffnesses and trail.
 BASELINE = (
     "PCX1", "PDX1", "PEX1", "PKX1", "PCY1", "PDY1", "PEY1", "PKY1", "QBZ1", "QCZ1", "QDZ1",
 )  # fmt: skip

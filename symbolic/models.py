@@ -1,4 +1,4 @@
-"""Every model by name, with added effects in its lines where a tire has them."""
+"""Every model by name, with added effects in its lines if a tire has them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MODELS: dict[str, Model] = found_models()
 
 #: Finds the stored structure of a model with effects.
 FindStructure = Callable[[str, Sequence[AddedEffect]], Traversable | None]
-#: Where the generated code is; read as data, because the packages of the code build on this one.
+#: The folder of the generated code; read as data, because the packages of the code import this one.
 GENERATED: Traversable = files("tirefmu.generated")
 #: The folder in it of the models with the whole library of effects: in a wheel, not in a clone.
 WITH_EFFECTS = "with_effects"
@@ -36,7 +36,7 @@ def model_named(name: str, added: Sequence[AddedEffect] = (), find: FindStructur
     """Return a model by its name on the command line.
 
     `added`: effects beyond the book to be put into its lines. `find`: of name and effects: the file with the structure
-    of a model that has been printed before, or None. Returns: one object for one model and the same effects. Raises
+    of a model that has been printed before, or None. Returns: the same object for the same model and effects. Raises
     `UnknownName` if there is none; the message offers the nearest. Raises `EffectError` if an added effect does not fit
     the model.
 
@@ -54,7 +54,7 @@ def model_named(name: str, added: Sequence[AddedEffect] = (), find: FindStructur
 
 
 def whole_library(model: Model) -> tuple[AddedEffect, ...]:
-    """Return the effects of the library that a diagnosis can find in a model, those with states among them.
+    """Return the effects of the library that a diagnosis can find in a model, including those with states.
 
     An installed wheel has the model with them (`generated/with_effects`).
 
@@ -79,7 +79,7 @@ def _printed_library() -> dict[str, str]:
 
 
 def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffect] = ()) -> tuple[AddedEffect, ...]:
-    """Return the added effects of a tire: those given, and the library where one of its effects is named.
+    """Return the added effects of a tire: the given ones, and the library if one of its effects is named.
 
     Effects of the library without states come together, so that few models have to be printed; a model that lacks what
     some of them act on or read gets what is named. An effect with states comes if it is named: a state costs time.

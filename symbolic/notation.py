@@ -1,8 +1,8 @@
-"""How the book is written: equations, chapters, and the terms that effects, options and models decide.
+"""Notation of the book: equations, chapters, and the terms that depend on effects, options and models.
 
-A chapter is a Python module that reads like the book. ``eq(...)`` files a line and returns its *symbol*, so
-lines never swell into each other; everything else (switching effects off, printing, differentiating) is a
-pass over the filed lines, see `tirefmu.symbolic.model`.
+A chapter is a Python module that reads like the book. ``eq(...)`` files a line and returns its *symbol*, so lines are
+never substituted into each other. Everything else (switching effects off, printing, differentiating) is a pass over the
+filed lines, see `tirefmu.symbolic.model`.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ import sympy as sp
 
 
 class Switch(sp.Function):
-    """A term of a line that an effect owns: ``Switch(effect, on, off)``. Gone before anything is printed."""
+    """A term of a line that belongs to an effect: ``Switch(effect, on, off)``. It is removed before printing."""
 
     nargs = 3
 
 
 class Choice(sp.Function):
-    """A term of a line that an option decides: ``Choice(option, first, second)``."""
+    """A term of a line that depends on an option: ``Choice(option, first, second)``."""
 
     nargs = 3
 
@@ -90,7 +90,7 @@ class Chapter:
         at: str = "",
         acts_for: str = "",
     ) -> sp.Symbol:
-        """File a line and return its symbol; `at` is the ending of the same line under other conditions."""
+        """File a line and return its symbol; `at` is the suffix of the same line under other conditions."""
         symbol = sp.Symbol(f"{name}{at}", real=True)
         filed = Equation(number, symbol, sp.sympify(expression), unit, description, self.title, named)
         self.equations.append(replace(filed, acts_for=acts_for or (name if at else ""), variant=bool(at)))
@@ -114,8 +114,8 @@ class MagicFormula:
 def magic(eq: Chapter, name: str, B: sp.Expr, C: sp.Expr, D: sp.Expr, E: sp.Expr, x: sp.Expr) -> MagicFormula:
     """File the inner steps of the Magic Formula as lines and return its three forms.
 
-    `name`: symbol of the quantity that it makes; the steps are called ``<name>_u``, ``_v`` and ``_w``. `B`, `C`, `D`,
-    `E`: stiffness, shape, peak and curvature factor. `x`: slip, shifted.
+    `name`: symbol of the resulting quantity; the steps are called ``<name>_u``, ``_v`` and ``_w``. `B`, `C`, `D`, `E`:
+    stiffness, shape, peak and curvature factor. `x`: slip, shifted.
 
     Source: Pacejka, Tire and Vehicle Dynamics (2012), eq. (4.1); the slope with constant E is the Trento worksheet's
     magic_formula_stiffness.
@@ -127,7 +127,7 @@ def magic(eq: Chapter, name: str, B: sp.Expr, C: sp.Expr, D: sp.Expr, E: sp.Expr
     return MagicFormula(D * sp.sin(w), D * sp.cos(w), slope)
 
 
-#: Half width squared of the smoothed sign, as the Trento worksheet has it.
+#: Half width squared of the smoothed sign, as in the Trento worksheet.
 SIGN_SMOOTHING = sp.Float("1e-6")
 
 

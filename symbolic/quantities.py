@@ -18,9 +18,9 @@ KAPPA_LAGGED = Quantity("kappa_lagged", "1", "lagged longitudinal slip", typical
 TAN_ALPHA_LAGGED = Quantity(
     "tan_alpha_lagged", "1", "lagged tangent of the side slip angle, used by the force formulas", typical=0.1
 )
-#: Below this relaxation length a slip acts at once, m.
+#: Below this relaxation length a slip acts without lag, m.
 AT_ONCE = 1e-6
-#: Inputs that only added effects read.
+#: Inputs that are read only by added effects.
 TEMPERATURE = Quantity("T", "degC", "temperature of the tread", "TREF", 50.0)
 DISTANCE = Quantity("distance", "m", "distance rolled since the recording began", 0.0, 1000.0, lower=0.0)
 #: The speed, for effects with states in a model that does not read it.

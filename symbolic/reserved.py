@@ -1,4 +1,4 @@
-"""Words that a name from a file cannot be, as generated code, other languages, systems or .tir files take them.
+"""Words that a file cannot use as names, because generated code, other languages, systems or .tir files use them.
 
 A coefficient becomes a variable in C and Python, a variable of an FMU and a key of a .tir file; an effect becomes a
 section of a .tir file and the name of a file. Languages are compared without regard to case: some do not distinguish
@@ -45,9 +45,9 @@ _GENERATED = re.compile(
     "|COEFFICIENTS|OPTIONS|STRAIGHT_OPTIONS|QUANTITIES|FORCES|REACH|CONSTANTS|OPERATIONS|[A-Z]+_SLOTS"
     "|ROLLING_RADIUS|LOW_SPEED(_DAMPING)?"
 )
-#: What Windows has for devices.
+#: Names of devices in Windows.
 _DEVICES = re.compile("con|prn|aux|nul|com[0-9]|lpt[0-9]")
-#: Keys and sections of .tir files that mean something else.
+#: Keys and sections of .tir files with another meaning.
 _TIR_KEYS = re.compile(
     "LENGTH|FORCE|ANGLE|MASS|TIME|TEMPERATURE|FITTYP|TYRESIDE|USE_MODE|PROPERTY_FILE_FORMAT|FILE_(TYPE|VERSION|FORMAT)"
     "|NAME|EFFECTS"
@@ -57,7 +57,7 @@ _TIR_SECTIONS = frozenset(["added", "about", "ranges", "assumed", "kept_units"])
 _COEFFICIENT = re.compile("[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
 _EFFECT = re.compile("[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 _STATE = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
-#: What a state would hide in generated code: functions of C and NumPy in lower case, arguments, results.
+#: Names in generated code that a state would hide: functions of C and NumPy in lower case, arguments, results.
 _HIDDEN = re.compile(
     "(a|f|l|ll)?(abs|sin|cos|tan|exp|log|sqrt|pow)[0-9a-z]*|(sin|cos|tan)h|j[01n]|y[01n]|(l|t)?gamma|erfc?|hypot|cbrt"
     "|fm(a|ax|in|od)|fdim|floor|ceil|round|trunc|r?int|div|index|signgam|nan|inf|inputs|parameters|results|function"
@@ -68,7 +68,7 @@ _PROGRAM = re.compile("t|(kappa|alpha|tan_alpha)_lagged|twist|friction_use|slidi
 
 
 def no_coefficient(name: str) -> str:
-    """Return why a coefficient cannot have a name, or an empty text where it can.
+    """Return why a coefficient cannot have a name, or an empty text if it can.
 
     Returns: the end of a sentence that begins with the name.
 
@@ -87,7 +87,7 @@ def no_coefficient(name: str) -> str:
 
 
 def no_effect(name: str) -> str:
-    """Return why an effect cannot have a name, or an empty text where it can.
+    """Return why an effect cannot have a name, or an empty text if it can.
 
     >>> no_effect("wet_grip"), no_effect("nul"), no_effect("about"), no_effect("größe")
     ('', 'is a device of Windows', 'is a section of .tir files', 'is not a word of letters A-Z, digits and single _')
@@ -98,7 +98,7 @@ def no_effect(name: str) -> str:
 
 
 def no_state(name: str) -> str:
-    """Return why a state cannot have a name, or an empty text where it can.
+    """Return why a state cannot have a name, or an empty text if it can.
 
     >>> no_state("tread_heat"), no_state("exp"), no_state("Heat")
     ('', 'is a name of the generated code', 'is not a word of small letters a-z, digits and single _')

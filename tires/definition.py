@@ -36,7 +36,7 @@ RANGES = {
 
 @dataclass(frozen=True, repr=False)
 class TireDefinition:
-    """A model, effects and values for every coefficient; `Tire` adds what can be done with them.
+    """A model, effects and values for every coefficient; `Tire` adds the methods.
 
     Evaluation, property files and figures need no more than this. `Tire` documents the attributes.
     """
@@ -94,7 +94,7 @@ class TireDefinition:
         return frozenset(self.effects)
 
     def _range_values(self) -> dict[str, float]:
-        """Return the given ranges as coefficients of the model, where it has them."""
+        """Return the given ranges as coefficients of the model, if it has them."""
         declarations = self.symbolic_model.coefficients
         pairs = ((RANGES[name], ends) for name, ends in self.ranges.items() if name in RANGES)
         return {key: end for keys, ends in pairs for key, end in zip(keys, ends, strict=True) if key in declarations}
@@ -201,7 +201,7 @@ class TireDefinition:
         return self.symbolic_model.states_of(self.has)
 
     def effective_inputs(self, rows: FloatArray) -> FloatArray:
-        """Return the rows of inputs, those inputs 0 that would request an effect that the tire does not have."""
+        """Return the rows of inputs; inputs that would request an effect that the tire lacks are 0."""
         silent = np.isin(
             self.inputs, [name for effect, name in self.symbolic_model.on_demand if effect not in self.has]
         )

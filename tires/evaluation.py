@@ -40,7 +40,7 @@ class Conventions:
     @property
     def formula(self) -> str:
         """The convention in which the plain formula is evaluated."""
-        reversed_columns(self.signs, "iso")  # an unknown one is an error before anything is computed
+        reversed_columns(self.signs, "iso")  # an unknown convention is an error before anything is computed
         return "iso" if self.signs == "iso" else "adapted-sae"
 
     @property
@@ -59,7 +59,7 @@ def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str 
     Raises
     ------
     UnknownName
-        If an input is none of the public tables.
+        If an input is not in the public tables.
     """
     rows, shape = _broadcast(tire, inputs)
     chosen, parameters = _code(tire.symbolic_model, code, rows.shape[1]), tire.parameters()
@@ -117,7 +117,7 @@ def evaluate(
     DataError
         If an input is NaN or infinite.
     """
-    import pandas as pd  # here, because `forces` does without
+    import pandas as pd  # here, because `forces` does not need it
 
     tire = tire.in_signs(conventions.formula)
     code = _code(tire.symbolic_model, language, len(table))
@@ -194,13 +194,13 @@ def _acting(
 
 
 def _turned(rows: FloatArray, names: Collection[str], mirror: bool) -> FloatArray:
-    """Return rows of inputs or outputs as seen in a mirror in the wheel plane, or as they are."""
+    """Return rows of inputs or outputs, mirrored in the wheel plane or unchanged."""
     sign = np.array([-1.0 if mirror and name in MIRRORED else 1.0 for name in names])
     return sign[:, None] * rows
 
 
 def _finite(column: pd.Series[float], name: str) -> FloatArray:
-    """Return an input column as an array, or report its first row that is no finite number."""
+    """Return an input column as an array, or report its first row without a finite number."""
     values = np.asarray(column, dtype=np.float64)
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:

@@ -27,7 +27,7 @@ from tirefmu.symbolic.wheel.quantities import (
 
 from .code.modules import wheel_kinematics
 
-#: Values other than 0 of what is not given: the carrier's axes are the global ones, the road is level.
+#: Default values other than 0: the carrier's axes are the global axes, the road is level.
 NEUTRAL = {"R_11": 1.0, "R_22": 1.0, "R_33": 1.0, "road_nz": 1.0}
 
 
@@ -58,9 +58,9 @@ def hub_wrench(**given: ArrayLike) -> dict[str, NDArray[Any]]:
     """Return forces and moments on a wheel at its centre from those at its contact point.
 
     `**given`: ``Fx``, ``Fy``, ``Fz``, N, ``Mx``, ``My``, ``Mz``, N m, in W axes; loaded radius ``R_l``, m; orientation
-    ``R_11`` to ``R_33`` and normal ``road_nx`` to ``road_nz`` as in `wheel_motion`. What is absent is 0, without
-    rotation, on a level road. Returns: ``F_x`` to ``M_z`` in carrier axes, and the same in global axes, such as
-    ``F_x_global``. Raises `UnknownName` if a name is none of these.
+    ``R_11`` to ``R_33`` and normal ``road_nx`` to ``road_nz`` as in `wheel_motion`. The default is 0, without rotation,
+    on a level road. Returns: ``F_x`` to ``M_z`` in carrier axes, and the same in global axes, such as ``F_x_global``.
+    Raises `UnknownName` if a name is none of these.
 
     >>> float(hub_wrench(Fx=1000.0, R_l=0.3)["M_y"])
     -300.0

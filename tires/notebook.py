@@ -34,7 +34,7 @@ def html_table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> st
 
 
 def html_summary(text: str, *parts: str) -> str:
-    r"""Return the lines of a plain summary as HTML, the first one bold, and further parts that are HTML already.
+    r"""Return the lines of a plain summary as HTML, the first one bold, and further parts that are already HTML.
 
     >>> html_summary("Tire <x>\nmf61", "<table></table>")
     '<p><b>Tire &lt;x&gt;</b><br>mf61</p><table></table>'
@@ -44,7 +44,7 @@ def html_summary(text: str, *parts: str) -> str:
 
 
 def html_details(title: str, part: str) -> str:
-    """Return a part that opens on a click; the part is HTML already.
+    """Return a part that opens on a click; the part is already HTML.
 
     >>> html_details("Coefficients", "<table></table>")
     '<details><summary>Coefficients</summary><table></table></details>'

@@ -1,4 +1,4 @@
-"""The course of an oscillator, whose position and speed are two states (`tirefmu.symbolic.laws.oscillator`)."""
+"""The time history of an oscillator. Its position and speed are two states (`tirefmu.symbolic.laws.oscillator`)."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Values = float | FloatArray
 
 @dataclass(frozen=True)
 class Oscillation:
-    """The course of an oscillator over a recording, whose target and rates follow the inputs.
+    """The time history of an oscillator over a recording. Its target and rates follow the inputs.
 
     - `target`, `frequency`, `damping`, shape (n,).
-    - `h`, shape (n - 1,): steps, s; where one is negative, a new recording begins at the start value of its end.
+    - `h`, shape (n - 1,): steps, s; after a negative step, a new recording begins with the start value there.
     - `start`, shape (n,).
     - `hold`: inputs are held from each row to the next; otherwise they are linear.
     """
@@ -64,7 +64,7 @@ class Oscillation:
         of_position, of_speed = (
             np.where(again, 0.0, self._ends(interval, whole, *unit, free=True)) for unit in ((1.0, 0.0), (0.0, 1.0))
         )
-        # Position and speed alternate; a row of the band has what they add to those of the next row.
+        # Position and speed alternate; a row of the band has their contributions to those of the next row.
         band = np.zeros((4, 2 * n + 2), order="F")
         band[2, :-2:2], band[3, :-2:2] = -of_position
         band[1, 1:-2:2], band[2, 1:-2:2] = -of_speed
@@ -78,7 +78,7 @@ class Oscillation:
 
 @dataclass(frozen=True)
 class Part:
-    """Position (0) or speed (1) of an oscillation, as the course of a state."""
+    """Position (0) or speed (1) of an oscillation, as the time history of a state."""
 
     whole: Oscillation
     index: int

@@ -1,4 +1,4 @@
-"""The course of a state along a path: of a hysteresis or of play (`tirefmu.symbolic.laws`)."""
+"""The history of a state along a path: of a hysteresis or of play (`tirefmu.symbolic.laws`)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LAWS = {
 
 
 class Follower(Protocol):
-    """The course of a lag."""
+    """The time history of a lag."""
 
     @property
     def value(self) -> FloatArray:
@@ -36,7 +36,7 @@ class Follower(Protocol):
 
 @dataclass(frozen=True)
 class PathCourse:
-    """The course of a hysteresis or of play along one lag, or along the size of two."""
+    """The history of a hysteresis or of play along one lag, or along the magnitude of two."""
 
     lags: Sequence[Follower]
     rate: FloatArray
@@ -61,7 +61,7 @@ class PathCourse:
         return recursion(self.start[0], decay, gained)
 
     def _clipped(self, rows: IntArray, ends: list[FloatArray]) -> FloatArray:
-        """Return the values at the rows by the law of one row after another, which is not linear."""
+        """Return the values at the rows, computed one row after another, because the law is not linear."""
         path = self.lags[0].value if len(self.lags) == 1 else np.hypot(*(lag.value for lag in self.lags))
         moved = np.diff(path) * self.rate[:-1]
         restarts, values = set(self.restarts.tolist()), [float(self.start[0])]

@@ -1,12 +1,12 @@
-"""Sign conventions of tire tables, and the way from one to another.
+"""Sign conventions of tire tables, and the conversion from one to another.
 
 All three measure forces at the contact point in the wheel's own axes:
 
 - ``iso``: the TYDEX W axes, z up. Fz > 0 is load; a normal tire has Fy < 0 for alpha > 0.
-- ``adapted-sae``: as ``iso`` with Fy, My and Mz reversed, so that Fy > 0 for alpha > 0. Many students'
-  tables and the Trento report are written so.
-- ``sae``: as ``adapted-sae`` with alpha and Fz reversed too: a loaded tire has Fz < 0. The FSAE TTC's
-  bench files are written so.
+- ``adapted-sae``: as ``iso`` with Fy, My and Mz reversed, so that Fy > 0 for alpha > 0. Many student tables and the
+  Trento report use it.
+- ``sae``: as ``adapted-sae`` with alpha and Fz reversed too: a loaded tire has Fz < 0. The FSAE TTC's bench files use
+  it.
 
 kappa, gamma, Fx and Mx are the same in all three.
 """
@@ -20,7 +20,7 @@ from tirefmu.boundary.errors import UnknownName
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The input columns of the public tables; a model reads those that it knows.
+#: The input columns of the public tables; a model reads those that it has.
 TABLE_INPUTS = ("t", "kappa", "alpha", "gamma", "Fz", "p", "V", "T", "phit")
 #: The output columns of the public tables.
 TABLE_OUTPUTS = ("Fx", "Fy", "Mz", "Mx", "My")

@@ -1,9 +1,9 @@
-"""The course of a tire's states over a recording, and their equilibrium.
+"""The time histories of a tire's states over a recording, and their equilibrium.
 
-States that follow inputs alone and hystereses along lagged slips have exact updates. A state that is driven by forces,
-which depend on it in turn, is integrated in steps that grow with the time since the last change of the inputs. In each
-step the drive is a parabola through start, middle and end (a Lobatto collocation of fourth order, exact for the lag
-itself); the values at the middle and the end are found by iteration, for many steps at once.
+States that follow only inputs, and hystereses along lagged slips, have exact updates. A state driven by forces that
+depend on it is integrated in steps that grow with the time since the last change of the inputs. In each step the drive
+is a parabola through start, middle and end (a Lobatto collocation of fourth order, exact for the lag itself); the
+values at the middle and the end are found by iteration, for many steps at once.
 
 References
 ----------
@@ -35,8 +35,8 @@ IntArray = npt.NDArray[np.intp]
 #: First step after a change of the inputs, as a share of the shortest time constant, and the ratio of a step to the
 #: one before. `fmu/packaging/written_headers.py` prints these numbers and the next ones for the FMU.
 FIRST_STEP, GROWTH = 0.3, 1.2
-#: The largest number of iterations; a change of the values that is accepted then; how often a step is halved that has a
-#: larger one (more would take hours). The values of a step that still has a larger one are NaN.
+#: The largest number of iterations; the change of the values that is then accepted; how often a step with a larger
+#: change is halved (more would take hours). The values of a step that still has a larger change are NaN.
 MAX_ITERATIONS, ACCEPTED, MAX_HALVINGS = 50, 1e-9, 10
 #: Iterations end when no value changes by more than this share.
 CONVERGED = 1e-13
@@ -53,9 +53,9 @@ class StateSimulation:
     - `rows`, shape (n_inputs, n): given inputs.
     - `parameters`, shape (n_parameters,).
     - `hold`: inputs are held from each row to the next; otherwise they are linear.
-    - `slips`: the courses of kappa and tan(alpha), by input, if they lag.
+    - `slips`: the time histories of kappa and tan(alpha), by input, if they lag.
     - `names`: the states that are simulated; the others are 0.
-    - `starts`, shape (n,): the values with which states begin at the rows where a segment begins
+    - `starts`, shape (n,): the initial values of states at the rows where a segment begins
       (`transient.segment_starts`), by name.
     """
 
@@ -101,8 +101,8 @@ class StateSimulation:
     def acting_with_linear_drives(self, guess: Mapping[str, FloatArray], tolerance: float) -> FloatArray:
         """Return the same with drives by forces that are linear between rows, which is faster and less exact.
 
-        `guess`, shape (n,): courses of states from which the iteration starts; default: 0. `tolerance`: the iteration
-        ends when no value changes by more than this share of the largest one. Returns shape (n_inputs, n).
+        `guess`, shape (n,): time histories of states from which the iteration starts; default: 0. `tolerance`: the
+        iteration ends when no value changes by more than this share of the largest one. Returns shape (n_inputs, n).
         """
         rows = self._with_slips(self.rows, {name: course.value for name, course in self.slips.items()})
         for name, course in self._courses.items():
@@ -139,7 +139,7 @@ class StateSimulation:
         return self._given[target], self._given[rate], self._given[start]
 
     def _course(self, state: State, lines: Mapping[str, FloatArray]) -> Course | _Sum:
-        """Return the course of a state that changes with time, for its lines at each row."""
+        """Return the time history of a state that changes with time, for its lines at each row."""
         target, rate, start = (lines[name] for name in state.line_names[:3])
         begins = None
         if state.name in self.starts:
@@ -151,7 +151,7 @@ class StateSimulation:
         return _Sum(target, self.h, start, self.hold, self.h < 0.0 if begins is None else begins[1:])
 
     def _oscillation(self, state: State) -> dict[str, Part]:
-        """Return the courses of position and speed of an oscillator."""
+        """Return the time histories of position and speed of an oscillator."""
         target, frequency, start = self._of(state)
         speed = self.symbolic_model.states[state.speed_name]
         _, damping, _ = self._of(speed)
@@ -167,7 +167,7 @@ class StateSimulation:
     # ------------------------------------------------------------ states that forces drive
 
     def _drive(self, rows: FloatArray, driven: list[State]) -> None:
-        """Simulate states that are driven by forces, and put them into the acting rows."""
+        """Simulate states that are driven by forces, and write them into the acting rows."""
         starts = [0, *(np.flatnonzero(self.h < 0.0) + 1).tolist(), len(self.t)]
         given = {name: values[starts[:-1]] for name, values in self.starts.items()}
         at_start = equilibrium(
@@ -188,7 +188,7 @@ class StateSimulation:
                     rows[indices, last] = x
 
     def _steps(self, first: int, last: int, driven: list[State]) -> _Steps:
-        """Return the steps from row to row: the longer ago the inputs have changed, the longer they are."""
+        """Return the steps from row to row; they grow with the time since the last change of the inputs."""
         # Linear inputs do not jump: lags of them need no short steps.
         courses = (*self.slips.values(), *self._courses.values()) if self.hold else ()
         moving = [course.rate for course in courses if isinstance(course, Course | Part)]
@@ -211,7 +211,7 @@ class StateSimulation:
 
     @np.errstate(over="ignore", invalid="ignore")  # of values that are not accepted
     def _solve(self, steps: _Steps, driven: list[State], x: FloatArray, rows: FloatArray) -> FloatArray:
-        """Solve steps, put the values at rows into the acting rows, and return the values at the end."""
+        """Solve steps, write the values at rows into the acting rows, and return the values at the end."""
         if not len(steps.h):
             return x
         nodes = self._nodes(steps)
@@ -287,7 +287,7 @@ class _Steps:
 
 @dataclass(frozen=True)
 class _Sum:
-    """The course of an accumulation whose flow follows the inputs."""
+    """The time history of an accumulation whose flow follows the inputs."""
 
     flow: FloatArray
     h: FloatArray
@@ -344,7 +344,7 @@ def equilibrium(
 
     `rows`, shape (n_inputs, n). `parameters`, shape (n_parameters,). `names`: the states of the tire; the others are 0.
     `given`, shape (n,): values of states that are not computed. `start`: whether a state that declares a start value
-    has that value, as at the begin of a recording. Returns shape (n_inputs, n).
+    has that value, as at the start of a recording. Returns shape (n_inputs, n).
     """
     rows = rows.copy()
     inputs = [quantity.name for quantity in model.inputs]

@@ -1,4 +1,4 @@
-"""A tire in a few lines, as ``repr`` and notebooks show it."""
+"""A summary of a tire in a few lines, for ``repr`` and notebooks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LONGEST_NAME = 80
 
 
 def tire_text(tire: TireDefinition) -> str:
-    """Return what a tire is, in a few lines.
+    """Return a summary of a tire in a few lines.
 
     >>> from tirefmu.tires import published
     >>> print(tire_text(published("trento_hoosier")))
@@ -62,6 +62,6 @@ def _nominal(tire: TireDefinition) -> list[tuple[str, float, str]]:
 
 
 def _few(names: list[str], most: int = 6) -> str:
-    """Return the first names, and how many more there are."""
+    """Return the first names and the number of further names."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + more

@@ -1,7 +1,7 @@
-"""What `Tire.evaluate` accepts as a table: a DataFrame as it is, anything else through the reader of `tirefmu`.
+"""Table arguments of `Tire.evaluate`: a DataFrame is used as it is; the reader of `tirefmu` reads everything else.
 
-Recordings and their files belong to `tirefmu.measurements`, which builds on this package. The package `tirefmu`
-connects the two, so that nothing here depends on the readers.
+Recordings and their files belong to `tirefmu.measurements`, which imports this package. The package `tirefmu` connects
+the two, so this package does not depend on the readers.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class SignedTable(Protocol):
-    """A table that knows its sign convention, such as `tirefmu.measurements.Recording`."""
+    """A table with its sign convention, such as `tirefmu.measurements.Recording`."""
 
     @property
     def table(self) -> pd.DataFrame:
@@ -27,7 +27,7 @@ class SignedTable(Protocol):
         """The table's sign convention."""
 
 
-#: Returns the table of a path or a recording; takes the table and the signs, None where the caller gave none.
+#: Returns the table of a path or a recording; takes the table and the signs, None if the caller gave none.
 Reader = Callable[[Any, str | None], SignedTable]
 
 
@@ -39,7 +39,7 @@ _reader: Reader = _data_frames_only
 
 
 def read_tables_with(reader: Reader) -> None:
-    """Set what reads a table that is not a DataFrame.
+    """Set the reader of a table that is not a DataFrame.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def read_tables_with(reader: Reader) -> None:
 def table_from(table: Any, signs: str | None = None) -> tuple[pd.DataFrame, str]:
     """Return a table and its sign convention.
 
-    `signs`: the convention; for a DataFrame "iso" where None. Raises `DataError` if a file cannot be read, or the signs
+    `signs`: the convention; for a DataFrame "iso" if None. Raises `DataError` if a file cannot be read, or the signs
     contradict those of a recording. Raises `WrongType` if it is not a table.
 
     >>> import pandas as pd

@@ -32,20 +32,20 @@ class Tire(TireDefinition):
         Coefficients by .tir name in SI units; missing ones take the model's default in these signs
         (`defaulted` lists them). FNOMIN and UNLOADED_RADIUS are required.
     effects : collection of str, optional
-        The effects that the tire has; all of the model where None. Coefficients that only an absent effect
-        reads are set to neutral.
+        The effects that the tire has; all of the model if None. Coefficients that only an absent effect reads are set
+        to neutral.
     signs : str
         The convention in which the coefficients are written: "iso" (default) or "adapted-sae".
     name : str
         For texts and files.
     about : mapping of str to str
-        Where the tire comes from: source, fit, remarks; the keys are lower-case words.
+        Origin of the tire: source, fit, remarks; the keys are lower-case words.
     ranges : mapping of str to (float, float)
-        The inputs' range in which the tire is known, by input name. Where the model has coefficients for a
-        range (KPUMIN, KPUMAX, ...) the two are one.
+        The range of each input in which the tire is known, by input name. If the model has coefficients for a range
+        (KPUMIN, KPUMAX, ...), they have the same values.
     side : str
         The side of the vehicle to which the coefficients apply, TYRESIDE of the file: "left", "right" or "".
-        It changes nothing by itself; see `mirror` of `evaluate`.
+        It has no influence by itself; see `mirror` of `evaluate`.
     added : tuple of AddedEffect
         Effects beyond the book. Those of the library are added by their names in `effects`.
     other_entries : tuple of (str, str, str)
@@ -117,7 +117,7 @@ class Tire(TireDefinition):
             format for a file, a recording's own. Named quantities are those of the formula written in it
             ("sae": in adapted SAE).
         convention : {"tno", "book"}
-            As the industry's solvers compute, or as Pacejka (2012), section 4.E, prints. MF96 has one form.
+            As in the industry's solvers, or as printed in Pacejka (2012), section 4.E. MF96 has one form.
         slip_angle : {"tan", "angle"}
             alpha* and gamma*: tangent and sine, or the angles themselves. MF96 has the angles.
         limits : bool
@@ -127,9 +127,9 @@ class Tire(TireDefinition):
             Evaluate the tire as mounted on the other side of the vehicle than the one it was measured for.
             Named quantities are those of the tire as measured, at mirrored inputs.
         steady : bool
-            Evaluate each row for itself. Otherwise, where the table has a column t and the tire a relax_*
-            effect, slips lag behind the inputs from row to row; the columns ``kappa_lagged`` and
-            ``alpha_lagged`` are those that act.
+            Evaluate each row independently. Otherwise, if the table has a column t and the tire a relax_* effect, slips
+            lag behind the inputs from row to row; the columns ``kappa_lagged`` and ``alpha_lagged`` are the acting
+            slips.
         hold : bool
             Inputs are held over each step, as in a co-simulation; otherwise they are linear between rows.
         code : {"auto", "numpy", "c", "casadi", "batch"}
@@ -180,21 +180,21 @@ class Tire(TireDefinition):
         kind : {"pure", "surfaces", "combined"}
             Fx over kappa, Fy and Mz over alpha in pure slip; Fx and Fy over both slips; Fy against Fx.
         loads : sequence of float, N, optional
-            Three over the tire's range where None. Surfaces are drawn at the middle one.
+            Three over the tire's range if None. Surfaces are drawn at the middle one.
         signs : {"iso", "adapted-sae", "sae"}
             Convention in which the figure is drawn.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Of its own, not one of pyplot's: ``figure.savefig("tire.png")`` writes it.
+            Not registered in pyplot: ``figure.savefig("tire.png")`` writes it.
 
         Raises
         ------
         UnknownName
             If the kind or the convention does not exist.
         TirefmuError
-            If a load is not positive, or the tire makes no force or one that is not finite.
+            If a load is not positive, or the tire has no force or one that is not finite.
 
         Examples
         --------
@@ -203,7 +203,7 @@ class Tire(TireDefinition):
         >>> [ax.get_title() for ax in figure.axes][1]
         'Fy over α at κ = 0'
         """
-        from .drawing.surface_figure import plot  # imports matplotlib, which takes its time
+        from .drawing.surface_figure import plot  # imports matplotlib, which is slow
 
         return plot(self, kind, loads=loads, signs=signs)
 

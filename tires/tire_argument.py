@@ -1,4 +1,4 @@
-"""What is accepted where a tire is needed: a tire, the path of a .tir file, or the name of a published tire."""
+"""Tire arguments: a tire, the path of a .tir file, or the name of a published tire."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .property_file.reading import read_tir
 from .published_tires import PUBLISHED, published
 from .tire import Tire
 
-#: What the functions of the public interface accept as a tire.
+#: Types that the functions of the public interface accept as a tire.
 TireLike = Tire | str | os.PathLike[str]
 
 

@@ -1,8 +1,8 @@
 """Transient slip: tan(alpha) and kappa lag behind their inputs by a rolled distance.
 
-d x/dt = |V| / sigma (u - x): the exact solution over each step, whatever its length (`tirefmu.symbolic.laws`); nothing
-changes while the wheel does not roll. Pacejka, Tire and Vehicle Dynamics (2012), section 7.2.1 has the single contact
-point model; here the lag acts on the slip itself.
+d x/dt = |V| / sigma (u - x): the exact solution over each step of any length (`tirefmu.symbolic.laws`); nothing changes
+while the wheel does not roll. Pacejka, Tire and Vehicle Dynamics (2012), section 7.2.1 has the single contact point
+model; here the lag acts on the slip itself.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Course:
-    """The course of a lag over a recording.
+    """The time history of a lag over a recording.
 
-    - `target`, `rate`, shape (n,): what it follows, and how fast, 1/s; infinite where it follows at once.
+    - `target`, `rate`, shape (n,): the target, and the rate, 1/s; infinite without lag.
     - `way`, shape (n - 1,): integral of the rate from row to row.
     - `value`, shape (n,).
     - `hold`: targets are held from each row to the next; otherwise they are linear.
@@ -49,7 +49,7 @@ GAP = 5.0
 
 
 def segment_starts(t: FloatArray) -> npt.NDArray[np.bool_]:
-    """Return whether a segment of a recording begins at a row: the first one, where time goes back, after a gap.
+    """Return whether a segment of a recording begins at a row: the first row, where time goes backward, after a gap.
 
     >>> segment_starts(np.array([0.0, 0.1, 0.2, 20.0, 20.1, 0.0])).tolist()
     [True, False, False, True, False, True]
@@ -69,7 +69,7 @@ def followed(
     hold: bool,
     begins: npt.NDArray[np.bool_] | None = None,
 ) -> Course:
-    """Return the course of a lag.
+    """Return the time history of a lag.
 
     `t`, shape (n,): time, s. Where it goes backward, a new recording begins at the start value of that row. `target`,
     `rate`, shape (n,): as in `Course`. `start`, shape (n,): the value with which a recording that begins at a row
@@ -99,12 +99,12 @@ def recursion(start: float, decay: FloatArray, gained: FloatArray) -> FloatArray
 
 
 def lagged_course(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> Course:
-    """Return the course of the slip that acts in each row of a recording.
+    """Return the time history of the slip that acts in each row of a recording.
 
     `t`, shape (n,): time, s. Where it goes backward, a new recording begins in steady state, as at the first row.
     `slip`, shape (n,): tan(alpha) or kappa as an input. `speed`, shape (n,): V, m/s; its sign does not matter. `sigma`,
-    shape (n,): relaxation length, m; where it is 0 the slip acts at once. `hold`: inputs are held from each row to the
-    next, as in a co-simulation; otherwise the slip is linear and |V| / sigma the mean between rows.
+    shape (n,): relaxation length, m; where it is 0 the slip acts without lag. `hold`: inputs are held from each row to
+    the next, as in a co-simulation; otherwise the slip is linear and |V| / sigma the mean between rows.
 
     >>> t = np.array([0.0, 0.1, 0.2])
     >>> step, ones = np.array([0.0, 1.0, 1.0]), np.ones(3)

@@ -36,7 +36,7 @@ class ChannelErrors:
     def of(
         cls, name: str, table: pd.DataFrame, simulated: pd.DataFrame, inputs: Sequence[str], first: int = 0
     ) -> ChannelErrors:
-        """Return the errors in the rows of a table, of which the first has a number."""
+        """Return the errors in the rows of a table; `first` numbers the first row."""
         data, model = table[name].to_numpy(dtype=np.float64), simulated[name].to_numpy()
         rows = np.flatnonzero(~np.isnan(data))
         if not rows.size:

@@ -19,9 +19,9 @@ from .result import Channel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Segments are separated by lines if they are no more.
+#: Largest number of segments that are separated by lines.
 MAX_SEPARATED = 50
-#: Rows from which points are small.
+#: Number of rows from which points are small.
 MANY = 1000
 
 
@@ -43,7 +43,7 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     >>> [path.name for path in draw_check(result, "figures")]
     ['Fy.png']
     """
-    from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which takes its time
+    from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which is slow
 
     try:
         return write_figures(check_figures(result), Path(folder), prefix)

@@ -15,7 +15,7 @@ from tirefmu.tires.notebook import html_summary, html_table
 
 #: Largest |FMU - direct| / (1 + |direct|) between the FMU and direct evaluation of its tire.
 EVALUATION_TOLERANCE = 1e-9
-#: Coefficient of determination from which a channel counts as described. It is judgement, and fails no check.
+#: Coefficient of determination from which a channel counts as described. It is judgement and does not affect the check.
 GOOD_R2 = 0.9
 
 

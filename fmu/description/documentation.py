@@ -192,7 +192,7 @@ def _table(variables: Sequence[Variable], value: str) -> Iterable[str]:
 
 
 def header_license(header: Path) -> bytes:
-    """Return the license notice of the FMI standard's header, which the license requires with binaries.
+    """Return the license notice of the FMI standard's header. The license requires it with binaries.
 
     `header`: one of the standard's C headers. Raises `FmuError` if the header cannot be read or contains no notice.
     """

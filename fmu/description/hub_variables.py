@@ -15,7 +15,7 @@ from tirefmu.tires.roads.road import Road
 
 from .variables import Variable, input_variable
 
-#: The least friction of a road relative to that of the tire: the formulas divide by it.
+#: The smallest friction of a road relative to that of the tire: the formulas divide by it.
 MIN_FRICTION = 0.01
 #: Deflection by the nominal load, per free radius, of a tire without equations of deflection.
 DEFAULT_DEFLECTION = 0.06
@@ -48,7 +48,7 @@ TORQUES = (
 WHEEL_INERTIA = Variable(
     "WHEEL_INERTIA", "parameter", "kg m^2", "moment of inertia of the wheel about its axis", 1.0, 1e-6, inf
 )
-#: What the C code computes for the hub, in its order; see hub.h.
+#: The results of the C code for the hub, in its order; see hub.h.
 RESULTS = (
     *hub.MOTION,
     hub.LOADED_RADIUS,
@@ -60,7 +60,7 @@ RESULTS = (
     *hub.GLOBAL_WRENCH,
     BRAKE,
 )
-#: The results that the kinematics of the contact reads.
+#: The results that are inputs of the contact kinematics.
 READ = (*hub.MOTION, FZ)
 
 
@@ -139,7 +139,7 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
 
 
 def with_damping(tire: Tire) -> Tire:
-    """Return a tire with the assumed vertical damping if its model has one that its file does not state."""
+    """Return a tire with the assumed vertical damping if its model has vertical damping and its file has no value."""
     if "VERTICAL_DAMPING" not in tire.defaulted:
         return tire
     given = {name: value for name, value in tire.values.items() if name not in tire.defaulted}

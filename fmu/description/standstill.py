@@ -1,4 +1,4 @@
-"""What an FMU with the motion of a wheel needs at standstill: a damper, and relaxation lengths if a tire has none."""
+"""Additions to an FMU with wheel motion for standstill: a damper, and relaxation lengths if a tire has none."""
 
 from __future__ import annotations
 

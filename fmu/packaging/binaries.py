@@ -27,13 +27,13 @@ from .model_code import model_files
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
 MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 
-#: Each operation is rounded once on every machine; the binary contains no unreachable functions, and no tables for
-#: exceptions, which C has not.
+#: Each operation is rounded once on every machine; the binary contains no unreachable functions and no tables for
+#: exceptions, which C does not have.
 FLAGS = (
     "-ffp-contract=off", "-ffunction-sections", "-fdata-sections", "-fno-asynchronous-unwind-tables",
     "-fno-unwind-tables",
 )  # fmt: skip
-#: For code that is called rarely: a part of the model's, and the files of the wrapper that no step calls.
+#: For code that is called rarely: a part of the model's code, and the files of the wrapper that no step calls.
 SMALL = ("-Os", "-fno-inline")
 RARE = frozenset(
     {
@@ -133,7 +133,7 @@ def binaries(
         return {binary_path(fmi, identifier): ready.get(host_platform()) or host_binary(sources, model, include)}
     names = {name: host_platform() if name == "host" else name for name in requested}
     compilers = {name: None if name == "host" else ziglang(name) for name, named in names.items() if named not in ready}
-    # Two in parallel: a compiler waits for the disk, and zig needs long for its first build for Windows.
+    # Two in parallel: a compiler waits for the disk, and zig's first build for Windows is slow.
     with ThreadPoolExecutor(2) as pool:
         jobs = {
             host_platform() if cross is None else name: pool.submit(binary, sources, model, include, cross)
@@ -182,7 +182,7 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
             if bare:  # the runtime's headers are needed for compiling only
                 (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
                 wrapper.append(folder / RUNTIME)
-            # A file of its own for each platform must be small, one for this machine is to be compiled at once.
+            # Files for further platforms must be small; a file for this machine must compile quickly.
             separate = [file for file in wrapper if bare or (cross and file.name in RARE)]
             compiled += [
                 compiled_object(

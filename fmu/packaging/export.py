@@ -150,7 +150,7 @@ def export(
 def _prebuilt(
     tire: Tire, shown: Interface, token: str, requested: Iterable[str]
 ) -> tuple[dict[str, bytes], dict[str, bytes]]:
-    """Return the binaries that were built beforehand, by platform, and the file of values that they read."""
+    """Return the prebuilt binaries by platform, and the file of values that they read."""
     if shown.road or not has_prebuilt():
         return {}, {}
     found = generic(tire, inputs=shown.inputs, axes=shown.axes)

@@ -27,7 +27,7 @@ def model_files(model: str) -> tuple[str, str]:
 
 @lru_cache(maxsize=8)
 def split_code(model: str, code: str) -> dict[str, bytes]:
-    r"""Return the two files made of a model's generated C code.
+    r"""Return the two files of a model's generated C code.
 
     Routines have their original names. The file for size has the general variants, which are valid for every row and
     call the system's elementary functions. Their results differ by rounding from those used for the forces.

@@ -1,4 +1,4 @@
-"""Binaries built beforehand: each serves every tire of a model with the same variables, and needs no compiler.
+"""Prebuilt binaries: each is valid for every tire of a model with the same variables, and needs no compiler.
 
 The values of the tire are in a file of the FMU (`values_file`), which the binary reads when it is instantiated. A
 binary is found by the digest of its C sources: it is never used for other sources, such as those of an added effect or
@@ -35,7 +35,7 @@ _TEXT_SIZES = (48, 256)
 
 @dataclass(frozen=True)
 class Generic:
-    """What the tires that share a binary have in common.
+    """The common parts of the tires that share a binary.
 
     - `shown`: with all named quantities as outputs: an FMU without them has the first variables of this list.
     - `sources`: C files and headers by name.
@@ -48,7 +48,7 @@ class Generic:
 
 
 def generic(tire: Tire, *, inputs: str = "slip", axes: str = "iso") -> Generic:
-    """Return what a tire shares with the other tires of its model that have the same variables.
+    """Return the common parts of a tire and the other tires of its model with the same variables.
 
     `inputs`, `axes`: as in `export`.
 
@@ -105,9 +105,9 @@ def has_prebuilt() -> bool:
 
 
 def prebuilt_binary(structure: str, platform: str) -> bytes | None:
-    """Return a binary that was built beforehand.
+    """Return a prebuilt binary.
 
-    `structure`: as of `generic`. `platform`: FMI 3's name. Returns: none if there is none for these sources and this
+    `structure`: as of `generic`. `platform`: FMI 3's name. Returns: None if there is none for these sources and this
     platform. Raises `FmuError` if the file is missing or damaged, or the binary differs from its digest.
 
     >>> prebuilt_binary("another structure", "x86_64-linux") is None

@@ -88,7 +88,7 @@ def export_sti(
 
 
 def tire_header(tire: Tire) -> str:
-    """Return the header with what a library knows of its tire without the values of its equations.
+    """Return the header with the data of a library's tire, without the values of its equations.
 
     >>> from tirefmu.tires import published
     >>> print(tire_header(published("trento_hoosier")).splitlines()[1])

@@ -1,4 +1,4 @@
-"""The C headers that are written for a model and its variables, and for the values of a tire."""
+"""The generated C headers for a model and its variables, and for the values of a tire."""
 
 from __future__ import annotations
 
@@ -222,7 +222,7 @@ def _memory(shown: Interface) -> list[str]:
 def _inputs(shown: Interface) -> Iterable[str]:
     """Yield the tables of the model's inputs: indices of the host's inputs, and values of unconnected ones.
 
-    A value that is not read is 0: the nominal values of a tire would make the header one of this tire only.
+    A value that is not read is 0: with nominal values the header would be specific to this tire.
     """
     tire, indices = shown.tire, host_input_indices(shown)
     computed = {name for _, name in tire.symbolic_model.on_demand} | ({"kappa", "alpha", "V"} if shown.wheel else set())

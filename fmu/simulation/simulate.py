@@ -1,7 +1,7 @@
-"""Simulation of an FMU over a table: a third-party FMU in a separate process, one that we have built in this process.
+"""Simulation of an FMU over a table: a third-party FMU runs in a separate process, a self-built FMU in this process.
 
 A third-party FMU is native code: it may hang, crash, end the process or write to the terminal. Its process has a time
-limit, a temporary working folder and no terminal. It ends with this process, and so do the processes that it started.
+limit, a temporary working folder and no terminal. It and the processes that it started end with this process.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ class Slave:
                 loggingOn=True, logMessage=lambda _environment, _status, _category, line: self._note(line)
             )
         else:
-            # fmpy's memory functions and our logger; fmpy holds a reference to them.
+            # fmpy's memory functions and this module's logger; fmpy holds a reference to them.
             callbacks = fmi2CallbackFunctions()
             callbacks.logger = fmi2CallbackLoggerTYPE(
                 lambda _environment, _name, _status, _category, line: self._note(line)

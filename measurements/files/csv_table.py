@@ -115,7 +115,7 @@ def _check_cells(path: Path, skipped: int, width: int, separator: str, most: int
     with _opened(path, skipped) as file:
         for line, cells in islice(_rows(file, path, skipped, separator), most):
             if len(cells) > width:
-                # Every number with a comma is two cells.
+                # A number with a comma gives two cells.
                 comma = separator == "," and len(cells) <= 2 * width
                 hint = ": decimal commas? write decimal points" if comma else ""
                 raise DataError(f"{path}: line {line}: more cells than the header's {width}{hint}")

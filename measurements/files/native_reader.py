@@ -40,7 +40,7 @@ class _Process:
 
     @property
     def usable(self) -> bool:
-        """Whether the process is running and was started by this process, not by one from which this was forked."""
+        """Whether the process is running and was started by this process, not by a parent from which it was forked."""
         return self._owner == os.getpid() and self._popen.poll() is None
 
     def send(self, request: tuple[str, str, int, int, tuple[Any, ...]], seconds: float) -> tuple[str, Any]:
@@ -59,7 +59,7 @@ class _Process:
             self._popen.stdin.write(pickle.dumps(request))
             self._popen.stdin.flush()
             status, content = pickle.load(self._popen.stdout)
-        except BaseException as error:  # Ctrl-C as well: a late answer would be read as the next one
+        except BaseException as error:  # also for Ctrl-C: a late answer would be read as the next one
             self.close()
             if late.is_set():
                 raise TimeoutError from error

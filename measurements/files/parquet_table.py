@@ -40,7 +40,7 @@ def parquet_header(path: Path) -> tuple[list[Column], int]:
 
 
 def parquet_parts(path: Path, columns: Sequence[Column], most: int) -> Iterator[tuple[int, pd.DataFrame]]:
-    """Yield the number of the first row of each part and its rows, `most` at most, channels in SI.
+    """Yield the number of the first row of each part and at most `most` of its rows, channels in SI.
 
     Raises `DataError` if a channel cannot be used. The message counts rows from 1.
     """

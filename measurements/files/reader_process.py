@@ -88,7 +88,7 @@ _reading: _Parts | None = None
 
 
 def load_parquet_part(path: str, start: int, most: int) -> Any:
-    """Return rows of a Parquet file from a row on, `most` at most; None beyond the last row."""
+    """Return at most `most` rows of a Parquet file from a row on; None beyond the last row."""
     global _reading
     if _reading is None or (_reading.path, _reading.next_row) != (path, start) or start == 0:
         _reading = _Parts(path, most)

@@ -73,7 +73,7 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     try:
         if not file.exists():
             raise DataError(f"{file}: no such file")
-        if not (file.is_file() or file.is_dir()):  # to read a device may never end; the reader names a folder
+        if not (file.is_file() or file.is_dir()):  # reading a device may never end; the reader reports a folder
             raise DataError(f"{file}: neither a file nor a folder")
         recording = reader(file, chosen)
     except UnicodeDecodeError:

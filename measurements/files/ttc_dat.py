@@ -11,7 +11,7 @@ from ..recording import Recording
 from .columns import is_number, rows_of_numbers
 from .ttc_channels import bench_recording, has_bench_names
 
-_TITLE_LINES = 20  # upper limit; the names of the channels are in the second line or soon after
+_TITLE_LINES = 20  # upper limit; the names of the channels are in the second line or shortly after
 _AXES = re.compile(r"\bISO\W*(?P<answer>true|false)\b", re.IGNORECASE)
 _UNIT_OF_TWO_WORDS = re.compile(r"\bdeg(?:rees?)? +(?=[CFK]\b)", re.IGNORECASE)
 

@@ -42,7 +42,7 @@ def clock_and_units(recording: Recording) -> Iterator[Finding]:
 def _clock_jumps(recording: Recording) -> Iterator[Finding]:
     """Yield findings on jumps of the clock: backwards, repeated times, gaps within a sweep.
 
-    A gap between two sweeps is no finding: a bench may log each sweep separately.
+    A gap between two sweeps is not a finding: a bench may log each sweep separately.
     """
     if "t" not in recording.table or len(recording) < 2:
         return

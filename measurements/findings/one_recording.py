@@ -64,7 +64,7 @@ def _missing_slips(recording: Recording) -> Iterator[Finding]:
 
 
 def _unread_channels(recording: Recording) -> Iterator[Finding]:
-    """Yield a finding if a table has columns that are no channels."""
+    """Yield a finding if a table has columns that are not channels."""
     names = [name for name in map(str, recording.table) if name not in CHANNELS]
     if names:
         more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
@@ -93,14 +93,14 @@ def incomplete_rows(recording: Recording) -> Iterator[Finding]:
 def _repeated_rows(recording: Recording) -> Iterator[Finding]:
     """Yield a finding if a stretch of rows repeats an earlier one in every channel but time.
 
-    Single rows, and a sweep back that repeats the sweep there, may be equal without noise.
+    Without noise, single rows may be equal, and a return sweep may repeat the first one.
     """
     earlier, _ = pd.factorize(row_keys(recording))  # the first row with the same numbers, as a count of different rows
     repeated = row_keys(recording).duplicated().to_numpy()
     follows = np.diff(earlier, prepend=-1) == 1
     edges = np.flatnonzero(np.diff(np.concatenate([[False], repeated & follows, [False]])))
     stretches = [(start, stop) for start, stop in edges.reshape(-1, 2) if stop - start >= SHORTEST_REPETITION - 1]
-    # The first row of a stretch follows on no row before it.
+    # The first row of a stretch does not continue an earlier row.
     stretches = [(start - (start > 0 and repeated[start - 1]), stop) for start, stop in stretches]
     rows = sum(stop - start for start, stop in stretches)
     if rows > MAX_REPEATED_ROWS * len(recording):

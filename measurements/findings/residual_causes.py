@@ -22,7 +22,7 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     """Return what the residuals of a tire show about temperature and lag.
 
     One linear regression of the residual on F (T - mean T), whose coefficient is a relative change of the force per
-    kelvin, and on -dF/dt, whose coefficient is a delay. Each share is what only this cause explains.
+    kelvin, and on -dF/dt, whose coefficient is a delay. Each share is explained by this cause only.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def _regression(columns: NDArray[np.float64], r: NDArray[np.float64]) -> tuple[N
 
 
 def _rate(recording: Recording, force: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the derivative of the force by time over a few samples; NaN where the rows are no time series."""
+    """Return the derivative of the force by time over a few samples; NaN where the rows are not a time series."""
     rate = np.full(len(force), np.nan)
     for segment in segments_of(recording) if "t" in recording.table else ():
         if segment.is_series:

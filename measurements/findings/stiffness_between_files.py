@@ -1,7 +1,7 @@
 """Whether the cornering stiffness of two recordings differs at equal operating conditions.
 
-Sweeps and tests at a few held slip angles have two slip angles in common at most. The forces at these two are compared:
-a slope between two points, not the slope at zero slip of `tirefmu.estimation.slip_slope`, which needs a sweep.
+Sweeps and tests at a few held slip angles have at most two slip angles in common. The forces at these two are compared:
+this is a slope between two points, not the slope at zero slip of `tirefmu.estimation.slip_slope`, which needs a sweep.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from ..thresholds import (
 )
 from .finding import Finding
 
-#: The least relative error of a slope, for data without noise.
+#: The smallest relative error of a slope, for data without noise.
 RELATIVE_ROUNDING = 1e-12
 
 
 def stiffness_between_files(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield a finding for each pair of recordings whose cornering stiffness differs at equal conditions.
 
-    The slope of Fy/Fz between two slip angles that both recordings have, at free rolling and at equal load, camber and
-    pressure. It needs no tire model.
+    It compares the slope of Fy/Fz between two slip angles that both recordings have, at free rolling and at equal load,
+    camber and pressure. No tire model is needed.
     """
     usable = [recording for recording in recordings if {"alpha", "Fz", "Fy"} <= set(recording.table)]
     rows = [_free_rolling(recording) for recording in usable] if len(usable) > 1 else []

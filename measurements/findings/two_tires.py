@@ -1,4 +1,4 @@
-"""Whether recordings are of one tire: their names, the sizes of their loads, friction at equal operating conditions."""
+"""Check whether recordings are of one tire: names, magnitude of the loads, friction at equal operating conditions."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ FORCES = {"alpha": "Fy", "kappa": "Fx"}
 def two_tires(recordings: Sequence[Recording]) -> list[str]:
     """Return why recordings seem to be of several tires.
 
-    Sentences on names that differ, on loads of different size in two recordings, and on loads of different size before
-    and after a restart of the clock (joined files). Without any, at most one on sweeps at equal operating conditions
-    whose friction differs.
+    Sentences report different names, loads of different magnitude in two recordings, and loads of different magnitude
+    before and after a restart of the clock (joined files). Without these, at most one reports sweeps at equal operating
+    conditions with different friction.
     """
     notes = [*_names(recordings), *_loads(recordings)]
     notes += [note for recording in recordings for note in _joined_files(recording)]

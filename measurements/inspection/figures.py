@@ -65,7 +65,7 @@ def _course(inspection: Inspection, name: str, x: NDArray[np.float64]) -> Iterat
 
 
 def _envelope(x: NDArray[np.float64], y: NDArray[np.float64], rows_of_all: int) -> NDArray[np.float64]:
-    """Return lowest and highest value of each of some parts of a segment, so that no spike is lost, shape (2, n)."""
+    """Return lowest and highest value of each part of a segment, so that no spike is lost, shape (2, n)."""
     if rows_of_all > 2 * MAX_COLUMNS:
         parts = np.array_split(np.arange(len(x)), max(1, MAX_COLUMNS * len(x) // rows_of_all))
         rows = np.concatenate([part[np.sort([np.argmin(y[part]), np.argmax(y[part])])] for part in parts])

@@ -149,7 +149,7 @@ def _levels_of(series: Sequence[Phase], recording: Recording, name: str) -> NDAr
 
 
 def _extents(recording: Recording, labels: NDArray[np.intp], keys: Sequence[_Key]) -> NDArray[np.float64]:
-    """Return the swept range of each condition in level tolerances, 1 at least."""
+    """Return the swept range of each condition in level tolerances, at least 1."""
     columns = {name: recording.table[name].to_numpy(dtype=np.float64) for name in {n for m, _ in keys for n in m}}
     tolerances = {name: level_tolerance(values, name) or 1.0 for name, values in columns.items()}
     order = np.argsort(labels, kind="stable")

@@ -38,7 +38,7 @@ class Phase:
         Its rows in the recording.
     kind : str
         "sweep" (an input moves steadily), "plateau" (all inputs are held), "transition" (a held input changes from one
-        level to another), or "points" (the rows are no time series: each is a steady point).
+        level to another), or "points" (the rows are not a time series: each is a steady point).
     moving : tuple of str
         The inputs that move.
     held : mapping of str to float
@@ -236,7 +236,7 @@ def _levels_of_long_stays(
 
 
 def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:
-    """Return the segments; consecutive ones that are no time series are merged."""
+    """Return the segments; consecutive ones that are not time series are merged."""
     merged: list[Segment] = []
     for segment in segments:
         if merged and not segment.is_series and not merged[-1].is_series:
@@ -266,7 +266,7 @@ def _motions(channel: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
 def _smoothed(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray[np.float64]:
     """Return the running median in each segment, by one pass over all segments with equal windows.
 
-    A segment with NaN has a pass of its own: the filter carries NaN beyond its window.
+    A segment with NaN has a separate pass: the filter spreads NaN beyond its window.
     """
     smooth = values.copy()
     passes: dict[tuple[int, int], list[slice]] = {}
@@ -285,7 +285,7 @@ def _smoothed(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray
 
 
 def _padded(values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
-    """Return the values with the first and the last one repeated, as `numpy.pad` does in ten times as long."""
+    """Return the values with the first and the last one repeated, as `numpy.pad` does, but in a tenth of its time."""
     return np.concatenate([np.full(n, values[0]), values, np.full(n, values[-1])])
 
 
@@ -328,7 +328,7 @@ def _between_levels(
 ) -> NDArray[np.bool_]:
     """Return the rows between two levels, given the nearest level of each row and the distance to it.
 
-    A held load deviates by more than its tolerance while the slip is swept: the deviation alone is no transition. A
+    A held load deviates by more than its tolerance while the slip is swept: the deviation alone is not a transition. A
     transition is where the nearest level changes, from the last row at the old level to the first row at the new one.
     Rows that are far from every level belong to a transition as well, for instance at the ends of a segment.
     """

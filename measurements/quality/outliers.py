@@ -56,11 +56,11 @@ def outliers(recording: Recording) -> list[Outlier]:
     """Return values that deviate from the running median of their channel by many standard deviations.
 
     The Hampel identifier (Davies and Gather, 1993), applied to segments that are time series. The standard deviation is
-    that of the segment or that of the second around the row, whichever is greater. A value is no outlier if it deviates
-    by less than a tenth of the range of the channel or less than the tolerance of a held input. Bad values that are
-    consecutive for longer than half of the median's window (0.15 s) are not found. Where seven rows span more than the
-    window, an outlier has to jump from its neighbors as well, because curvature of the signal also deviates from the
-    median. Where seven rows span more than 0.5 s, no outlier is sought.
+    that of the segment or that of the second around the row, whichever is greater. A value is not an outlier if it
+    deviates by less than a tenth of the range of the channel or less than the tolerance of a held input. Bad values
+    that are consecutive for longer than half of the median's window (0.15 s) are not found. Where seven rows span more
+    than the window, an outlier has to jump from its neighbors as well, because curvature of the signal also deviates
+    from the median. Where seven rows span more than 0.5 s, no outlier is sought.
 
     Parameters
     ----------

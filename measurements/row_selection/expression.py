@@ -320,7 +320,7 @@ class _Parser:
         if value.unit is None:
             return value.number
         try:
-            # An effect may have an input that is no channel.
+            # An effect may have an input that is not a channel.
             quantity = CHANNELS[name].quantity if name in CHANNELS else None
             number = float(to_si(value.number, value.unit, quantity))
         except TirefmuError as error:

@@ -73,7 +73,7 @@ def _expression(where: str) -> str:
     path = Path(where.strip())
     try:
         with path.open("rb") as file:
-            # What is longer is refused by the parser.
+            # The parser refuses longer texts.
             return file.read(4 * LONGEST_EXPRESSION).decode("utf-8")
     except OSError as error:
         raise DataError(f"where: {path}: cannot be read ({error.strerror or error})") from None

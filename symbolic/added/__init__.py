@@ -1,4 +1,4 @@
-"""Effects that are added to the equations of a model: files that declare which named quantity changes, and how.
+"""Effects that are added to the equations of a model. A file declares which named quantity changes, and how.
 
 The library is in the folder `tirefmu.symbolic.effects`. User-defined effects and formulas proposed by the diagnosis
 have the same form (`tirefmu.symbolic.added.file`).

@@ -86,7 +86,7 @@ def _declaration_objections(declaration: Coefficient) -> Iterator[str]:
 
 
 def _state_objections(states: Sequence[State], read: frozenset[str]) -> Iterator[str]:
-    """Yield why states are not valid together; `read` are the names that the acts of their effect read."""
+    """Yield why states are not valid together. `read`: the names that the acts of their effect read."""
     if len(states) > MAX_STATES:
         yield f"an effect has at most {MAX_STATES} states, not {len(states)}"
     if tuple(with_speeds(state for state in states if state.kind != SPEED)) != tuple(states):

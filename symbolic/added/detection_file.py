@@ -75,7 +75,7 @@ def detection_text(detection: Detection) -> str:
 
 
 def known_keys(table: object, keys: Iterable[str], location: str) -> dict[str, Any]:
-    """Return a table if it has these keys only, otherwise raise `EffectError`."""
+    """Return a table if it has only these keys, otherwise raise `EffectError`."""
     if not isinstance(table, dict):
         raise EffectError(f"{location} is not a table")
     for key in table:

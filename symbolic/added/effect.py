@@ -92,7 +92,7 @@ class AddedEffect:
 
 
 def sections_of(effects: Sequence[AddedEffect]) -> list[type[Section]]:
-    """Return a .tir section for each effect; a coefficient that two share is in the first."""
+    """Return a .tir section for each effect. A shared coefficient is in the section of the first effect."""
     seen: dict[str, Coefficient] = {}
     sections = []
     for effect in effects:
@@ -117,8 +117,8 @@ def _filled(declarations: dict[str, Coefficient], space: dict[str, object]) -> N
 def owners_of(effects: Sequence[AddedEffect]) -> dict[str, list[tuple[AddedEffect, State]]]:
     """Return the states of effects by name, each with the effects that declare it.
 
-    Raises `EffectError` if two effects declare a state of the same name differently, or a state has the name of a line,
-    or of an FMU's variable, of another.
+    Raises `EffectError` if two effects declare a state of the same name differently, or if a state has the name of a
+    line or an FMU variable of another state.
     """
     owners: dict[str, list[tuple[AddedEffect, State]]] = {}
     for effect in effects:

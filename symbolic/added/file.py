@@ -80,14 +80,14 @@ def read_effect(text: str, source: str) -> AddedEffect:
 
 
 def _checked(act: Act, location: str) -> Act:
-    """Return an act with its formula as it is written again, after the checks of formulas."""
+    """Check the formula of an act and return the act with the formula as it is written to files."""
     from .formula import formula, formula_text  # SymPy
 
     return replace(act, text=formula_text(formula(act.text, location)))
 
 
 def _checked_state(state: State, location: str) -> State:
-    """Return a state with its formulas as they are written again, after the checks of formulas."""
+    """Check the formulas of a state and return the state with the formulas as they are written to files."""
     from .formula import formula, formula_text  # SymPy
 
     written = {key: formula_text(formula(text, f"{location} {key}")) for key, text in state.formulas()}
@@ -96,7 +96,7 @@ def _checked_state(state: State, location: str) -> State:
 
 
 def _effect(table: dict[str, Any], source: str) -> AddedEffect:
-    """Return the effect of a file, its formulas as written there."""
+    """Return the effect of a file, with the formulas as written in the file."""
     known_keys(table, ("name", "physics", "source", "coefficients", "states", "acts", "diagnosis"), source)
     name = _text(table, "name", source)
     declarations = tuple(
@@ -133,7 +133,7 @@ def read_declared(text: str, file: str) -> Effect | AddedEffect:
     name = _text(table, "name", file)
     if f"{name}.toml" != file:
         raise EffectError(f"{file}: the file of the effect {quoted(name)} must have the effect's name")
-    if "acts" in table:  # the tests read these files as those of users
+    if "acts" in table:  # the tests read these files like files of users
         return _effect(table, file)
     known_keys(table, ("name", "physics", "optional", "rescales", "diagnosis"), file)
     if reason := no_effect(name):

@@ -1,4 +1,4 @@
-"""A state of an added effect: a memory that follows a drive by one of a few laws."""
+"""A state of an added effect: a memory of its drive with one of a few laws."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from .formula_names import names_in
 
-#: By kind: the formulas that it requires besides the drive, each a tuple of alternatives, and those that it may have.
+#: By kind: the required formulas in addition to the drive, each a tuple of alternatives, and the optional formulas.
 KINDS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...]]] = {
     "lag": ((("rate", "length"),), ("start",)),
     "heat": ((("rate",),), ("ambient", "start")),
@@ -18,7 +18,7 @@ KINDS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...]]] = {
 }
 #: The start of a state that is fitted to each segment of a recording, and the kinds that may have it.
 FITTED, WITH_FITTED_START = "fitted", ("lag", "heat", "accumulation")
-#: The kinds that change along a path, without regard to time.
+#: The kinds that change along a path, independent of time.
 PATHS = ("hysteresis", "play")
 #: The kind of the second state of an oscillator, which no file declares, and the ending of its name.
 SPEED, SPEED_ENDING = "speed", "_speed"

@@ -19,13 +19,13 @@ class Dimension(Section, title="DIMENSION", fitted=False):
 
 
 class Vertical(Section, title="VERTICAL", fitted=False):
-    """The load where none is given; Adams' file has no key for it."""
+    """The default load; Adams' file has no key for it."""
 
     FNOMIN = Coefficient("nominal load F_z0", "N", 1.0, 1e6, None, 4000.0, assumed=4000.0)
 
 
 class Parameter(Section, title="PARAMETER"):
-    """What the file calls the parameters of the tire."""
+    """The parameters of the tire, as named in the file."""
 
     VERTICAL_STIFFNESS = Coefficient("vertical stiffness", "N/m", 1e3, 1e8, None, 2e5, fitted=False)
     VERTICAL_DAMPING = Coefficient("vertical damping; no force at given load", "N s/m", 0.0, 1e6, fitted=False)

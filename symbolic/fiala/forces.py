@@ -1,10 +1,10 @@
 """The lines of the Fiala tire. Adams/Tire help, "Using the Fiala Handling Force Model"; Chrono, ChFialaTire.cpp.
 
-Friction falls from UMAX to UMIN with the comprehensive slip, and that alone couples the axes: |Fx| and |Fy| each stay
+Friction decreases from UMAX to UMIN with the comprehensive slip. Only this couples the axes: |Fx| and |Fy| each stay
 within mu Fz, their resultant within sqrt(2) mu Fz. The longitudinal force is linear up to half of the friction, the
-side force a cubic up to the critical slip angle. Inclination makes no force.
+side force is cubic up to the critical slip angle. Inclination produces no force.
 
-The form is ours: the forces are written as odd functions of one argument, which needs no quotient by the slip at zero.
+The form differs from the sources: the forces are odd functions of one argument, without a quotient by the slip at zero.
 The argument of the side force is limited to -1 and 1, so that its cubic ends in full sliding.
 """
 
@@ -23,12 +23,12 @@ from .coefficients import Parameter as p
 eq = Chapter("Fiala tire")
 kappa, load = KAPPA.symbol, FZ.symbol
 
-#: Below this load the lines are evaluated at it, which keeps them finite; the forces are then 0 (no contact).
+#: Below this load the lines are evaluated at it, so that they remain finite; the forces are 0 (no contact).
 LIFT_OFF = Float("1e-6")
 
 
 def on_ground(expression: Expr) -> Expr:
-    """Return the expression, 0 where no load presses the tire to the ground (a load of NaN stays NaN)."""
+    """Return the expression, 0 without load (a load of NaN gives NaN)."""
     return where(load <= LIFT_OFF, 0, expression)
 
 

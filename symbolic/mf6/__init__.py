@@ -1,4 +1,4 @@
-"""MF5.2, MF6.1 and MF6.2: one set of lines, in which the three differ only in marked terms (`only`).
+"""MF5.2, MF6.1 and MF6.2: one set of lines; the three models differ only in marked terms (`only`).
 
 What the industry's solvers compute: Pacejka, Tire and Vehicle Dynamics (2012), section 4.E [4.E..]; Besselink,
 Schmeitz, Pacejka, An improved Magic Formula/Swift tyre model that can handle inflation pressure changes (2010)
@@ -52,8 +52,8 @@ CONSTRAINTS = with_extrapolation(
         )
     }
 )
-#: LFZ0 is LFZO with a digit. PAC2002 (Adams/Tire) has the pressure terms under names of its own; its equations with
-#: them are those of MF-Tyre.
+#: LFZ0 is LFZO with a digit. PAC2002 (Adams/Tire) has other names of the pressure terms; its equations with them are
+#: those of MF-Tyre.
 ALIASES = {
     "LFZ0": "LFZO",
     "IP": "INFLPRES",

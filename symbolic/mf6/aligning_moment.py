@@ -2,8 +2,8 @@
 
 The industry's solvers (convention tno) and the book differ in B_t, D_t, the equivalent slips (tangents of what
 is already a tangent), the moment arm, the side force F'y, a factor LFZO on the trail and, with turn slip, in a
-product of QDZ8 and QDZ9 that the book has as a sum. There the signs of a product do not follow the axes, which
-the option signs mends.
+product of QDZ8 and QDZ9 that the book has as a sum. The signs of such a product do not follow the axes; the option
+signs corrects this.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ Dr     = eq("4.E47", "D_r",
 
 
 def residual(name: str, alphar: Expr) -> Expr:
-    """Return cos(C_r atan(B_r alpha_r)): C_r is 1, with turn slip zeta7, which tno lets become imaginary."""
+    """Return cos(C_r atan(B_r alpha_r)): C_r is 1, with turn slip zeta7, which may be imaginary with tno."""
     angle = eq("4.E75", f"{name}_w",
                atan(Br * alphar),
                "rad", "angle of the residual moment", named=False)
@@ -170,7 +170,7 @@ share  = eq("4.E77", "kappa_share",
 
 
 def equivalent(name: str, number: str, alpha: Symbol, text: str) -> Symbol:
-    """File the slip angle that acts like alpha and kappa together."""
+    """File the slip angle that is equivalent to alpha and kappa together."""
     tangent = eq(number, f"tan_{name}",
                  convention.either(tan(alpha), alpha),
                  "1", "the same as a slip", named=False)

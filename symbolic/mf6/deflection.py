@@ -1,9 +1,9 @@
 """Deflection, loaded radius and vertical stiffness. Besselink et al. (2010), eqs. (3)-(5); MF6.2: MF-Tyre manual.
 
 MF5.2 and MF6.1 have a closed form, linear where the quadratic term Q_FZ2 is 0. MF6.2 balances the load of the
-camber-deflected contour: a secant from that closed form, a fixed number of steps. Where the camber deflection
-alone carries more than the load there is no balance: R_l is then the free radius. c_z is load per deflection, a
-secant stiffness.
+camber-deflected contour: a secant from that closed form, a fixed number of steps. If the camber deflection alone
+carries more than the load, there is no balance, and R_l is the free radius. c_z is load per deflection, a secant
+stiffness.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ R0, Fz0 = Dimension.UNLOADED_RADIUS, v.FNOMIN
 
 #: Steps of the secant for the loaded radius of MF6.2.
 STEPS = 8
-#: The deflection by which MFeval represents none.
+#: The value that MFeval uses for no deflection.
 NO_DEFLECTION = Float("1e-6")
-#: How far the tire may sink, per radius: beyond any rim.
+#: The largest deflection per radius: beyond any rim.
 DEEPEST = Float("0.95")
-#: The least deflection of MF6.2.
+#: The smallest deflection of MF6.2.
 MIN_DEFLECTION = Float("1e-12")
 
 # fmt: off
@@ -70,7 +70,7 @@ crown  = eq("M", "crown",
 
 
 def balance(sunk: Expr, k: int | str) -> tuple[Symbol, Symbol]:
-    """File the deflection and the load of MF6.2 at a loaded radius, sunk being the free radius less it."""
+    """File the deflection and the load of MF6.2 at a loaded radius; sunk is the free radius less the loaded radius."""
     Rl     = eq("M", f"R_l_{k}",
                 Romega - sunk,
                 "m", "loaded radius", named=False)

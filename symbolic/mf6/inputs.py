@@ -1,7 +1,7 @@
-"""The inputs as the lines see them: as given, or within limits.
+"""The inputs of the lines: as given, or within limits.
 
 With the option limits the order is MFeval's: slips fade out below VXLOW, then everything is limited to the
-ranges of the .tir file (the load from above only). Some lines see the inputs before that, as their chapters state.
+ranges of the .tir file (the load from above only). Some lines use the inputs before that, as their chapters state.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ VXLOW = Model.VXLOW
 
 
 def within(name: str, unit: str, x: Expr, lower: Symbol, upper: Symbol) -> Symbol:
-    """File x as it is, or between two bounds with the option limits, and return its symbol."""
+    """File x, limited to two bounds with the option limits, and return its symbol."""
     raised = eq("MFeval", f"{name}_raised",
                 limits.either(x, where(x < lower, lower, x)),
                 unit, f"{name}, with limits not below the lowest", named=False)
@@ -68,10 +68,10 @@ Fzm   = eq("MFeval", "F_zm",
 
 
 def at_most_1(E: Expr) -> Expr:
-    """Return a curvature factor, with the option limits 1 at most."""
+    """Return a curvature factor, at most 1 with the option limits."""
     return limits.either(E, where(E > 1, 1, E))
 
 
 def on_ground(expression: Expr) -> Expr:
-    """Return the expression, 0 where no load presses the tire to the ground (a load of NaN stays NaN)."""
+    """Return the expression, 0 without load (a load of NaN gives NaN)."""
     return where(FZ.symbol < LIFT_OFF, 0, expression)

@@ -1,8 +1,8 @@
 """Normalized quantities. Pacejka (2012), eqs. (4.E1)-(4.E8).
 
-The star quantities alpha*, gamma* are tangent and sine, or the angles themselves (option slip_angle). Sliding
-friction falls with the slip speed and LMU acts degressively in the shifts with the convention book only; both
-leave no trace while all LMU are 1 and LMUV is 0.
+The star quantities alpha*, gamma* are tangent and sine, or the angles themselves (option slip_angle). With the
+convention book, sliding friction decreases with the slip speed and LMU acts degressively in the shifts. Neither has an
+influence while all LMU are 1 and LMUV is 0.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ V0, Fz0, p0 = Model.LONGVL, Vertical.FNOMIN, Operating.NOMPRES
 
 #: The book's eps_V, eps_x, eps_y, eps_K, [4.E6a]: keeps quotients finite.
 EPS = Float("1e-6")
-#: Keeps the derivative of a square root finite where its argument is 0; below the last digit of anything else.
+#: Keeps the derivative of a square root finite if its argument is 0; below the last digit of all other values.
 TINY = Float("1e-60")
 #: The book's A_mu of eq. (4.E8).
 A_MU = 10

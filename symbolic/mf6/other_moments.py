@@ -1,8 +1,8 @@
 """Overturning and rolling resistance moment. MF-Tyre manual; Pacejka (2012), eqs. (4.E69), (4.E70).
 
-Below FZMIN both fade out, with any option but the convention book. M_y resists rolling: in ISO-W it is negative
-where the wheel rolls forward (the book's plus belongs to its own axes). Near a locked wheel the industry's
-solvers fade it out (`taper`, which mixes a speed with a ratio and is right for VXLOW = 1 m/s).
+Below FZMIN both fade out, except with the convention book. M_y resists rolling: in ISO-W it is negative if the wheel
+rolls forward (the book's plus belongs to its own axes). Near a locked wheel the industry's solvers fade it out
+(`taper`, which mixes a speed with a ratio and is right for VXLOW = 1 m/s).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Effective rolling radius and wheel speed. Besselink et al. (2010), eqs. (1), (5), (7).
 
-kappa, omega and R_e depend on each other. MFeval iterates until the first row of a table no longer changes, which takes
-three iterations where Q_V1 is not 0. Here three iterations are written out, so that rows do not influence each other:
+kappa, omega and R_e depend on each other. MFeval iterates until the first row of a table no longer changes. This takes
+three iterations if Q_V1 is not 0. Here three iterations are written out, so rows do not influence each other:
 omega = (1 + kappa) V / R_e with the R_e of the second iteration. Load and kappa are used before limits apply.
 """
 

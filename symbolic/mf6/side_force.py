@@ -43,7 +43,7 @@ eq = Chapter("Side force, pure slip")
 
 @dataclass(frozen=True)
 class PureSideForce:
-    """What the lines at one inclination give to other chapters."""
+    """Results of the lines at one inclination for other chapters."""
 
     Kya1: Symbol
     By: Symbol

@@ -1,12 +1,12 @@
 """Turn slip: spin and the factors zeta. Pacejka (2012), eqs. (4.76)-(4.106).
 
 It acts in rows with phit; in rows with phit = 0 every zeta is 1. zeta4 is with the side force, zeta7 and zeta8 with the
-aligning moment. With the convention tno the spin has the sign opposite to the book's phi, which S_Hyphi alone
-notices, and camber counts as spin at V_c where the book has V_cx.
+aligning moment. With the convention tno the spin has the opposite sign of the book's phi, which affects only S_Hyphi,
+and camber counts as spin at V_c instead of the book's V_cx.
 
-With inclination the limit of these equations for phit -> 0 is another force than that of straight running: the spin of
-camber reduces D_y and K_yalpha, and with tno's sign S_Hyphi turns around. MFeval has a mode for either. Here the two
-are interpolated below PHIT_FULL, where no measured path is distinguishable from a straight line.
+With inclination, the limit of these equations for phit -> 0 differs from the force of straight running: the spin of
+camber reduces D_y and K_yalpha, and with tno's sign S_Hyphi is reversed. MFeval has a mode for each case. Here the two
+are interpolated below PHIT_FULL, where a measured path cannot be distinguished from a straight line.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .rolling_radius import omega
 
 eq = Chapter("Turn slip")
 R0 = Dimension.UNLOADED_RADIUS
-#: Turn slip from which its equations act in full, 1/m: a path with a radius of 1000 km.
+#: Turn slip above which its equations act in full, 1/m: a path with a radius of 1000 km.
 PHIT_FULL = Float("1e-6")
 part = absolute(phit) / PHIT_FULL
 

@@ -15,7 +15,7 @@ MF96 = Model(
     chapters=("normalized", "longitudinal_force", "side_force", "combined_slip", "aligning_moment"),
     folder=__name__,
     roles=ROLES | {"slope_x": Role("F_x0_slope"), "slope_y": Role("F_y0_slope")},
-    # The field has no number for the Trento form; its files are ours.
+    # There is no public number for the Trento form; only tirefmu writes its files.
     property_file=PropertyFile(fittyp=(96,), strict=True),
     constraints=with_extrapolation(
         force_constraints(pressure=False)

@@ -2,9 +2,9 @@
 
 The pure moment M_z0 is the Trento worksheet's: E_t has atan(B_t C_t alpha_t) without 2/pi; D_t divides by the
 unscaled nominal load; S_Hf has no epsilon; the trail multiplies the whole F_y0, vertical shift included.
-The worksheet stops there. The output Mz goes on as the book does: equivalent slips, G_yk F_y0 and the moment
-arm of Fx; without longitudinal slip and with SSZ at 0 it is M_z0. The equivalent slips keep their sign
-without a jump: alpha sqrt(1 + q^2 / (alpha^2 + 1e-6)) for the book's sgn(alpha) sqrt(alpha^2 + q^2).
+The worksheet ends there. The output Mz follows the book: equivalent slips, G_yk F_y0 and the moment arm of Fx; without
+longitudinal slip and with SSZ at 0 it is M_z0. The equivalent slips have a sign without a jump:
+alpha sqrt(1 + q^2 / (alpha^2 + 1e-6)) for the book's sgn(alpha) sqrt(alpha^2 + q^2).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The coefficients of MF96 by .tir section.
 
 Bounds and starts are in adapted SAE signs (Fy > 0 for alpha > 0).
-Names follow the keys of the Trento parameter set in upper case, which are the .tir names but for a few
-scaling factors (LFZ0, LKXK, LKA, LXA, LYK, LVYK, LT, LMR, LGAMMAY).
+Names follow the keys of the Trento parameter set in upper case, which are the .tir names except for a few scaling
+factors (LFZ0, LKXK, LKA, LXA, LYK, LVYK, LT, LMR, LGAMMAY).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Vertical(Section, title="VERTICAL", fitted=False):
 
 
 class Scaling(Section, title="SCALING_COEFFICIENTS", fitted=False):
-    """The book's lambda: carry a tire to another ground or to a similar tire."""
+    """The book's lambda: scale a tire to another road surface or to a similar tire."""
 
     LFZ0 = Coefficient("scale of the nominal load", lower=0.1, upper=10.0, neutral=1.0)
     LCX = Coefficient("scale of the Fx shape factor", lower=0.1, upper=10.0, neutral=1.0)

@@ -1,7 +1,7 @@
 """Normalized inputs, as the Trento worksheet has them.
 
-Equation numbers in this folder are those of Pacejka (2012), section 4.E, for the line of that name; the form
-is the Trento worksheet's MF96, of which each chapter states the deviations from the book.
+Equation numbers in this folder are those of Pacejka (2012), section 4.E, for the line of that name; the form is the
+Trento worksheet's MF96. Each chapter states its deviations from the book.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from .coefficients import Vertical as v
 
 eq = Chapter("Normalized inputs")
 
-#: Below this load the lines are evaluated at it, which keeps them finite; the forces are then 0 (no contact).
+#: Below this load the lines are evaluated at it, so that they remain finite; the forces are 0 (no contact).
 LIFT_OFF = Float("1e-6")
 
 
 def on_ground(expression: Expr) -> Expr:
-    """Return the expression, 0 where no load presses the tire to the ground (a load of NaN stays NaN)."""
+    """Return the expression, 0 without load (a load of NaN gives NaN)."""
     return Piecewise((0, FZ.symbol <= LIFT_OFF), (expression, True))
 
 

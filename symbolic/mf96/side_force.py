@@ -1,6 +1,6 @@
 """Side force in pure slip. Pacejka (2012), eqs. (4.E19)-(4.E29), in the Trento worksheet's form.
 
-It differs from the book: camber stiffness has the smoothed sign of the inclination, not its size; LFZ0 occurs
+It differs from the book: camber stiffness has the smoothed sign of the inclination, not its magnitude; LFZ0 occurs
 twice in K_yalpha; camber thrust is a pair of shifts (PHY3, PVY3, PVY4), as in 1996, and carries LHY and LVY.
 """
 

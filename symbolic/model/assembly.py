@@ -25,9 +25,9 @@ def assembled(
 ) -> tuple[Equation, ...]:
     """Return every line of a model, with effects as switches and options as choices.
 
-    `model`: its name; where models that share a line differ, its side is taken. `quantities`: the quantity that each
-    role is. Steps that no output and no named quantity uses are omitted: they belong to another model. Raises
-    `EffectError` if an added effect acts on a quantity that the model does not have.
+    `model`: its name; if models that share a line differ, its term is used. `quantities`: the quantity of each role.
+    Steps that no output and no named quantity uses are omitted: they belong to another model. Raises `EffectError` if
+    an added effect acts on a quantity that the model does not have.
     """
     written = (equation for chapter in chapters for equation in chapter.equations)
     lines = [replace(line, expression=_own(line.expression, model)) for line in written]
@@ -47,7 +47,7 @@ def check_reads(
     quantities: Mapping[str, str],
     known: Iterable[str],
 ) -> None:
-    """Raise `EffectError` where an added effect reads what is not computed before the line that it acts on.
+    """Raise `EffectError` if an added effect reads a name that is not computed before the line on which it acts.
 
     `model`: its name, for the message. `lines`: with the added effects. `added`, `quantities`: as for `assembled`.
     `known`: inputs and coefficients.
@@ -63,19 +63,19 @@ def check_reads(
 
 
 def _own(expression: sp.Expr, model: str) -> sp.Expr:
-    """Take a model's side wherever models that share a line differ."""
+    """Use a model's term wherever models that share a line differ."""
     return replaced(expression, Variant, lambda name, own, others: own if name.name == model else others)
 
 
 def _acted_on(lines: list[Equation], effect: AddedEffect, quantities: Mapping[str, str]) -> list[Equation]:
-    """Put an added effect into the lines of the quantities that it acts on."""
+    """Insert an added effect into the lines of the quantities on which it acts."""
     places = {on: _places(quantities.get(on, on), lines, effect) for on in effect.acts_on}
     switch = Effect(effect.name, effect.physics, optional=True)
     changed = []
     for line in lines:
         acts = [act for act in effect.acts if line.symbol.name in places[act.on]]
         if acts and effect.states:
-            # In a line of its own: the structure of a line has a case for each combination of its effects.
+            # In a separate line: the structure of a line has a case for each combination of its effects.
             before = sp.Symbol(f"{line.symbol}_without_{effect.name}", real=True)
             changed.append(replace(line, symbol=before, named=False, acts_for=""))
             line = replace(line, expression=before)

@@ -1,4 +1,4 @@
-"""What a tire model declares: the fields of its definition, such as those in `symbolic/mf96/__init__.py`."""
+"""The declarations of a tire model: the fields of its definition, such as those in `symbolic/mf96/__init__.py`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModelDeclaration:
-    """What a tire model declares: its lines, and all that other packages have to know of it.
+    """The declarations of a tire model: its lines, and everything that other packages need.
 
     - `name`: as on the command line: a lower-case word.
     - `inputs`, `outputs`: kappa and alpha first, Fz among them; Fx and Fy among the outputs.
@@ -26,14 +26,14 @@ class ModelDeclaration:
     - `results`: named quantities that are results in addition to the outputs, such as radii: a coefficient that reaches
       one of them is not idle.
     - `on_demand`: effects that act only in rows in which an input is not 0, and the input's name (turn_slip: phit).
-    - `own_effects`: effects of its lines that `tirefmu.symbolic.effects` does not have.
-    - `roles`: which named quantity has which of `tirefmu.symbolic.contract.ROLES`; it lacks the others.
+    - `own_effects`: effects of its lines that are not in `tirefmu.symbolic.effects`.
+    - `roles`: the named quantity of each of its `tirefmu.symbolic.contract.ROLES`; it lacks the others.
     - `property_file`: how its .tir files are recognized and written.
-    - `constraints`: what a fit enforces, by the output that it belongs to.
+    - `constraints`: the constraints of a fit, by the output to which they belong.
     - `recipe`: the default fit recipe: one of the package's, or of its own.
     - `recipes`: its own recipes: ``<name>.toml`` in its folder.
     - `folder`: its package, with these files: ``__name__`` of the folder's ``__init__.py``.
-    - `baseline`: the coefficients that a tire without effects is fitted by.
+    - `baseline`: the coefficients of the fit of a tire without effects.
     - `starts`: several starts of the baseline in adapted SAE, against local optima; others start at generic values.
     - `spread`: standard deviation among tires of coefficients of the baseline that a recording may leave undetermined.
     - `refinements`: refinements of the baseline that a diagnosis tries: coefficients and sizes to probe with, in
@@ -41,7 +41,7 @@ class ModelDeclaration:
     - `relaxation`: the coefficients of its relaxation lengths, which act through time only.
     - `own_relaxation`: the coefficient that scales relaxation lengths which follow from other coefficients, then those
       that must be known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
-    - `low_speed`: the coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
+    - `low_speed`: the coefficient with the speed, m/s, below which slips are those of a standing wheel, if any.
     - `reverses`: whether its forces at a given kappa change their direction with the sign of V: kappa is then positive
       where it drives the wheel in its direction of travel. The equations of other models are those of a wheel that
       rolls forward: an FMU that computes slips mirrors their forces where the wheel rolls backward.

@@ -1,7 +1,7 @@
-"""A model: an ordered table of named lines, and all that other packages need of it.
+"""A model: an ordered table of named lines, and everything that other packages need.
 
 The declarations and the structure of the lines (`structure.py`) suffice to read, evaluate, fit and export a tire. The
-lines are loaded when code is printed, an effect of a user is added or an equation is shown, and SymPy with them.
+lines and SymPy are loaded when code is printed, an effect of a user is added or an equation is shown.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ INDISPENSABLE = ("FNOMIN", "UNLOADED_RADIUS")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Model(ModelDeclaration):
-    """A tire model: what it declares, and what follows from its lines.
+    """A tire model: its declarations, and what follows from its lines.
 
     Attributes
     ----------
@@ -63,12 +63,12 @@ class Model(ModelDeclaration):
 
     @cached_property
     def structure(self) -> Structure:
-        """What the lines determine: stored with the generated code, or derived from the lines.
+        """The structure of the lines: stored with the generated code, or derived from the lines.
 
         Raises
         ------
         ModelError
-            If what is stored does not fit the declarations.
+            If the stored structure does not fit the declarations.
         """
         if self.stored is not None:
             return stored_structure(self.stored, self._declared)
@@ -128,7 +128,7 @@ class Model(ModelDeclaration):
 
     @property
     def _quantities(self) -> dict[str, str]:
-        """The name of the quantity that each role is, by role."""
+        """The name of the quantity of each role, by role."""
         return {role: declared.quantity for role, declared in self.roles.items()}
 
     @property
@@ -169,7 +169,7 @@ class Model(ModelDeclaration):
         return {**spread, **self.spread}
 
     def quantity(self, role: str) -> str:
-        """Return the name of the quantity that has a role, or '' where the model lacks it."""
+        """Return the name of the quantity that has a role, or '' if the model lacks it."""
         return self.roles[role].quantity if role in self.roles else ""
 
     def leading(self, role: str) -> str:
@@ -177,7 +177,7 @@ class Model(ModelDeclaration):
         return self.roles[role].leading if role in self.roles else ""
 
     def has_place_for(self, effect: AddedEffect) -> bool:
-        """Return whether all that an added effect acts on and reads is there.
+        """Return whether the model has everything on which an added effect acts and that it reads.
 
         Examples
         --------
@@ -207,8 +207,8 @@ class Model(ModelDeclaration):
         Raises
         ------
         EffectError
-            If one acts on a quantity or reads a name that this model has not, has a name that means something else,
-            or two disagree on a coefficient.
+            If one acts on a quantity or reads a name that this model lacks, has a name with another meaning, or two
+            declare a coefficient differently.
 
         Examples
         --------
@@ -252,11 +252,11 @@ class Model(ModelDeclaration):
 
     @property
     def drives(self) -> tuple[str, ...]:
-        """The lines of all states that determine their course: three for each, the results of the routine `drives`."""
+        """The lines that determine the states: three for each, the results of the routine `drives`."""
         return tuple(line for name in self.states for line in self._lines_of(name)[:3])
 
     def is_direct(self, state: State) -> bool:
-        """Return whether a state follows inputs alone: its course needs no force and no other state."""
+        """Return whether a state depends on inputs only, not on a force or another state."""
         inputs = {quantity.name for quantity in self.inputs} - self.states.keys()
         return not state.follows_a_path and state.reads_only(inputs, self._declared)
 
@@ -283,8 +283,8 @@ class Model(ModelDeclaration):
         effects : collection of str, optional
             The effects that the tire has; all of the model where None.
         straight : bool
-            Omit what most rows do not need: effects on demand are off, options but the signs have their first
-            value. Otherwise an option is read from the parameter vector, row by row.
+            Omit what most rows do not need: effects on demand are off, options except the signs have their first value.
+            Otherwise an option is read from the parameter vector, row by row.
 
         Returns
         -------

@@ -23,7 +23,7 @@ def structure_of(
     on_demand: Iterable[str],
     lengths: Collection[str],
 ) -> Structure:
-    """Return what the lines of a model determine.
+    """Return the structure of the lines of a model.
 
     `equations`: every line, with effects as switches and options as choices. `declared`: the coefficients, in the order
     of their declarations. `required`: coefficients that the model has although no line reads them. `on_demand`: effects

@@ -27,7 +27,7 @@ def found_models() -> dict[str, Model]:
 def register(model: Model, models: dict[str, Model]) -> None:
     """Add a model to others.
 
-    `models`: changed. Raises `ModelError` if its name is no lower-case word, or name or FITTYP are taken.
+    `models`: changed. Raises `ModelError` if its name is not a lower-case word, or the name or FITTYP is in use.
     """
     if not (model.name.isidentifier() and model.name == model.name.lower()):
         raise ModelError(f"model {model.name!r}: a name is a word of lower-case letters, digits and _")

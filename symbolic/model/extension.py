@@ -1,4 +1,4 @@
-"""What a model needs for effects beyond the book: a place, names that mean nothing else yet, and further inputs."""
+"""What a model needs for effects beyond the book: quantities to act on, unused names, and further inputs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..quantities import BEYOND, OWN_SPEED
 
 
 def has_place(effect: AddedEffect, named: Collection[str], known: Collection[str]) -> bool:
-    """Return whether a model has all that an effect acts on and reads.
+    """Return whether a model has everything on which an effect acts and that it reads.
 
     `named`: named quantities and roles of the model. `known`: its inputs and coefficients.
     """
@@ -37,7 +37,7 @@ def further_inputs(effects: Sequence[AddedEffect], inputs: Iterable[Quantity]) -
 
 
 def check_names(model: str, effects: Sequence[AddedEffect], quantities: Iterable[str], declared: Iterable[str]) -> None:
-    """Raise `EffectError` where an effect, a coefficient or a state has a name that means something else in a model.
+    """Raise `EffectError` if an effect, a coefficient or a state has a name with another meaning in a model.
 
     `model`: its name. `quantities`, `declared`: its inputs, outputs and lines; its coefficients.
     """

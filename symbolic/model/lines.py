@@ -25,7 +25,7 @@ def reaching(lines: Iterable[Equation], targets: Collection[str]) -> list[Equati
 
 
 def reduced(equations: Iterable[Equation], present: Collection[str], read: Collection[str]) -> tuple[Equation, ...]:
-    """Return lines with effects switched and options decided, without the lines that this makes trivial.
+    """Return lines with effects switched and options decided, without the lines that become trivial.
 
     `equations`: each uses only earlier symbols. `present`: the effects that are on. `read`: the options that stay in
     the lines; the others have their first value.
@@ -73,7 +73,7 @@ def switched(expression: sp.Expr, present: Collection[str]) -> sp.Expr:
 def replaced(expression: sp.Expr, kind: type[sp.Function], by: Callable[..., sp.Expr]) -> sp.Expr:
     """Return an expression in which a function of the arguments replaces every node of a class.
 
-    `Basic.replace` does the same from the innermost node outwards, which takes several times the time.
+    `Basic.replace` does the same from the innermost node outwards, but takes several times as long.
 
     `by`: what replaces a node, given its arguments; nodes in the result are replaced, too.
     """

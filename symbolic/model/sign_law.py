@@ -1,10 +1,10 @@
-"""The sign law: one tire, written in ISO or in adapted SAE, makes the same forces, Fy, My and Mz reversed.
+"""The sign law: one tire, written in ISO or in adapted SAE, has the same forces, with Fy, My and Mz reversed.
 
-The two differ in the signs of the coefficients declared with `flips`, and in the option `signs` where the lines read
-it; the inputs are the same. Where a mark is missing or too many, a fit to a table in one convention would save a tire
-with a wrong sign in the other. So the lines are computed in both at a few random tires and rows.
+The two differ in the signs of the coefficients declared with `flips`, and in the option `signs` if the lines read it;
+the inputs are the same. With a missing or wrong mark, a fit to a table in one convention would save a tire with a wrong
+sign in the other. So the lines are computed in both for a few random tires and rows.
 
-In the same way: whether Fx reverses with the speed, as the model declares.
+The same method checks whether Fx reverses with the speed, as the model declares.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Values = Mapping[str, float]
 
 
 def check_signs(model: Model) -> None:
-    """Raise `ModelError` where a model violates the sign law, with the coefficients that are marked wrongly.
+    """Raise `ModelError` if a model violates the sign law, with the coefficients that are marked wrongly.
 
     >>> from tirefmu.symbolic.models import model_named
     >>> check_signs(model_named("mf96"))
@@ -62,7 +62,7 @@ def check_signs(model: Model) -> None:
 
 
 def check_reversal(model: Model) -> None:
-    """Raise `ModelError` unless the declaration `reverses` is what Fx does where V changes its sign.
+    """Raise `ModelError` unless Fx agrees with the declaration `reverses` when V changes its sign.
 
     >>> from tirefmu.symbolic.models import model_named
     >>> check_reversal(model_named("fiala"))
@@ -106,7 +106,7 @@ class _Check:
         return {name: self._error(name, [values[name] for values in iso]) for name in self._outputs}
 
     def mended(self, marked: frozenset[str]) -> frozenset[str] | None:
-        """Return marks nearest to those given with which the law holds, or None; one is changed at a time."""
+        """Return the marks nearest to the given ones that satisfy the law, or None; one is changed at a time."""
         best, error = marked, sum(self.errors(marked).values())
         while error:
             tried = [best ^ {name} for name in self._model.coefficients]
@@ -151,7 +151,7 @@ def _input(quantity: Quantity, tire: Values, draw: random.Random) -> float:
 
 
 def _run(tape: Tape, leaves: Values) -> Values:
-    """Return what the lines of a tape are at given leaves; NaN where a step has no value."""
+    """Return the values of the lines of a tape at given leaves; NaN if a step has no value."""
     slots = [leaves[name] for name in tape.leaves] + list(tape.constants)
     for operation in tape.operations:
         try:

@@ -1,7 +1,7 @@
 """The lines that the states of added effects add to a model: target, rate, start and derivative of each.
 
-The states are inputs of the model. These lines are behind all others, so a state may be driven by a force or a named
-quantity; `tirefmu.symbolic.laws` has the updates that need no more than these lines.
+The states are inputs of the model. These lines follow all others, so a state may be driven by a force or a named
+quantity. `tirefmu.symbolic.laws` has the updates, which need only these lines.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..declarations import Effect
 from ..functions import absolute, sgn, where
 from ..notation import Chapter, Equation
 
-#: A size below which a slip has no direction.
+#: A magnitude below which a slip has no direction.
 NO_SLIP = sp.Float("1e-12")
 
 

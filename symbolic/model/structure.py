@@ -1,7 +1,7 @@
-"""What the lines of a model determine: which coefficients, options and effects they have and what each line reads.
+"""The structure of the lines of a model: their coefficients, options and effects, and the names that each line reads.
 
-It is stored with the generated code, so that reading a tire, evaluating, fitting and exporting it need no SymPy. The
-lines themselves are loaded to print code, to add effects and to show equations.
+It is stored with the generated code, so SymPy is not needed to read, evaluate, fit and export a tire. The lines
+themselves are loaded to print code, to add effects and to show equations.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from tirefmu.boundary.errors import ModelError
 
 @dataclass(frozen=True)
 class Case:
-    """What a line is under certain conditions: a number, as text, or an expression that reads names.
+    """The content of a line under certain conditions: a number, as text, or an expression that reads names.
 
     - `present`: the effects of the line that are on.
     - `numbers`: the numbers that earlier lines are, '' for an expression; in the order of `Line.earlier`.
-    - `number`: what the line is then; '' for an expression.
-    - `reads`: what the expression reads.
+    - `number`: the number; '' for an expression.
+    - `reads`: the names that the expression reads.
     """
 
     present: tuple[str, ...]
@@ -34,7 +34,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Line:
-    """What a line reads, as its effects and the earlier lines that may be numbers decide.
+    """The names that a line reads, depending on its effects and on the earlier lines that may be numbers.
 
     - `cases`: one for each combination.
     """
@@ -49,7 +49,7 @@ class Line:
         return {(frozenset(case.present), case.numbers): case for case in self.cases}
 
     def case(self, present: Collection[str], numbers: Mapping[str, str]) -> Case:
-        """Return what the line is with these effects and earlier lines that are numbers."""
+        """Return the content of the line with these effects and earlier lines that are numbers."""
         key = (frozenset(present).intersection(self.effects), tuple(numbers.get(name, "") for name in self.earlier))
         return self._by_condition[key]
 
@@ -60,7 +60,7 @@ class Structure:
 
     - `coefficients`: those that a line reads, in the order of the parameter vector.
     - `options`, `straight_options`: the options that a line reads; those that act in rows without an effect on demand,
-      but for the signs.
+      except the signs.
     - `effects`: in the order in which the lines have them.
     - `relaxing_effects`: the effects in the lines of the relaxation lengths.
     - `quantities`: unit and description of each named quantity.
@@ -101,7 +101,7 @@ class Structure:
         return frozenset(found)
 
     def to_text(self, about: str) -> str:
-        """Return the text of the stored file: JSON, one line of the model a line.
+        """Return the text of the stored file: JSON, with one line of text for each line of the model.
 
         `from_text` is the inverse, without the remark about the file.
         """

@@ -1,8 +1,7 @@
 """Whether a model satisfies its declarations: checked before its code is printed.
 
-All numbers of a model come from its printed code, so a model that fails here can be neither
-evaluated nor fitted. Most checks compare names. The sign laws are checked by numbers
-(`tirefmu.symbolic.model.sign_law`).
+All numbers of a model come from its printed code, so a model that fails here cannot be evaluated or fitted. Most checks
+compare names. The sign laws are checked by numbers (`tirefmu.symbolic.model.sign_law`).
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ def verify(model: Model) -> None:
 
 
 def _check_tables(model: Model) -> None:
-    """Check what every program assumes of inputs, outputs and the two sizes of a tire."""
+    """Check the assumptions of every program on inputs, outputs and the two sizes of a tire."""
     inputs = [quantity.name for quantity in model.inputs]
     if inputs[:2] != ["kappa", "alpha"] or "Fz" not in inputs:
         raise ModelError(f"{model.name}: inputs begin with kappa and alpha and have Fz, not {', '.join(inputs)}")

@@ -1,1 +1,1 @@
-"""The book printed as code: what is computed, in which language, and the files that are written."""
+"""The book printed as code: the routines, the languages and the files."""

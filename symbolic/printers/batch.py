@@ -1,4 +1,4 @@
-"""A model as kernels for tables in C: blocks of rows, as many at a time as fit into a vector register."""
+"""A model as C kernels for tables: blocks of rows, with as many rows at a time as fit into a vector register."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ KERNELS = ("forces", "jacobian_inputs", "jacobian_parameters")
 def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
     """Return the sources of a model's kernels by routine, one library each.
 
-    The exported ``<model>_batch_<routine>`` takes n rows whose columns lie `stride` numbers apart, inputs and results
-    alike. It holds for rows without turn slip under default options, and marks the rows for which it gave no finite
-    result: the caller computes them one by one. Of `jacobian_parameters` it gives the entries that are not 0
-    everywhere, row by row (`tirefmu.symbolic.printers.routines.entries`); its library also exports
+    The exported ``<model>_batch_<routine>`` takes n rows whose columns are `stride` numbers apart, for inputs and
+    results. It is valid for rows without turn slip under default options and marks the rows without a finite result;
+    the caller computes these one by one. Of `jacobian_parameters` it gives the entries that are not 0 everywhere, row
+    by row (`tirefmu.symbolic.printers.routines.entries`); its library also exports
     ``<model>_batch_chosen_derivatives``, some of them, and ``<model>_batch_normal_equations``, which uses them where
     they are (`normal_equations.h`).
     """
@@ -50,7 +50,7 @@ def _source(model: Model, routine: Routine, values: list[object]) -> str:
 
 
 def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
-    """Print the loop over a block; what depends on parameters only is computed before it."""
+    """Print the loop over a block; terms that depend only on parameters are computed before it."""
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     printer = LanesPrinter(_varying(inputs, routine), ((line.symbol, line.expression) for line in routine.body))
@@ -95,7 +95,7 @@ def _chosen_derivatives(model: Model, routine: Routine) -> str:
 
 
 def _by_blocks(model: Model, routine: Routine, name: str, arguments: str, put: str) -> str:
-    """Print an exported function that computes block after block and puts each into the results."""
+    """Print an exported function that computes block after block and writes each into the results."""
     head = f"void {model.name}_batch_{name}(size_t n, size_t stride, const double inputs[],\n    {arguments})"
     return (
         f"{head};\n\n{head}\n{{\n"

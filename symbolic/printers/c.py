@@ -19,7 +19,7 @@ from .routines import LOCAL, STRAIGHT, Assignment, Routine, jacobians_of, side_b
 IN_PAIRS = "Two calls of a function that do not depend on each other are computed at a time"
 SIDE_BY_SIDE = "Independent computations are next to each other; quantities has the book's order"
 PRINTER = PlainCPrinter()
-#: What every routine takes.
+#: The arguments of every routine.
 ARRAYS = "const double inputs[], const double parameters[], double results[]"
 
 
@@ -115,7 +115,7 @@ def _is_straight(model: Model) -> str:
 
 
 def _chooser(model: Model, straight: Routine) -> str:
-    """Print the routine that hands its row to the straight variant or to the general one."""
+    """Print the routine that passes its row to the straight variant or to the general one."""
     general, arguments = replace(straight, variant=""), "(inputs, parameters, results)"
     return (
         f"{_prototype(model, general)}\n{{\n"
@@ -180,7 +180,7 @@ def _call_of_pair(members: Sequence[Assignment]) -> str:
 
 
 def in_order(routine: Routine) -> Sequence[Assignment]:
-    """Return the body with its values side by side; that of `quantities` shows them in the book's order."""
+    """Return the body with its values in parallel; that of `quantities` has them in the book's order."""
     if routine.name == "quantities":
         return routine.body
     headings = [assignment.heading for assignment in routine.body]

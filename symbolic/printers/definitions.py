@@ -1,8 +1,8 @@
-"""What generated C files share: includes, comments, definitions.
+"""Common parts of generated C files: includes, comments, definitions.
 
-Each file gets the definitions that it uses, and what these use in turn. A file with more would not compile without
-warnings: clang reports unused static functions. Definitions are in headers in this folder, one a paragraph, in an order
-in which each uses only earlier ones.
+Each file gets the definitions that it uses, directly or indirectly. A file with more would not compile without
+warnings: clang reports unused static functions. Definitions are in headers in this folder, one per paragraph, in an
+order in which each uses only earlier ones.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _CALL_OF_FAST = re.compile(r"\bfast_(sin|cos|tan|atan|exp|pow)\(")
 class Definition:
     """A paragraph of a header.
 
-    - `names`: what it defines; nothing where it is a remark on all that follows.
+    - `names`: the names that it defines; none if it is a remark on all following paragraphs.
     - `uses`: the identifiers in it.
     """
 
@@ -38,7 +38,7 @@ class Definition:
 
 
 def comment(*lines: str) -> str:
-    """Return a comment of one or more lines: the only way in which text gets into generated C.
+    """Return a comment of one or more lines. All text in generated C is written by this function.
 
     >>> comment("grip */ int x; /*")
     '/* grip * / int x; / * */'
@@ -50,7 +50,7 @@ def comment(*lines: str) -> str:
 def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
     r"""Return the definitions that some code uses, and those that they use.
 
-    `code`: C. `headers`: `PLAIN` or `KERNEL`. Returns: empty where it uses none.
+    `code`: C. `headers`: `PLAIN` or `KERNEL`. Returns: empty if it uses none.
 
     >>> print(definitions("double f(double x) { return cubed_sqrt(x) + PI; }"))
     #define PI 3.14159265358979323846
@@ -69,7 +69,7 @@ def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
 
 
 def calling_math(code: str) -> str:
-    """Return code that calls the functions of math.h instead of the fast ones: slower, small, other roundings.
+    """Return code that calls the functions of math.h instead of the fast ones: slower, smaller, with other roundings.
 
     >>> calling_math("y = fast_atan(fast_sin(x));")
     'y = atan(sin(x));'

@@ -1,11 +1,11 @@
 """Derivatives along the lines of the book: split into steps, differentiated step by step, joined by elimination.
 
-No line is ever substituted into another, which is what makes symbolic derivatives explode. A line with brackets
-and function calls is split into steps ``D_t_part1``, ``D_t_part2``, ..., each so short that its partial derivatives are
-little more than its factors; what a line and its partials share is computed once. The chain rule then removes one
-step after the other from the graph of dependencies, the one that costs the fewest multiplications first (Markowitz'
-rule; Griewank and Walther, Evaluating Derivatives (2008), chapter 9). Carrying derivatives forward by a few inputs
-and backward by many coefficients are special cases of that order.
+No line is ever substituted into another, because such substitutions make symbolic derivatives explode. A line with
+brackets and function calls is split into steps ``D_t_part1``, ``D_t_part2``, ..., each so short that its partial
+derivatives are little more than its factors. Common terms of a line and its partials are computed once. The chain rule
+then removes one step after the other from the graph of dependencies, the step that costs the fewest multiplications
+first (Markowitz' rule; Griewank and Walther, Evaluating Derivatives (2008), chapter 9). Carrying derivatives forward by
+a few inputs and backward by many coefficients are special cases of that order.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ class Step:
 
 @dataclass(frozen=True)
 class SplitLine:
-    """A line ready for the chain rule.
+    """A line prepared for the chain rule.
 
     - `steps`: in an order in which each uses only earlier ones; the last is the line itself.
-    - `shared`: what several steps or partials have in common, to be computed before them.
+    - `shared`: common terms of several steps or partials, computed before them.
     """
 
     steps: tuple[Step, ...]
@@ -70,7 +70,7 @@ def _split(symbol: sp.Symbol, expression: sp.Expr) -> SplitLine:
 
 
 class _Splitter:
-    """Pulls steps out of one line's expression, innermost first; equal parts become one step."""
+    """Extracts steps from one line's expression, innermost first; equal parts become one step."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -91,11 +91,11 @@ class _Splitter:
         return expression.func(*(part if keep(part) else self._step(part) for part in inner))
 
     def _branch(self, value: sp.Expr) -> sp.Expr:
-        """Return a branch as a step, unless it may be singular where it is not taken: 0 * inf would get out."""
+        """Return a branch as a step, unless it may be singular where it is not taken: the result would be 0 * inf."""
         return self._named(value) if all(_is_smooth(node) for node in sp.preorder_traversal(value)) else value
 
     def _root(self, base: sp.Expr, power: sp.Rational) -> sp.Expr:
-        """Powers by halves come from one root; other fractions stay as they are."""
+        """Powers with half-integer exponents use one root; other fractions are unchanged."""
         if power.q != 2:
             return base**power
         root = self._step(sp.sqrt(base))
@@ -147,7 +147,7 @@ def _partials(symbol: sp.Symbol, expression: sp.Expr) -> dict[sp.Symbol, sp.Expr
 
 
 def _derivative(expression: sp.Expr, by: sp.Symbol) -> sp.Expr:
-    """Return what `sympy.diff` returns, with its rules but without its preparations, which take most of its time."""
+    """Return the result of `sympy.diff` by its rules, without its preparations, which take most of its time."""
     if expression == by:
         return ONE
     if by not in expression.free_symbols:
@@ -172,7 +172,7 @@ def _without_repetition(name: str, steps: Sequence[tuple[sp.Symbol, sp.Expr, dic
     partials = [partial for *_, found in steps for partial in found.values()]
     names = (sp.Symbol(f"{name}_shared{i}", real=True) for i in range(1, 1000))
     shared, reduced = sp.cse(partials, symbols=names, list=True) if len(partials) > 1 else ([], partials)
-    constants: dict[sp.Symbol, sp.Expr] = {}  # conditions stay where they are read, so do 1/pi and its kin
+    constants: dict[sp.Symbol, sp.Expr] = {}  # conditions stay where they are read, and so do constants such as 1/pi
     retained = []
     for common, value in shared:
         whole = value.xreplace(constants)
@@ -191,8 +191,8 @@ def _without_repetition(name: str, steps: Sequence[tuple[sp.Symbol, sp.Expr, dic
 class ChainRule:
     """The graph of which step depends on which, and the removal of its inner vertices.
 
-    - `edges`: by upper and lower symbol, the derivative of the one by the other that is known so far.
-    - `assignments`: what has to be computed, in order.
+    - `edges`: by upper and lower symbol, the known derivative of the one by the other.
+    - `assignments`: the statements to compute, in order.
     """
 
     edges: dict[sp.Symbol, dict[sp.Symbol, sp.Expr]] = field(default_factory=dict)
@@ -227,7 +227,7 @@ class ChainRule:
         return tuple(tuple(self.edges.get(y, {}).get(x, ZERO) for x in by) for y in outputs)
 
     def _keep_between(self, outputs: Iterable[sp.Symbol], by: Iterable[sp.Symbol]) -> None:
-        """Drop every edge that is on no path from a given symbol to an output."""
+        """Remove every edge that is not on a path from a given symbol to an output."""
         above = _reached(outputs, self.edges)
         below = _reached(by, self.users)
         retained = above & below
@@ -243,12 +243,12 @@ class ChainRule:
         }
 
     def _cost(self, symbol: sp.Symbol) -> int:
-        """Multiplications that it takes to eliminate a vertex."""
+        """Return the number of multiplications to eliminate a vertex."""
         above = sum(not _is_unit(self.edges[upper][symbol]) for upper in self.users.get(symbol, ()))
         return above * sum(not _is_unit(derivative) for derivative in self.edges[symbol].values())
 
     def _eliminate(self, symbol: sp.Symbol, *, keep: bool = False) -> set[sp.Symbol]:
-        """Connect what is above a vertex with what is below it; return these neighbours."""
+        """Connect the vertices above a vertex with those below it; return these neighbours."""
         uppers = list(self.users.get(symbol, ()))
         if not uppers:
             return set()
@@ -290,7 +290,7 @@ def _is_unit(derivative: sp.Expr) -> bool:
 
 
 def _product(through: sp.Expr, derivative: sp.Expr) -> sp.Expr:
-    """Return the product of two short derivatives; that of two symbols, in SymPy's order, without a search."""
+    """Return the product of two short derivatives; for two symbols in SymPy's order, without a search."""
     if through is ONE:
         return derivative
     if derivative is ONE:

@@ -1,4 +1,4 @@
-"""How an expression is written in each language: SymPy's own printers with the book's habits."""
+"""How an expression is written in each language: SymPy's printers with the conventions of the book."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
-#: Texts that a printer remembers: those of a model, whose routines share most of their statements.
+#: Number of texts that a printer stores: those of a model, whose routines share most of their statements.
 REMEMBERED = 8192
 
 
@@ -27,7 +27,7 @@ class NumberPrinter(StrPrinter):
         self._texts: dict[Any, str] = {}
 
     def doprint(self, expr: Any, assign_to: None = None) -> str:
-        """Return the text of an expression, without SymPy's search for what the lines never contain."""
+        """Return the text of an expression, without SymPy's search for expressions that lines never contain."""
         text = self._texts.get(expr)
         if text is not None:
             return text
@@ -79,7 +79,7 @@ class ArrayPrinter(NumberPrinter, PythonCodePrinter):
 
     module = ""
     where = ""
-    #: Functions that go by another name there.
+    #: Functions with another name there.
     other_names: ClassVar[dict[str, str]] = {}
 
     def __init__(self) -> None:
@@ -189,11 +189,11 @@ class PlainCPrinter(NumberPrinter, C99CodePrinter):
     """
 
     def __init__(self) -> None:
-        # M_PI and its kin are not in C99.
+        # M_PI and similar constants are not in C99.
         super().__init__({"order": "none", "math_macros": {}})
 
     def _print_Pow(self, expr: Any) -> str:
-        # Calls, not products: SymPy prints a denominator without asking whether it needs brackets.
+        # Calls, not products: SymPy prints a denominator without checking whether it needs brackets.
         called = CALLED_POWERS.get(abs(expr.exp))
         if called is None:
             return str(super()._print_Pow(expr))
@@ -267,7 +267,7 @@ class LanesPrinter(PlainCPrinter):
         return expr in self._arcs or isinstance(expr, sp.atan)
 
     def _arc_of(self, expr: Any) -> Any:
-        """Return the arcus tangent of a product with it in which all else is equal in all rows, or None."""
+        """Return the arcus tangent of a product whose other factors are equal in all rows, or None."""
         varying = [factor for factor in sp.Mul.make_args(expr) if self.varies(factor)]
         return varying[0] if len(varying) == 1 and self._is_arc(varying[0]) else None
 

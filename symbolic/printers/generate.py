@@ -1,7 +1,7 @@
 """Everything that is generated: rendered as text, written, or compared with what is committed.
 
-Committed is what people read: the forces, quantities, operations and structure of each model. The Jacobians, and each
-model with the whole library of effects, are printed when a wheel is built, or at their first use
+The files that people read are committed: the forces, quantities, operations and structure of each model. The Jacobians,
+and each model with the whole library of effects, are printed when a wheel is built, or at first use
 (`tirefmu.tires.code.printed`).
 """
 
@@ -29,10 +29,10 @@ from .wheel.rolling_radius import c_rolling_radius
 
 
 def render(everything: bool = False) -> dict[str, str]:
-    """Return the generated files: path relative to the folder, text. Deterministic to the byte.
+    """Return the generated files: path relative to the folder, text. They are identical byte by byte in every run.
 
     `everything`: also the Jacobians, and in the folder `WITH_EFFECTS` each model with the whole library of effects, for
-    the diagnosis. Without it, what is committed.
+    the diagnosis. Without it, the committed files.
 
     See render_model : the files of one model.
     """
@@ -114,7 +114,7 @@ def write(folder: Path, everything: bool = False) -> list[Path]:
 
 
 def difference(folder: Path) -> str:
-    """Return the unified diff from the committed files in a folder to what would be generated; empty where equal."""
+    """Return the unified diff from the committed files in a folder to the generated texts; empty if equal."""
     files = render()
     stale = {path.relative_to(folder).as_posix(): "" for path in _strays(folder, files)}
     diffs: list[str] = []
@@ -137,7 +137,7 @@ def _text(path: Path) -> str | None:
 
 
 def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
-    """Files that look generated but are not made (any more)."""
+    """Files that look generated but are not (or no longer) generated."""
     made = {folder / name for name in files}
     kinds = ("numpy/*.py", "c/*.c", "c/*.h", "structure/*.json")
     places = (folder, folder / WITH_EFFECTS)
@@ -146,7 +146,7 @@ def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
 
 
 def _manifest(files: dict[str, str], models: list[Model], extended: list[Model]) -> str:
-    """Return the list of the files with their digests, and of what they were printed from."""
+    """Return the list of the files with their digests, and the digests of their sources."""
     content = {
         "lines": {model.name: _lines_hash(model) for model in models},
         WITH_EFFECTS: {model.name: texts_digest(model.added) for model in extended},

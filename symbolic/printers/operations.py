@@ -1,8 +1,8 @@
 """A model as a list of single operations, along which derivatives are carried forward or backward at run time.
 
-Printed derivative routines are fast and long. Where they are wanted now and then, a short interpreter that goes along
-this list gives the same numbers from a tenth of the code: each operation is differentiated in sequence, with the
-values found there (Griewank and Walther, Evaluating Derivatives (2008), chapters 3 and 4).
+Printed derivative routines are fast and long. For occasional use, a short interpreter of this list gives the same
+numbers from a tenth of the code: each operation is differentiated in sequence, with the values found there (Griewank
+and Walther, Evaluating Derivatives (2008), chapters 3 and 4).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ CODES = (
     *("ADD", "SUBTRACT", "MULTIPLY", "DIVIDE", "POWER", "LESS", "AT_MOST", "EQUAL", "AND", "OR", "CHOOSE"),
     *("ROOT", "SIN", "COS", "TAN", "ATAN", "ACOS", "EXP", "LOG", "SGN", "SGN1", "ABSOLUTE"),
 )
-#: How fast a wheel turns where its host gives that: a leaf of its own, by which `rolling_radius_lines` find R_e.
+#: Angular speed of a wheel, given by the host: a separate leaf, from which `rolling_radius_lines` compute R_e.
 TURNING = "turning"
 ROLLING_RADIUS = "rolling_radius"
 
@@ -52,7 +52,7 @@ class Operation:
 class Tape:
     """Slots of numbers: the leaves, the constants, then the result of each operation.
 
-    - `leaves`: what is given from outside.
+    - `leaves`: the given values.
     - `operations`: in an order in which each reads only earlier slots. What is equal is computed once.
     - `slots`: the slots of leaves and lines by name.
     """
@@ -183,7 +183,7 @@ def rolling_radius_lines(model: Model) -> list[Equation]:
 
     In the book the radius depends on kappa, which depends on that speed.
 
-    Returns: none where the model has the free radius only.
+    Returns: none if the model has only the free radius.
     """
     radius, turning = model.quantity("rolling_radius"), model.quantity("wheel_speed")
     lines = [line for line in model.lines((), straight=True) if line.symbol.name != turning]
@@ -191,7 +191,7 @@ def rolling_radius_lines(model: Model) -> list[Equation]:
 
 
 def model_tape(model: Model) -> Tape:
-    """Return the lines behind forces, named quantities and the rolling radius of a wheel as operations.
+    """Return the lines of the forces, named quantities and the rolling radius of a wheel as operations.
 
     Returns: its leaves are inputs, parameters and `TURNING`; the radius of a turning wheel is called `ROLLING_RADIUS`.
 

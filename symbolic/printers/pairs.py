@@ -1,6 +1,6 @@
 """Calls of one elementary function that do not depend on each other: two of them share a vector.
 
-One row at a time, the elementary functions are most of the time of the forces.
+With one row at a time, the elementary functions take most of the time of the forces.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ FUNCTIONS: dict[type[sp.Basic], str] = {
 def in_pairs(body: Sequence[Assignment]) -> list[tuple[Assignment, ...]]:
     """Return statements in the order in which their arguments are known, calls of one function in pairs.
 
-    First comes what needs no call, then all calls whose arguments are known, then what needs their results.
+    Statements without calls are first, then all calls whose arguments are known, then what uses their results.
 
-    The result has no headings. Single statements, and pairs of calls.
+    The result has no headings. It has single statements and pairs of calls.
 
     >>> a, b, c, x, y = sp.symbols("a b c x y")
     >>> waiting = [Assignment(a, 2 * sp.atan(x)), Assignment(b, sp.atan(a)), Assignment(c, sp.atan(y))]
@@ -50,7 +50,7 @@ def in_pairs(body: Sequence[Assignment]) -> list[tuple[Assignment, ...]]:
 
 
 def function_of(expression: sp.Expr) -> str:
-    """Return the function that an expression calls, or "" where its outermost operation is none of `FUNCTIONS`.
+    """Return the function that an expression calls, or "" if its outermost operation is not in `FUNCTIONS`.
 
     >>> x, y = sp.symbols("x y")
     >>> function_of(sp.cos(x)), function_of(x**y), function_of(x**2), function_of(2 * sp.cos(x))

@@ -39,8 +39,8 @@ def origin(model: Model) -> str:
 def python_modules(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
     """Return the texts of the two Python modules of a model, by module name.
 
-    The first has the tables of names and every routine but the Jacobians; the second, ``<model>_jacobians``, has
-    these. They are six times as long.
+    The first has the tables of names and every routine except the Jacobians; the second, ``<model>_jacobians``, has the
+    Jacobians, which are six times as long.
     """
     tables = f"{IMPORTS}\n\n{_tables(model, routines)}"
     values = [tables, *(_function(model, routine) for routine in values_of(routines))]

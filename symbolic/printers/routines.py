@@ -38,7 +38,7 @@ class Routine:
 
     - `results`: one row for a vector, several for a matrix (row per output).
     - `labels`: what the results are called, in the same order; columns of a matrix.
-    - `variant`: "" where the routine holds for every row, `STRAIGHT` where it holds for most of them only.
+    - `variant`: "" if the routine is valid for every row, `STRAIGHT` if it is valid only for most rows.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Routine:
         return f"{self.name}_{self.variant}" if self.variant else self.name
 
     def uses(self, names: Sequence[str]) -> list[str]:
-        """Return those of the names that the routine reads, in the given order."""
+        """Return the names that the routine reads, in the given order."""
         read = {s.name for a in self.body for s in a.expression.free_symbols}
         read |= {s.name for row in self.results for value in row for s in value.free_symbols}
         return [name for name in names if name in read]
@@ -113,7 +113,7 @@ def chosen_routines(
 
 
 def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
-    """Return the Jacobians among routines: most of the text, which is printed into files of its own.
+    """Return the Jacobians among routines: most of the text, which is printed into separate files.
 
     >>> from tirefmu.symbolic.models import model_named
     >>> [routine.name for routine in jacobians_of(routines(model_named("mf96")))]
@@ -123,7 +123,7 @@ def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
 
 
 def values_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
-    """Return the routines that are no Jacobians: quantities, forces, relaxation lengths, drives of states."""
+    """Return the routines that are not Jacobians: quantities, forces, relaxation lengths, drives of states."""
     return tuple(routine for routine in routines if not routine.name.startswith("jacobian_"))
 
 
@@ -134,8 +134,8 @@ LATENCY = {sp.Pow: 3, sp.exp: 6, sp.log: 6, sp.acos: 6, sp.atan: 8, sp.sin: 8, s
 def side_by_side(body: Sequence[Assignment]) -> list[Assignment]:
     """Return statements in the order in which their arguments are ready, without headings.
 
-    In the book's order every line waits for the one above it. A processor looks some hundred instructions ahead: it
-    overlaps the arcus tangents of seven curves if they are next to each other, which saves a quarter of the time.
+    In the book's order every line waits for the line above it. A processor reads some hundred instructions ahead: it
+    overlaps the arcus tangents of seven curves if they are next to each other. This saves a quarter of the time.
 
     >>> a, b, c, x = sp.symbols("a b c x")
     >>> waiting = [Assignment(a, sp.atan(x)), Assignment(b, sp.atan(a)), Assignment(c, sp.atan(2 * x))]
@@ -201,7 +201,7 @@ def _printed(lines: Sequence[Equation]) -> list[Assignment]:
 def _derivatives(
     name: str, summary: str, lines: Sequence[Equation], outputs: Sequence[sp.Symbol], by: Sequence[sp.Symbol]
 ) -> Routine:
-    """Values, the partial derivatives of each line, the chain rule; nothing that no result needs."""
+    """Values, the partial derivatives of each line, the chain rule; only what a result needs."""
     values: list[Assignment] = []
     local: list[Assignment] = []
     chain = ChainRule()
@@ -228,7 +228,7 @@ def _derivatives(
 
 
 def _needed(statements: Sequence[Assignment], needed: set[sp.Symbol]) -> list[Assignment]:
-    """Return the statements that something needs; what they need in turn goes into `needed`."""
+    """Return the statements that are needed; the symbols that they need are added to `needed`."""
     found = []
     for statement in reversed(statements):
         if statement.symbol in needed:
@@ -238,7 +238,7 @@ def _needed(statements: Sequence[Assignment], needed: set[sp.Symbol]) -> list[As
 
 
 def _headed(assignments: Sequence[Assignment]) -> list[Assignment]:
-    """Remove a heading above all but the first of the statements under it."""
+    """Keep a heading only above the first of its statements."""
     if not assignments:
         return []
     above = ["", *(assignment.heading for assignment in assignments[:-1])]

@@ -21,7 +21,7 @@ from ..model.lines import reaching
 from ..notation import Chapter, Equation
 from ..quantities import ALPHA, AT_ONCE, KAPPA, KAPPA_LAGGED, TAN_ALPHA_LAGGED, V
 
-#: Slips that lag: the state, what it follows, what acts instead of the wheel's slip, the role of its length.
+#: Slips that lag: the state, its target, the replacement of the wheel's slip, the role of its length.
 SLIPS = (
     (KAPPA_LAGGED, KAPPA.symbol, {KAPPA.symbol: KAPPA_LAGGED.symbol}, "relaxation_x"),
     (TAN_ALPHA_LAGGED, sp.tan(ALPHA.symbol), {ALPHA.symbol: sp.atan(TAN_ALPHA_LAGGED.symbol)}, "relaxation_y"),
@@ -78,7 +78,7 @@ def state_lines(
 
 
 def _is_driven(model: Model, state: State) -> bool:
-    """Return whether forces drive a state, which are those of the lagged slips."""
+    """Return whether forces drive a state. These are the forces at the lagged slips."""
     return not (model.is_direct(state) or state.follows_a_path)
 
 

@@ -6,7 +6,7 @@ normal of the road. After Pacejka, Tire and Vehicle Dynamics (2012), section 2.2
 the rate of its position, and the wheel turns relative to the W axes.
 
 The lines are functions of real numbers. `tirefmu.symbolic.printers.wheel.kinematics` prints them for NumPy, CasADi and
-C, for C with their tangents.
+C; C code also has their tangents.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ NORMAL = tuple(Quantity(f"road_n{a}", "1", f"normal of the road plane, global {a
 ROAD_VELOCITY = tuple(Quantity(f"road_v{a}", "m/s", f"velocity of the road surface, global {a}") for a in AXES)
 FRICTION = Quantity("road_mu", "1", "friction of the road relative to that of the tire's coefficients")
 
-#: What the motion of the wheel follows from, in the order of the generated functions' arguments.
+#: The quantities that determine the motion of the wheel, in the order of the generated functions' arguments.
 CARRIER = (*POSITION, *ROTATION, *VELOCITY, *TURNING)
 ROAD = (HEIGHT, *NORMAL, *ROAD_VELOCITY)
 

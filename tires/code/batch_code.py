@@ -185,7 +185,7 @@ class _BatchCode:
     ) -> Iterator[tuple[slice, FloatArray]]:
         """Yield the results of straight rows, shape (n_results, size), each in the same memory.
 
-        One buffer for all chunks: it stays in the processor's cache, and the system need not provide new memory.
+        One buffer for all chunks: it stays in the processor's cache, and no new memory is allocated.
         """
         kernel = self._kernel(routine)
         buffer = np.empty(kernel.n_results * min(size, inputs.shape[1]))

@@ -1,10 +1,10 @@
-"""The user's cache of compiled libraries and printed code: nothing in it is used before it has been checked.
+"""The user's cache of compiled libraries and printed code. Every entry is checked before it is used.
 
-An entry is a folder ``NAME-DIGEST`` with its files and a record of their sizes and SHA-256 digests. It is made in a
-temporary folder and renamed in one step, so that another process finds all of it or nothing. An entry that is damaged,
-or that another user could have written, is made again. If several processes need the same entry, one builds it and the
-others wait. Where the cache cannot be trusted or written, a private temporary folder replaces it until this process
-ends. On Windows only the user can access the cache folder; there only the digests are checked.
+An entry is a folder ``NAME-DIGEST`` with its files and a record of their sizes and SHA-256 digests. It is written to a
+temporary folder and renamed in one step, so another process finds all of it or nothing. An entry that is damaged, or
+that another user could have written, is built again. If several processes need the same entry, one builds it and the
+others wait. If the cache cannot be trusted or written, a private temporary folder replaces it until this process ends.
+On Windows only the user can access the cache folder, so only the digests are checked.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ LONGEST_BUILD = 600.0
 #: Attempts to store an entry while other processes store theirs.
 ATTEMPTS = 5
 
-#: What begins the name of an unfinished or a removed entry, and of a lock.
+#: The prefix of the name of an unfinished or a removed entry, and of a lock.
 _SCRATCH = ".scratch-"
 #: Entries that this process uses.
 _used: set[Path] = set()
@@ -54,7 +54,7 @@ def cache_folder() -> Path:
 
 
 def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) -> Path:
-    """Return the folder of an entry, made where it is missing or damaged.
+    """Return the folder of an entry, which is built if it is missing or damaged.
 
     `name`: a file name that identifies the content: equal names mean equal entries. `make`: writes the files into an
     empty folder. `rebuild`: make the entry again: its content is as recorded, but of no use here. The folder is in the
@@ -74,7 +74,7 @@ def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) ->
 
 
 def intact_entry(name: str) -> Path | None:
-    """Return the folder of an entry that is there and intact, or None.
+    """Return the folder of an entry that exists and is intact, or None.
 
     `name`: as for `cached`.
 
@@ -85,7 +85,7 @@ def intact_entry(name: str) -> Path | None:
 
 
 def _found(cache: Path | None, name: str) -> Path | None:
-    """Return an entry that is there and intact."""
+    """Return an entry that exists and is intact."""
     for folder in (cache, *_private):
         if folder and _is_intact(folder / name):
             return _in_use(folder / name)
@@ -94,9 +94,9 @@ def _found(cache: Path | None, name: str) -> Path | None:
 
 @contextlib.contextmanager
 def _locked(cache: Path, name: str) -> Iterator[None]:
-    """Wait until no other process builds an entry, and let others wait; without a lock where there can be none.
+    """Wait until no other process builds an entry, and let others wait; without a lock if none is possible.
 
-    The lock only saves work: entries are stored in one step, so that two builds do no harm. Its file can therefore be
+    The lock only saves work: entries are stored in one step, so two builds do no harm. The lock file can therefore be
     removed although another process may wait for it.
     """
     path = cache / f"{_SCRATCH}{name}"
@@ -113,7 +113,7 @@ def _remove(path: Path) -> None:
 
 
 def _built(cache: Path | None, name: str, make: Callable[[Path], None], rebuild: bool) -> Path:
-    """Build an entry and return its folder, a private one where it cannot be stored in the cache."""
+    """Build an entry and return its folder, a private one if it cannot be stored in the cache."""
     with tempfile.TemporaryDirectory(prefix="tirefmu-") as scratch:
         made = Path(scratch) / name
         made.mkdir()
@@ -125,7 +125,7 @@ def _built(cache: Path | None, name: str, make: Callable[[Path], None], rebuild:
             except OSError as error:
                 _warn(f"{cache}: cannot be written ({error.strerror or error})")
             else:
-                with contextlib.suppress(OSError):  # another process removes the same
+                with contextlib.suppress(OSError):  # another process may also be removing it
                     _prune(cache)
                 return _in_use(cache / name)
         target = _private_folder() / name
@@ -134,7 +134,7 @@ def _built(cache: Path | None, name: str, make: Callable[[Path], None], rebuild:
 
 
 def _trusted_cache() -> Path | None:
-    """Return the cache's folder, made where it is missing; None, with a warning, where others could write into it."""
+    """Return the cache's folder, created if it is missing; None, with a warning, if others could write into it."""
     folder = Path(os.path.realpath(cache_folder()))
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -166,7 +166,7 @@ def _ours(status: os.stat_result) -> bool:
 
 
 def _others_write(status: os.stat_result) -> bool:
-    """Return whether others may write; a group that bears the user's own number has no other members."""
+    """Return whether others may write; a group with the user's own number has no other members."""
     if not hasattr(os, "geteuid"):
         return False
     alone = status.st_gid == os.getegid() == os.geteuid()
@@ -192,10 +192,10 @@ def _private_folder() -> Path:
 
 
 def _is_intact(target: Path) -> bool:
-    """Return whether an entry is there with the content that was recorded, and only this user could write it.
+    """Return whether an entry exists with the recorded content, and only this user could write it.
 
-    What was checked is what is loaded afterwards: in a folder that only this user can write, no other user can exchange
-    a file in between.
+    The checked content is loaded afterwards: in a folder that only this user can write, no other user can exchange a
+    file in between.
     """
     try:
         return _record(target) == _content(target / RECORD).decode()
@@ -206,7 +206,7 @@ def _is_intact(target: Path) -> bool:
 def _record(target: Path, any_writer: bool = False) -> str:
     """Return digest, size and name of every file of an entry.
 
-    Raises `OSError` if something in it is neither file nor folder, or, unless `any_writer` is set, others could have
+    Raises `OSError` if it contains anything but files and folders, or, unless `any_writer` is set, others could have
     written it.
     """
     lines = []
@@ -223,7 +223,7 @@ def _record(target: Path, any_writer: bool = False) -> str:
 
 def _content(path: Path) -> bytes:
     """Return the bytes of a regular file; a symbolic link or a device is refused."""
-    flags = [getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY")]  # as the system has them
+    flags = [getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY")]  # 0 if the system lacks one
     with open(os.open(path, os.O_RDONLY | sum(flags)), "rb") as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
             raise PermissionError(f"{path}: not a regular file")
@@ -231,7 +231,7 @@ def _content(path: Path) -> bytes:
 
 
 def _in_use(target: Path) -> Path:
-    """Remember that an entry is used, now and by this process."""
+    """Record that an entry is used, now and by this process."""
     _used.add(target)
     with contextlib.suppress(OSError):  # a cache that may only be read
         os.utime(target)
@@ -239,7 +239,7 @@ def _in_use(target: Path) -> Path:
 
 
 def _store(made: Path, target: Path, rebuild: bool) -> None:
-    """Store an entry in one step; one that another process stored in the meantime is not replaced."""
+    """Store an entry in one step; an entry that another process has stored in the meantime is not replaced."""
     scratch = Path(tempfile.mkdtemp(prefix=_SCRATCH, dir=target.parent))
     try:
         copy = scratch / target.name
@@ -254,19 +254,19 @@ def _store(made: Path, target: Path, rebuild: bool) -> None:
             try:
                 os.rename(copy, target)
                 return
-            except OSError:  # there is one already
+            except OSError:  # the entry already exists
                 if attempt == ATTEMPTS - 1:
                     raise
             if _is_intact(target) and (attempt or not rebuild):
                 return
-            with contextlib.suppress(FileNotFoundError):  # another process is at the same
+            with contextlib.suppress(FileNotFoundError):  # another process is doing the same
                 os.rename(target, scratch / f"damaged-{attempt}")
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _prune(cache: Path) -> None:
-    """Remove what was not used for the longest time where the cache has grown too large."""
+    """Remove the least recently used entries if the cache is too large."""
     entries = [path for path in cache.iterdir() if path.name.startswith(_SCRATCH) or (path / RECORD).is_file()]
     sizes = {path: sum(file.lstat().st_size for file in path.rglob("*")) for path in entries}
     total = sum(sizes.values())

@@ -18,7 +18,7 @@ from .printed import code_file
 from .result_memory import RESULTS
 
 FloatArray = npt.NDArray[np.float64]
-#: Rows that are transposed at a time: inputs and forces of so many are in the second cache of a processor.
+#: Rows that are transposed at a time: their inputs and forces fit into the second cache of a processor.
 ROWS_IN_CACHE = 4096
 #: For the Jacobians row by row: half the time of -O2 to compile, 7 % slower; the second fuses multiplications (GCC).
 QUICKLY = ("-O1", "-fexpensive-optimizations")
@@ -31,10 +31,10 @@ def c_code(model: Model) -> Code:
 
 
 def compiled_model(model: Model, *, jacobians: bool = False) -> ctypes.CDLL:
-    """Return the compiled code of a model: all routines but its Jacobians, or these.
+    """Return the compiled code of a model: all routines except its Jacobians, or the Jacobians.
 
-    `jacobians`: Jacobians are most of the code: they are a library of their own, compiled when one is first used.
-    Raises `CompilerError` if it cannot be compiled.
+    `jacobians`: Jacobians are most of the code. They are a separate library, compiled at first use. Raises
+    `CompilerError` if it cannot be compiled.
     """
     name = f"{model.name}_jacobians" if jacobians else model.name
     source = code_file(model, f"c/{name}.c")

@@ -100,6 +100,6 @@ class _CasadiCode:
     def _columns(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         function = casadi_function(self._model, routine)
         n = inputs.shape[1]
-        if n == 0:  # CasADi maps over one column at least
+        if n == 0:  # CasADi maps over at least one column
             return np.empty((function.size1_out(0), 0))
         return np.array(function.map(n)(inputs, np.repeat(parameters[:, None], n, axis=1)))

@@ -1,7 +1,7 @@
-"""The system's C compiler: found, called, its shared libraries stored by content.
+"""The system's C compiler: search, calls, and storage of its shared libraries by content.
 
-A library is built once for its sources, flags and compiler, and found again in the cache at the next start. Where
-there is no compiler, everything but C code and native FMUs goes on working.
+A library is built once for its sources, flags and compiler, and reused from the cache at the next start. Without a
+compiler, everything except C code and native FMUs still works.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class NoCompilerError(CompilerError):
 
 
 def suffix(system: str = sys.platform) -> str:
-    """Return how shared libraries end on a system named as by sys.platform.
+    """Return the extension of shared libraries on a system named as by sys.platform.
 
     >>> suffix("linux"), suffix("win32")
     ('.so', '.dll')
@@ -51,9 +51,9 @@ def suffix(system: str = sys.platform) -> str:
 class CrossCompiler:
     """A C compiler for another machine than this one.
 
-    - `command`: the compiler with what makes it build for that machine.
+    - `command`: the compiler with the options to build for that machine.
     - `system`: that machine's, named as by sys.platform.
-    - `version`: another one is built again.
+    - `version`: with another version, libraries are built again.
     """
 
     command: tuple[str, ...]
@@ -103,14 +103,14 @@ def shared_library(
     cross: CrossCompiler | None = None,
     rebuild: bool = False,
 ) -> Path:
-    """Return a shared library built from C sources or object files, from the cache where it is there.
+    """Return a shared library built from C sources or object files, from the cache if it is there.
 
-    `name`: what the file begins with. `sources`, `headers`: sources to compile and headers that they include; their
-    content decides whether to build again. `include`: folders to search for headers. `flags`: further compiler flags.
-    `libraries`: what to link with. `machine`: what the flags depend on in addition to the compiler, such as the
-    processor. `cross`: build for another machine. `rebuild`: build it again although it is there: it cannot be loaded.
-    Raises `CompilerError` if there is no compiler, it fails (the message has its errors), or the library can be written
-    nowhere.
+    `name`: prefix of the file name. `sources`, `headers`: sources to compile and headers that they include; if their
+    content changes, the library is built again. `include`: folders to search for headers. `flags`: further compiler
+    flags. `libraries`: libraries to link. `machine`: further dependence of the flags in addition to the compiler, such
+    as the processor. `cross`: build for another machine. `rebuild`: build it again although it exists: it cannot be
+    loaded. Raises `CompilerError` if there is no compiler, it fails (the message has its errors), or the library cannot
+    be written anywhere.
     """
     system = cross.system if cross else sys.platform
     defined = ["-Wl,-z,defs"] if system.startswith("linux") else []
@@ -119,10 +119,10 @@ def shared_library(
 
 
 def loaded_library(name: str, sources: Sequence[Path], **options: Any) -> ctypes.CDLL:
-    """Return a shared library, loaded; one that is there but cannot be loaded is built again.
+    """Load and return a shared library; an existing one that cannot be loaded is built again.
 
-    `name`, `sources`, `**options`: as for `shared_library`. Raises `CompilerError`: as `shared_library`, or if what was
-    just built cannot be loaded.
+    `name`, `sources`, `**options`: as for `shared_library`. Raises `CompilerError`: as `shared_library`, or if a
+    library that was just built cannot be loaded.
     """
     try:
         return ctypes.CDLL(str(shared_library(name, sources, **options)))
@@ -143,11 +143,11 @@ def compiled_object(
     flags: Sequence[str] = (),
     cross: CrossCompiler | None = None,
 ) -> Path:
-    """Return the object file of a C source, from the cache where it is there, for `shared_library` to link.
+    """Return the object file of a C source, from the cache if it is there, for `shared_library` to link.
 
-    What is long to compile and stays the same in many libraries is compiled once.
+    Sources that take long to compile and are equal in many libraries are compiled once.
 
-    `name`: what the file begins with. `headers`, `include`, `flags`, `cross`: as for `shared_library`. Raises
+    `name`: prefix of the file name. `headers`, `include`, `flags`, `cross`: as for `shared_library`. Raises
     `CompilerError`: as `shared_library`.
     """
     return _built(name, ".o", [source], headers, include, ["-c", *flags], [], cross=cross)
@@ -165,7 +165,7 @@ def _built(
     cross: CrossCompiler | None = None,
     rebuild: bool = False,
 ) -> Path:
-    """Return what the compiler makes of the sources, from the cache where it is there."""
+    """Return the compiler's output for the sources, from the cache if it is there."""
     compiler = list(cross.command) if cross else find_compiler()
     system = cross.system if cross else sys.platform
     built_by = cross.version if cross else platform.machine()
@@ -174,7 +174,7 @@ def _built(
     for path in [*sources, *headers]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     folders = [f"-I{folder}" for folder in include]
-    file = f"{name}{ending}"  # Macs' linkers write it into the library
+    file = f"{name}{ending}"  # linkers on macOS write it into the library
 
     def build(folder: Path) -> None:
         _run([*compiler, *options, *folders, *map(str, sources), "-o", str(folder / file), *libraries])
@@ -204,7 +204,7 @@ def _errors(output: str) -> str:
 
 @lru_cache(maxsize=1)
 def processor() -> str:
-    """Return what identifies this processor's instruction set: code for one may not run on another.
+    """Return an identifier of this processor's instruction set: code for one may not run on another.
 
     >>> processor() == processor()
     True

@@ -1,4 +1,4 @@
-"""What the code of a model offers in every language, and what the languages share."""
+"""The interface of a model's code in every language, and the common parts of the languages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Code(Protocol):
-    """What a language's code offers: rows of inputs in, rows of results out.
+    """The interface of a language's code: from rows of inputs to rows of results.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ def straight_rows(model: Model, inputs: FloatArray, parameters: FloatArray) -> n
 
 
 def all_straight(model: Model, inputs: FloatArray, parameters: FloatArray) -> bool:
-    """Return whether all rows are straight (`straight_rows`), in less time than to find out which ones are."""
+    """Return whether all rows are straight (`straight_rows`), faster than `straight_rows` itself."""
     options, requesting = _deciding(model)
     # For a hundred rows, any() takes several times as long as count_nonzero().
     return not np.count_nonzero(parameters[options]) and not any(np.count_nonzero(inputs[i]) for i in requesting)
@@ -77,7 +77,7 @@ def all_straight(model: Model, inputs: FloatArray, parameters: FloatArray) -> bo
 
 @lru_cache(maxsize=64)
 def _deciding(model: Model) -> tuple[npt.NDArray[np.intp], list[int]]:
-    """Return the indices of the parameters and of the inputs that have to be 0 in straight rows."""
+    """Return the indices of the parameters and of the inputs that must be 0 in straight rows."""
     module = numpy_module(model)  # has the names without a pass over the lines
     parameters, inputs = list(module.PARAMETERS), [quantity.name for quantity in model.inputs]
     options = np.array([parameters.index(name) for name in module.STRAIGHT_OPTIONS], dtype=np.intp)

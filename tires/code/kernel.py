@@ -17,9 +17,9 @@ from .result_memory import RESULTS
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-#: Fused multiplications round once instead of twice; the order of operations stays, and NaN with it.
+#: Fused multiplications round once instead of twice; the order of operations and NaN are unchanged.
 FUSED = ("-ffp-contract=fast", "-fno-trapping-math")
-#: What GCC alone knows, on x86. Constants are loaded where they are used: gathered before the loop, there are more than
+#: Flags of GCC only, on x86. Constants are loaded where they are used: loaded before the loop, they would exceed the
 #: registers (2 to 8 % slower).
 WIDE = ("-mprefer-vector-width=512", "-fschedule-insns", "-fsched-pressure", "-fno-gcse")
 
@@ -37,8 +37,8 @@ FLAGS = flags(instruction_set())
 class Kernel:
     """One routine of a model for whole tables: rows without turn slip, under default options.
 
-    `routine`: "forces", "jacobian_inputs" or "jacobian_parameters". `n_results`: numbers that it gives for a row.
-    Raises `CompilerError` if there is no compiler, or none of the flags suits it.
+    `routine`: "forces", "jacobian_inputs" or "jacobian_parameters". `n_results`: number of results for a row. Raises
+    `CompilerError` if there is no compiler, or it accepts none of the flags.
     """
 
     def __init__(self, model: Model, routine: str, n_results: int) -> None:
@@ -52,9 +52,9 @@ class Kernel:
     ) -> tuple[FloatArray, BoolArray]:
         """Return results and which rows have none.
 
-        `inputs`, shape (n_inputs, n). `parameters`, shape (n_parameters,). `into`, shape (n_results, n): where the
-        results go; a new array where None. Returns `results`, shape (n_results, n). Returns `undone`, shape (n,): rows
-        in which a result is not finite, be it by the inputs or because a kernel's functions end there.
+        `inputs`, shape (n_inputs, n). `parameters`, shape (n_parameters,). `into`, shape (n_results, n): array for the
+        results; a new array if None. Returns `results`, shape (n_results, n). Returns `undone`, shape (n,): rows in
+        which a result is not finite, because of the inputs or because they exceed the range of a kernel's functions.
         """
         columns = np.ascontiguousarray(inputs, dtype=np.float64)
         values = np.ascontiguousarray(parameters, dtype=np.float64)
@@ -87,9 +87,9 @@ class Kernel:
 
 
 def _address(array: npt.NDArray[Any]) -> int:
-    """Return the address of an array. With a hundred rows every object that a call makes counts.
+    """Return the address of an array. With a hundred rows the time of every created object matters.
 
-    The buffer of an array takes a fifth of the time of `__array_interface__`, but has to be writable and not empty.
+    The buffer of an array takes a fifth of the time of `__array_interface__`, but must be writable and not empty.
     """
     try:
         return ctypes.addressof(ctypes.c_char.from_buffer(array.data))
@@ -98,7 +98,7 @@ def _address(array: npt.NDArray[Any]) -> int:
 
 
 class ChosenDerivatives:
-    """Some entries of the Jacobian by coefficients: the others are not written out.
+    """Some entries of the Jacobian by coefficients; the others are not stored.
 
     Raises `CompilerError` if it cannot be compiled.
     """
@@ -123,7 +123,7 @@ class ChosenDerivatives:
 
 
 def loaded_kernel(model: Model, routine: str) -> ctypes.CDLL:
-    """Return the library of a routine's kernel, built by the first flags that the compiler takes.
+    """Return the library of a routine's kernel, built with the first flags that the compiler accepts.
 
     Raises `CompilerError` if there is no compiler, or none of the flags suits it.
     """

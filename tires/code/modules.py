@@ -25,7 +25,7 @@ wheel_kinematics: Any = import_module("tirefmu.generated.numpy.wheel_kinematics"
 def numpy_module(model: Model) -> ModuleType:
     """Return the Python module of a model: tables of names, and every routine but its Jacobians.
 
-    Raises `TirefmuError` if the code in the package has been printed from other equations.
+    Raises `TirefmuError` if the code in the package was printed from other equations.
     """
     module = _module(model, model.name)
     if model.parameters != module.PARAMETERS or tuple(q.name for q in model.inputs) != module.INPUTS:
@@ -34,7 +34,7 @@ def numpy_module(model: Model) -> ModuleType:
 
 
 def numpy_routine(model: Model, routine: str, *, straight: bool = False) -> Callable[..., Any]:
-    """Return a printed function of a model; its Jacobians have a module of their own.
+    """Return a printed function of a model; its Jacobians are in a separate module.
 
     `routine`: "forces", "quantities", "drives", "relaxation", "jacobian_inputs" or "jacobian_parameters". `straight`:
     the faster variant for rows without effects on demand, under default options, where there is one. The function takes
@@ -59,7 +59,7 @@ def _module(model: Model, file: str) -> ModuleType:
 def _loaded(folder: Path, file: str) -> ModuleType:
     """Return a module of a printed model."""
     name = f"tirefmu_printed_{folder.name}_{file}".replace("-", "_")
-    # The compiled file has been checked with the rest of the entry. Python would look for one of its own elsewhere.
+    # The compiled file was checked with the rest of the entry. Python would search for its own file elsewhere.
     loader = SourcelessFileLoader(name, str(folder / "numpy" / f"{file}.pyc"))
     spec = spec_from_loader(name, loader)
     if spec is None:

@@ -35,7 +35,7 @@ class WeightedRows:
     entries : sequence of ndarray of int
         For each force, the derivatives to use: indices into `Code.entries`.
     roots : ndarray, shape (n_forces, n)
-        Roots of the weights; 0 for what has no weight, whatever its residual and derivatives are.
+        Roots of the weights; 0 without weight, for any residual and derivatives.
     residuals : ndarray, shape (n_forces, n)
         Weighted residuals.
     """

@@ -1,4 +1,4 @@
-"""The NumPy code of a model, some thousand rows at a time."""
+"""The NumPy code of a model, for a few thousand rows at a time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .modules import numpy_module, numpy_routine
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Rows that NumPy takes at a time: its intermediate results stay in the processor's cache.
+#: Rows that NumPy computes at a time: the intermediate results stay in the processor's cache.
 CHUNK = 8192
 
 
@@ -25,7 +25,7 @@ def numpy_code(model: Model) -> Code:
 
 
 class _NumpyCode:
-    """The NumPy module, some thousand rows at a time."""
+    """The NumPy module, for a few thousand rows at a time."""
 
     def __init__(self, model: Model) -> None:
         self._model, self._module = model, numpy_module(model)

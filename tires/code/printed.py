@@ -1,9 +1,9 @@
-"""Where the code of a model is: in the package, or printed once and stored by content.
+"""Location of the code of a model: in the package, or printed once and stored by content.
 
 The package has the files that `generated/MANIFEST.json` lists: in a clone the forces, operations and structure of each
-model, in a wheel also the Jacobians and the models with the whole library of effects. What the package lacks is printed
-at its first use into the cache, and so is the code of models with other effects and of models that a program registers.
-The name of an entry contains a digest of the equations, the printers and the effects: after a change of one of them the
+model, in a wheel also the Jacobians and the models with the whole library of effects. Code that the package lacks is
+printed into the cache at first use. This includes models with other effects and models that a program registers. The
+name of an entry contains a digest of the equations, the printers and the effects: after a change of one of them the
 code is printed again.
 """
 
@@ -26,14 +26,14 @@ from tirefmu.symbolic.models import MODELS, WITH_EFFECTS, model_named
 
 from .build_cache import cached, intact_entry
 
-#: What determines the printed code: the files of `symbolic` that end like this.
+#: Extensions of the files of `symbolic` that determine the printed code.
 SOURCES = (".py", ".toml", ".h")
 
 
 def model_with(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     """Return a model by its name, with effects in its lines.
 
-    Where its code has been printed before, its structure is read from there: no equation has to be loaded.
+    If its code has been printed before, its structure is read from there: no equation has to be loaded.
 
     Returns: one object for one model and the same effects. Raises `UnknownName`, `EffectError`: as
     `tirefmu.symbolic.models.model`.
@@ -42,7 +42,7 @@ def model_with(name: str, added: Sequence[AddedEffect] = ()) -> Model:
 
 
 def code_file(model: Model, name: str) -> Path:
-    """Return a file of a model's code, printed where it is missing.
+    """Return a file of a model's code, printed if it is missing.
 
     `name`: relative to the folder of all code, such as "c/mf61_jacobians.c". Returns: headers that it includes are in
     the same folder. Raises `ModelError` if the model violates its declarations. Raises `TirefmuError` if the code
@@ -63,7 +63,7 @@ def packaged_file(model: Model, name: str) -> str:
 
 
 def printed_folder(model: Model) -> Path:
-    """Return the folder of a printed model, printing it where it is not there yet.
+    """Return the folder of a printed model; print the model if the folder does not exist.
 
     The folder contains numpy/, c/ and structure/, and the Python files compiled. Raises `ModelError` if the model
     violates its declarations. Raises `TirefmuError` if it cannot be written.
@@ -96,7 +96,7 @@ def sources_digest() -> str:
 
 @lru_cache(maxsize=1)
 def _manifest() -> dict[str, Any]:
-    """Return what the package has: `lines` by model, `WITH_EFFECTS` by model, `files` by path."""
+    """Return the contents of the package: `lines` by model, `WITH_EFFECTS` by model, `files` by path."""
     text = (files("tirefmu.generated") / "MANIFEST.json").read_text(encoding="ascii")
     content: dict[str, Any] = json.loads(text)
     return content
@@ -123,6 +123,6 @@ def _printed_structure(name: str, added: Sequence[AddedEffect]) -> Path | None:
 
 
 def _render() -> Callable[[Model], dict[str, str]]:
-    from tirefmu.symbolic.printers.generate import render_model  # SymPy's printers take their time to load
+    from tirefmu.symbolic.printers.generate import render_model  # SymPy's printers load slowly
 
     return render_model

@@ -1,8 +1,8 @@
-"""Memory of large results, used again after the caller has dropped them.
+"""Memory of large results, reused after the caller has dropped them.
 
 The C library returns a large array to the system as soon as it is dropped, and the system clears the pages of the next
 one. For the derivatives of a million rows this takes a quarter of the time of their computation; on a virtual machine
-that returns free pages to its host, up to three times that time. The memory of a dropped result is therefore kept for
+that returns free pages to its host, up to three times that time. The memory of a dropped result is therefore reused for
 the next one.
 """
 
@@ -40,7 +40,7 @@ class ResultMemory:
 
     def __init__(self, most: int = 2**26) -> None:
         self._most = most
-        # Each of its operations is complete for other threads and for objects that are deleted meanwhile.
+        # Each of its operations is atomic for other threads and for objects that are deleted meanwhile.
         self._kept: deque[FloatArray] = deque()
 
     def empty(self, shape: tuple[int, ...]) -> FloatArray:
@@ -49,7 +49,7 @@ class ResultMemory:
         return np.empty(shape) if size < LARGE else np.asarray(_Loan(self, self._of_size(size), shape))
 
     def keep(self, memory: FloatArray) -> None:
-        """Keep memory to which nothing refers any more, instead of what has been kept longest."""
+        """Keep memory without references, and release the oldest kept memory."""
         if memory.size > self._most:
             return
         self._kept.append(memory)
@@ -58,7 +58,7 @@ class ResultMemory:
                 self._kept.popleft()
 
     def _of_size(self, size: int) -> FloatArray:
-        """Return memory for numbers: what was kept last, if it is at most a quarter larger, or new memory."""
+        """Return memory for numbers: the last kept memory if it is at most a quarter larger, otherwise new memory."""
         others: deque[FloatArray] = deque()
         found = None
         with suppress(IndexError):

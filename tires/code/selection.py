@@ -1,4 +1,4 @@
-"""Which code evaluates a model: by the name of a language, or the fastest for a number of rows."""
+"""Selection of the code that evaluates a model: by the name of a language, or the fastest for a number of rows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .numpy_code import numpy_code
 
 LANGUAGES = ("numpy", "c", "casadi", "batch")
 
-#: Rows from which on the kernels' blocks pay.
+#: Number of rows from which the kernels' blocks are faster.
 MANY_ROWS = 2000
 
 
@@ -52,7 +52,7 @@ def code_for(model: str | Model, language: str) -> Code:
 
 
 def fastest_code(model: str | Model, n_rows: int = MANY_ROWS) -> Code:
-    """Return the fastest code for a number of rows, with a compiler or without.
+    """Return the fastest code for a number of rows, with or without a compiler.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def fastest_code(model: str | Model, n_rows: int = MANY_ROWS) -> Code:
     Returns
     -------
     Code
-        NumPy for few rows, which needs no compiler; the batch kernels for many, or NumPy where they cannot be built.
+        NumPy for few rows, which needs no compiler; the batch kernels for many, or NumPy if they cannot be built.
     """
     if n_rows < MANY_ROWS:
         return code_for(model, "numpy")
@@ -85,6 +85,6 @@ def _code_for(model: Model, language: str) -> Code:
 
 
 def _casadi_code(model: Model) -> Code:
-    from .casadi_code import casadi_code  # CasADi takes its time to load
+    from .casadi_code import casadi_code  # CasADi loads slowly
 
     return casadi_code(model)

@@ -14,14 +14,14 @@ from tirefmu.boundary.escaping import script_json
 
 from .figure import Cells, Figure, Panel, Series
 
-#: Largest number of points of a series; of more, every k-th one is taken.
+#: Largest number of points of a series; of more points, every k-th point is used.
 MAX_POINTS = 8_000
 
 
 def chart_data(figure: Figure) -> str:
     r"""Return the rows of panels of a figure as JSON text for a script element.
 
-    Numbers of series are base64 text of 32-bit floating-point numbers. ``step`` tells which points are left out.
+    Numbers of series are base64 text of 32-bit floating-point numbers. ``step`` shows which points are omitted.
 
     >>> panel = Panel("α (deg)", "Fy (N)", title="<b>")
     >>> chart_data(Figure("force", "Side force", ((panel,),)))[:20]

@@ -22,7 +22,7 @@ MARGIN = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """What is drawn in one look.
+    """A series with one style.
 
     - `kind`, one of "line", "points", "band": a band is a filled polygon.
     - `x`, `y`, shape (n,): in the units of the axes; NaN interrupts a line.
@@ -78,7 +78,7 @@ class Panel:
     - `x`, `y`: labels of the axes, with units.
     - `series`: in the order in which they are drawn.
     - `title`, `legend`: headings of the panel and of its legend.
-    - `across`, `upright`: gray lines at values of y and of x.
+    - `across`, `upright`: horizontal and vertical gray lines, at values of y and of x.
     - `x_limits`, `y_limits`: of the axes; None: of the values, with a margin.
     - `x_axis`, `y_axis`: panels of a figure with the same name of an axis have the same limits, and are zoomed together
       along x.
@@ -109,7 +109,7 @@ class Figure:
     """A figure.
 
     - `name`: of its file.
-    - `rows`: the panels from top to bottom; a single panel of a row has its full width, None is an empty place.
+    - `rows`: the panels from top to bottom; a single panel of a row has its full width, None is an empty position.
     - `note`: below the panels.
     """
 
@@ -134,7 +134,7 @@ class Figure:
 
 
 def in_rows(panels: Sequence[Panel], columns: int = 2) -> tuple[tuple[Panel | None, ...], ...]:
-    """Return panels in rows of so many columns; a single panel has a row of its own."""
+    """Return panels in rows with a number of columns; a single panel has its own row."""
     columns = min(columns, len(panels))
     padded = [*panels, *[None] * (-len(panels) % columns)]
     return tuple(tuple(padded[i : i + columns]) for i in range(0, len(padded), columns))

@@ -29,16 +29,16 @@ def draw(
     points: pd.DataFrame | None = None,
     kappa: Sequence[float] | None = None,
 ) -> list[Path]:
-    """Draw a tire: one file of its pure curves, one of surfaces per load, one of Fy against Fx.
+    """Draw a tire: one file of pure slip curves, one of surfaces per load, one of Fy against Fx.
 
     Parameters
     ----------
     tire : Tire, path of a .tir file, or name of a published tire
-        Upright and, but for load and slips, at its nominal inputs.
+        Upright and, except for load and slips, at its nominal inputs.
     folder : str or Path
-        Made where it is not there.
+        Created if it does not exist.
     loads : sequence of float, N, optional
-        `default_loads` where None.
+        `default_loads` if None.
     signs : {"iso", "adapted-sae", "sae"}
         Convention in which the figures are drawn.
     suffix : {"png", "svg", "pdf"}
@@ -59,8 +59,8 @@ def draw(
     UnknownName
         If the convention or the format does not exist.
     TirefmuError
-        If a load is not above 0, the range of kappa is not ascending, the tire makes no force or one that is not
-        finite, or a file cannot be written. No file is left half-written.
+        If a load is not above 0, the range of kappa is not ascending, the tire has no force or one that is not finite,
+        or a file cannot be written. No partial file remains.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def draw(
     figures = {"pure": picture(pure(sketch))}
     figures |= {f"surfaces_{load:g}N": surfaces(sketch, load) for load in sketch.loads}
     figures["combined"] = picture(combined(sketch))
-    # All are rendered before the first is written: a failure leaves the folder as it was.
+    # All are rendered before the first is written: after a failure the folder is unchanged.
     images = {
         f"{name}.{suffix}": rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])
         for name, figure in figures.items()

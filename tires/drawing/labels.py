@@ -12,7 +12,7 @@ _UNITS = {"t": "s"} | {each.name: each.unit for each in vars(quantities).values(
 _WRITTEN = {"1": "-", "degC": "deg C"}
 _DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
 _GREEK = {"kappa": "κ", "alpha": "α", "gamma": "γ", "phit": "φt"}
-#: What the levels of a channel are called.
+#: The name of the levels of a channel.
 LEVEL = {"Fz": "load", "gamma": "camber", "p": "pressure", "V": "speed"}
 LEVEL |= {"alpha": "slip angle", "kappa": "longitudinal slip"}
 _CONVENTION = {
@@ -29,7 +29,7 @@ def drawn_unit(channel: str) -> str:
 
 
 def per_si(channel: str) -> float:
-    """Return what turns a channel's SI value into the drawn one."""
+    """Return the factor from a channel's SI value to the drawn value."""
     unit = _UNITS[channel]
     return _DRAWN[unit][1] if unit in _DRAWN else 1.0
 
@@ -40,7 +40,7 @@ def stiffness_unit(slip: str) -> str:
 
 
 def letter(channel: str, signs: str = "iso") -> str:
-    """Return a channel's letter, that of a load so that a loaded tire's is positive.
+    """Return a channel's letter; the sign of a load is such that a loaded tire has a positive value.
 
     >>> letter("Fy"), letter("alpha"), letter("Fz", "sae")
     ('Fy', 'α', '-Fz')

@@ -1,7 +1,7 @@
 """What figures use of matplotlib, and its own settings for them: no file and no program changes a figure of tirefmu.
 
 Importing matplotlib reads the file ``matplotlibrc`` of the working folder, which may come with the data: it can make
-each text run LaTeX. It is therefore imported here only, from this folder.
+each text run LaTeX. It is therefore imported only here, from this folder.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ with chdir(Path(__file__).parent):
     from matplotlib.patheffects import Stroke as Stroke
     from matplotlib.ticker import MaxNLocator as MaxNLocator
 
-#: Distinct from the figure that is data.
+#: Not the figure that is data.
 MatplotlibFigure = Figure
-#: The settings that come with matplotlib, but for the program that shows windows; an SVG file is the same each time.
+#: The default settings of matplotlib, except for the program that shows windows; an SVG file is the same each time.
 SETTINGS = {name: value for name, value in rcParamsDefault.items() if "backend" not in name}
 SETTINGS["svg.hashsalt"] = "tirefmu"
 
 
 @contextmanager
 def own_settings() -> Iterator[None]:
-    """Use the settings that come with matplotlib: around each function that makes a figure or renders one.
+    """Use the default settings of matplotlib: around each function that creates or renders a figure.
 
     >>> from matplotlib import rcParams
     >>> with rc_context({"font.size": 30.0}):

@@ -1,4 +1,4 @@
-"""A report as one self-contained HTML page, whatever texts it shows; its only script makes charts of its figures."""
+"""A report as one self-contained HTML page with any texts; its only script draws charts of its figures."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from .chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
 from .figure import Figure
 from .whole_file import write_whole
 
-#: What every page shares: its frame with the style, and tables and figures that scroll on a narrow screen.
+#: Common parts of all pages: the frame with the style, and tables and figures that scroll on a narrow screen.
 FRAME, PARTS, STYLE = "page.html", "parts.html", "page.css"
-#: What makes charts of figures in a page.
+#: The script that draws charts of figures in a page.
 CHART_SCRIPT, CHART_STYLE = "panels.js", "panels.css"
 
 
@@ -30,9 +30,9 @@ def page_text(
     """Return the text of a package's report.
 
     All texts are escaped, and control characters and marks of the writing direction are made visible. The content
-    security policy of the template allows embedded images, and one script: the one that makes charts of figures. It is
-    part of the page if the page has a figure; the first figure is drawn as a picture as well, which is seen in print
-    and without scripts.
+    security policy of the template allows embedded images, and one script, which draws charts of figures. It is part of
+    the page if the page has a figure. The first figure is also drawn as a picture, which is shown in print and without
+    scripts.
 
     `package`: package with the template: "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting". `filters`: filters
     of the template by name. `template`: file of the package; it extends ``page.html`` of this one. `**content`:
@@ -54,13 +54,13 @@ def page_text(
 
 
 def _sentence(text: str) -> str:
-    """Return a text with a capital first letter; unlike capitalize, it leaves the other ones."""
+    """Return a text with a capital first letter; unlike capitalize, it does not change the other letters."""
     return text[:1].upper() + text[1:]
 
 
 def _still(figure: Figure) -> str:
     """Return the picture of a figure for a page."""
-    from .picture import PAGE_DPI, png  # imports matplotlib, which takes its time
+    from .picture import PAGE_DPI, png  # imports matplotlib, which is slow
 
     return b64encode(png(figure, PAGE_DPI)).decode("ascii")
 
@@ -75,7 +75,7 @@ def _shared(name: str) -> str:
 
 
 def _visible(value: object) -> str:
-    """Return a value as text without invisible characters; what a macro has written has been escaped already."""
+    """Return a value as text without invisible characters; the output of a macro is already escaped."""
     return value if isinstance(value, Markup) else visible(str(value))
 
 

@@ -30,7 +30,7 @@ DPI = 120
 PAGE_DPI = 90
 #: Sizes of texts in points, readable where a page shows a figure of two panels a third smaller than drawn.
 LEGEND_SIZE, TITLE_SIZE, NOTE_SIZE = 10.0, 10.5, 9.0
-HANDLE = 3.2  # length of a legend's lines: every dash is seen
+HANDLE = 3.2  # length of a legend's lines: every dash is visible
 MARKERS = {"ring": "o"}
 
 
@@ -92,7 +92,7 @@ def write_figures(figures: Sequence[Figure], folder: Path, prefix: str = "") -> 
 
 
 def _looks(panel: Panel | None) -> dict[str, tuple[str, tuple[float, ...]]]:
-    """Return the look of each name in the legend: the next panel of a row may repeat it."""
+    """Return the style of each name in the legend: the next panel of a row may repeat it."""
     return {each.label: (each.color, each.dashes) for each in panel.series if each.label} if panel else {}
 
 
@@ -154,7 +154,7 @@ def _draw_cells(ax: Axes, cells: Cells) -> None:
 
 
 def _place_legend(ax: Axes, title: str, handles: dict[str, Any]) -> None:
-    """Put the legend outside the axes, where it covers nothing; its markers have one size that is seen."""
+    """Put the legend outside the axes, where it covers nothing; its markers have one visible size."""
     legend = ax.legend(
         list(handles.values()),
         [f"\u200b{label}" if label.startswith("_") else label for label in handles],

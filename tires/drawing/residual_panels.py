@@ -86,7 +86,7 @@ def _panel(column: pd.Series, residual: FloatArray, channel: str, signs: str) ->
 def _bins(x: FloatArray, known: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:
     """Return the rows of bins with about equal numbers of rows; rows with equal input share one."""
     edges = np.unique(np.quantile(x[known], np.linspace(0.0, 1.0, BINS + 1)))
-    # The largest value begins a bin too: otherwise the two highest levels of a held input would share one.
+    # The largest value also begins a bin: otherwise the two highest levels of a held input would share one.
     number = np.searchsorted(edges, x, side="right")
     found = [np.flatnonzero(known & (number == i)) for i in range(1, len(edges) + 1)]
     return [rows for rows in found if len(rows) >= MIN_ROWS]

@@ -15,7 +15,7 @@ SOLID: tuple[float, ...] = ()
 DASHED, DOTTED = (4.0, 2.0), (1.0, 1.6)
 DASHES = (SOLID, DASHED, (6.0, 1.6, 1.0, 1.6), DOTTED, (8.0, 1.2, 1.2, 1.2, 1.2, 1.2))
 MARKERS = ("o", "^", "s", "D", "v")
-#: Colors of what is not a level.
+#: Colors of series that are not levels.
 BLUE, RED, GREEN, ORANGE, GRAY, LIGHT_GRAY, BLACK = (
     "#1f77b4", "#d62728", "#2a8a2a", "#c65f00", "#808080", "#b0b0b0", "#000000",
 )  # fmt: skip
@@ -82,5 +82,5 @@ def _hex(color: Sequence[float]) -> str:
 
 
 def some_of(rows: pd.DataFrame, most: int = SHOWN) -> pd.DataFrame:
-    """Return so many random rows, the same each time; every n-th one would alias with the sweeps."""
+    """Return a number of random rows, the same each time; every n-th row would alias with the sweeps."""
     return rows.sample(most, random_state=0) if len(rows) > most else rows

@@ -29,7 +29,7 @@ FloatArray = npt.NDArray[np.float64]
 
 #: The figures of a tire, by the names that `plot` takes.
 KINDS = ("pure", "surfaces", "combined")
-#: Blue below 0, red above, without the dark ends on which no number can be read.
+#: Blue below 0, red above, without the dark ends, on which numbers are not readable.
 _COLORS = LinearSegmentedColormap.from_list("forces", colormaps["RdBu_r"](np.linspace(0.1, 0.9, 256)))
 _MESH = 81  # points of a surface along each slip
 
@@ -40,7 +40,7 @@ def plot(
     """Return one figure of a tire; `Tire.plot` documents the parameters.
 
     Raises `UnknownName` if the kind or the convention does not exist. Raises `TirefmuError` if a load is not positive,
-    or the tire makes no force or one that is not finite.
+    or the tire has no force or one that is not finite.
 
     >>> from tirefmu.tires import published
     >>> len(plot(published("unicamp_small_tire"), "combined", loads=[60.0, 110.0]).axes)
@@ -89,7 +89,7 @@ def _draw_solid(
     ax.zaxis.set_rotate_label(False)
     ax.set_zlabel(axis_label(channel), rotation=90.0)
     ax.set_title(f"{channel} over {letter('kappa')} and {letter('alpha')}", fontsize=10, y=0.98)
-    # Seen from the low side: no valley hides behind a hill.
+    # Viewed from the low side, so that no part is hidden.
     azimuth = -128.0 if channel == "Fx" else -55.0 if np.sum(force * alpha) > 0.0 else 55.0
     ax.view_init(elev=24.0, azim=azimuth)
     ax.set_box_aspect((1.0, 1.0, 0.8), zoom=1.0)

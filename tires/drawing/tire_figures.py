@@ -24,11 +24,11 @@ from .style import BLACK, LIGHT_GRAY, level_styles, some_of
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Slips beyond these are not drawn, however far the tire is known.
+#: Slips beyond these are not drawn, even if the range of the tire is larger.
 WIDEST = {"kappa": (-1.0, 1.0), "alpha": (-radians(20.0), radians(20.0))}
 #: Largest longitudinal slip that can be requested.
 MAX_KAPPA = 10.0
-#: What is drawn over which slip, the other slip being 0.
+#: The output and the slip of each figure; the other slip is 0.
 PURE = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
 #: Longitudinal slips that are marked where Fy is drawn against Fx.
 MARKED = (-0.5, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.5)
@@ -48,7 +48,7 @@ def sketched(
     points: pd.DataFrame | None = None,
     kappa: Sequence[float] | None = None,
 ) -> Sketch:
-    """Return what the figures of a tire share, or report what cannot be drawn.
+    """Return the common parts of the figures of a tire, or report what cannot be drawn.
 
     `points` are measured rows in ISO, `kappa` is the drawn range of it, by default that of the tire.
     """
@@ -63,7 +63,7 @@ def default_loads(tire: TireDefinition) -> tuple[float, ...]:
     """Return three loads over the range in which a tire is known, as round as the range allows.
 
     `tire`: of its range, the part from a quarter of the nominal load to three times it; up to twice the nominal load
-    where it has no range. The result is in N; fewer where the range is a single load.
+    where it has no range. The result is in N; fewer loads if the range is a single load.
 
     >>> from tirefmu.tires import published
     >>> default_loads(published("unicamp_small_tire"))
@@ -109,7 +109,7 @@ class Sketch:
         return (low, high) if low < high else widest
 
     def grid(self, slip: str, count: int) -> FloatArray:
-        """Return `count` slips, denser towards zero, where the forces turn; zero among them."""
+        """Return `count` slips, denser towards zero, where the forces change most; zero is included."""
         low, high = self.span(slip)
         if not low < 0.0 < high:
             return np.linspace(low, high, count)
@@ -147,7 +147,7 @@ class Sketch:
         return some_of(rows.dropna(subset=["kappa", "alpha", *channels]), MAX_CROSSES)
 
     def footnotes(self, crosses: str = "at any slip") -> list[str]:
-        """Return what all figures have in common, which rows crosses are, and which loads are beyond the range."""
+        """Return the common notes of all figures: the rows drawn as crosses, and the loads beyond the range."""
         held = [f"p = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
         notes = [f"model {self.tire.model}", ", ".join(["γ = 0", *held])]
         if self.points is not None:

@@ -1,4 +1,4 @@
-"""Files that are written completely or not at all."""
+"""Files are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from pathlib import Path
 
 
 def write_whole(path: Path, content: bytes) -> Path:
-    """Write a file so that nothing half-written is ever seen under its name; return its path.
+    """Write a file so that no partial file ever has its name; return its path.
 
     Raises `OSError` if the file cannot be written.
     """
     part = path.with_name(f".{path.name}.part")
     try:
-        part.unlink(missing_ok=True)  # a link would lead elsewhere
+        part.unlink(missing_ok=True)  # a link would point elsewhere
         part.write_bytes(content)
         part.replace(path)
     finally:

@@ -13,7 +13,7 @@ from tirefmu.symbolic.models import MODELS
 from .names import folded, model_by_coefficients
 from .text import Entry, number_and_rest, unquoted
 
-#: Formats of other tire models that occur in the field, folded, and what they are.
+#: Formats of other tire models in use, folded, and their models.
 OTHER_MODELS = {
     "PAC89": "the Magic Formula of 1989 (PAC89), whose coefficients have other meanings",
     "PAC94": "the Magic Formula of 1994 (PAC94), whose coefficients have other meanings",

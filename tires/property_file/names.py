@@ -1,4 +1,4 @@
-"""The names of .tir files: which number is which model, which keys mean a coefficient, which keys the field knows.
+"""The names of .tir files: numbers of models, keys of coefficients, and other keys in use.
 
 Sources: files of Delft-Tyre's MF-Tool, Goodyear, Adams/Tire (PAC2002) and OptimumT that are public; the readers of
 MFeval 4.3 and Project Chrono; the Adams/Tire and MF-Tyre/MF-Swift manuals.
@@ -15,7 +15,7 @@ from tirefmu.symbolic.models import MODELS
 from ..definition import TireDefinition
 from .text import unquoted
 
-#: Keys of the field that no model here reads and that have no unit.
+#: Keys in use that no model here reads and that have no unit.
 _PLAIN_KEYS = (
     "FILE_VERSION", "PROPERTY_FILE_FORMAT", "TYRESIDE", "TYPE", "FUNCTION_NAME", "CONTACT_MODEL", "FE_METHOD",
     "VENDER_TIRE_TYPE", "FITTYP", "USE_MODE", "USER_SUB_ID", "N_TIRE_STATES", "ROAD_DIRECTION", "MFSAFE1", "MFSAFE2",
@@ -24,7 +24,7 @@ _PLAIN_KEYS = (
     "ELLIPS_ORDER", "ELLIPS_NWIDTH", "ELLIPS_NLENGTH", "ENV_C1", "ENV_C2", "Q_CFG1", "LGAX", "LGAY", "LGAZ", "LGYR",
     "LCZ", "LIP", "QTZ1", "QFZ1", "QFZ2", "QFZ3", "QPFZ1", "QREO", "QV1", "QV2", "QFCX1", "QFCY1", "QFCG1",
 )  # fmt: skip
-#: Keys of the field that no model here reads, with their SI unit: retained, and converted with the file's units.
+#: Keys in use that no model here reads, with their SI unit: retained, and converted with the file's units.
 OTHER_KEYS: dict[str, str] = {
     **dict.fromkeys(("IXX", "IYY", "BELT_IXX", "BELT_IYY"), "kg m^2"),
     **dict.fromkeys(("MASS", "BELT_MASS", "TIRE_MASS", "MBELT"), "kg"),
@@ -37,7 +37,7 @@ OTHER_KEYS: dict[str, str] = {
     "YAW_STIFFNESS": "N m/rad",
     **dict.fromkeys(_PLAIN_KEYS, "1"),
 }
-#: Keys of [UNITS] that concern nothing that a tire file holds.
+#: Keys of [UNITS] that apply to no entry of a tire file.
 IDLE_UNITS = ("TEMPERATURE", "CURRENT", "VOLTAGE")
 #: Header of every written file; entries of the file that was read replace them.
 HEADER = {"FILE_TYPE": "'tir'", "FILE_VERSION": "3.0", "FILE_FORMAT": "'ASCII'"}
@@ -51,7 +51,7 @@ RANGE_SECTIONS = {
     "p": ("INFLATION_PRESSURE_RANGE", "Pa"),
 }
 
-#: The inputs whose range no section of the field holds, by their key in [TIREFMU_RANGES].
+#: The inputs whose range is in no common section, by their key in [TIREFMU_RANGES].
 OWN_RANGES = {"V": "V", "phit": "PHIT", "T": "TEMPERATURE", "t": "TIME"}
 #: Unknown keys for which a similar coefficient is looked for.
 MAX_SEARCHED = 500
@@ -59,16 +59,16 @@ MAX_SEARCHED = 500
 ASSUMED = "TIREFMU_ASSUMED"
 #: The section that names the units of retained entries without a known unit.
 KEPT_UNITS = "TIREFMU_KEPT_UNITS"
-#: The section that holds the files of added effects which no library has.
+#: The section with the files of added effects that are not in the library.
 ADDED = "TIREFMU_ADDED"
-#: Sections of ours that hold no coefficients.
+#: Sections of tirefmu without coefficients.
 OWN_SECTIONS = ("TIREFMU", ADDED, "TIREFMU_ABOUT", "TIREFMU_RANGES", ASSUMED, KEPT_UNITS)
 
 OtherEntry = tuple[str, str, str]
 
 
 def unit_of(key: str) -> str | None:
-    """Return the SI unit of a key of the field, or None if it is unknown.
+    """Return the SI unit of a key in use, or None if it is unknown.
 
     >>> unit_of("WIDTH"), unit_of("BELT_IYY"), unit_of("PRICE")
     ('m', 'kg m^2', None)
@@ -81,7 +81,7 @@ def unit_of(key: str) -> str | None:
 
 
 def near_miss(key: str, names: Iterable[str]) -> str | None:
-    """Return the name that a key almost is, or None; I for 1 and O for 0 count as the same.
+    """Return the name that a key resembles, or None; I and 1, and O and 0, count as the same.
 
     >>> near_miss("PDYI", ["PDY3", "PDY1"]), near_miss("PRICE", ["PDY3", "PDY1"])
     ('PDY1', None)
@@ -98,7 +98,7 @@ def near_miss(key: str, names: Iterable[str]) -> str | None:
 
 
 def aliases() -> frozenset[str]:
-    """Return the spellings of the field that mean a coefficient of some model.
+    """Return the spellings in use for a coefficient of some model.
 
     >>> "IP_NOM" in aliases()
     True
@@ -107,7 +107,7 @@ def aliases() -> frozenset[str]:
 
 
 def folded(format_: str) -> str:
-    """Return a PROPERTY_FILE_FORMAT without what spellings differ in.
+    """Return a PROPERTY_FILE_FORMAT without the characters in which spellings differ.
 
     >>> folded("MF-Tyre"), folded("MF_05")
     ('MFTYRE', 'MF05')
@@ -116,7 +116,7 @@ def folded(format_: str) -> str:
 
 
 def model_by_coefficients(format_: str, keys: Collection[str]) -> str | None:
-    """Return the model of a shared format of which a file has coefficients that the others lack, or None.
+    """Return the model of a shared format if a file has coefficients that the other models lack, or None.
 
     `format_`: PROPERTY_FILE_FORMAT. `keys`: the keys of the file. Of several models it is the one with the highest
     FITTYP, as later models have the coefficients of earlier ones.
@@ -186,7 +186,7 @@ def assumed_lines(names: Collection[str], model: Model) -> tuple[OtherEntry, ...
 
 
 def listed(text: str) -> tuple[str, ...]:
-    """Return the names of a list such as a file of ours has.
+    """Return the names of a list in a file of tirefmu.
 
     >>> listed("'PKY1, PKY2'")
     ('PKY1', 'PKY2')
@@ -195,7 +195,7 @@ def listed(text: str) -> tuple[str, ...]:
 
 
 def in_written_order(entries: Iterable[OtherEntry], model: Model) -> tuple[OtherEntry, ...]:
-    """Return retained entries in the order of a written file: by section, each in its own order.
+    """Return retained entries in the order of a written file: by section, in the order of the section.
 
     >>> entries = [("SHAPE", "", "1 0"), ("MODEL", "USE_MODE", "14"), ("SHAPE", "", "1 1")]
     >>> in_written_order(entries, MODELS["mf96"])

@@ -17,10 +17,10 @@ from .unit_system import UnitSystem
 def other_entries(
     lines: Iterable[Entry | Row], model: Model, units: UnitSystem, path: Path
 ) -> tuple[tuple[OtherEntry, ...], list[str]]:
-    """Return the lines of a file that its model does not read, as they are written again.
+    """Return the lines of a file that its model does not read, in the form in which they are written again.
 
     `lines`: what remains of the file. `units`: of the file. `path`: for messages. Returns: the lines in the order of
-    the file, and notes about them. Raises `TirError` if a key almost is a coefficient in a file that only tirefmu
+    the file, and notes about them. Raises `TirError` if a key resembles a coefficient in a file that only tirefmu
     writes.
 
     >>> from tirefmu.symbolic.models import model_named
@@ -64,7 +64,7 @@ def _has_unknown_unit(line: Entry | Row) -> bool:
 
 
 def _notes_on_similar_keys(entries: Iterable[Entry], model: Model, path: Path) -> list[str]:
-    """Return a note for each key that almost is a coefficient, or refuse it."""
+    """Return a note for each key that resembles a coefficient, or refuse it."""
     titles = {section.title for section in model.sections}
     notes: list[str] = []
     for searched, entry in enumerate(entry for entry in entries if _may_be_similar(entry, titles)):

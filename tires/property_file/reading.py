@@ -1,12 +1,12 @@
-"""Reading .tir files: which model, which values in SI, which other entries to retain, and notes for the user.
+"""Reading of .tir files: the model, values in SI, other entries to retain, and notes for the user.
 
-If a key occurs twice, the last one counts; a coefficient is taken from its own section before any other. A missing
-or empty coefficient takes the value that other programs assume (`assumed` of its declaration), else its default, and
-is in `Tire.defaulted`; so does a zero radius or stiffness of the body. A file without [TIREFMU] EFFECTS has the default
+If a key occurs twice, the last one counts; a coefficient is taken from its own section before any other. A missing or
+empty coefficient, and a zero radius or stiffness of the body, takes the value that other programs assume (`assumed` of
+its declaration), else its default, and is in `Tire.defaulted`. A file without [TIREFMU] EFFECTS has the default
 effects, and an optional effect if one of its own coefficients is given and not neutral. All other keys and tables are
-retained and written again. What files hold beyond a model is no error, as the field's files always hold more than one
-reader wants; where only tirefmu writes the files of a model (`PropertyFile.strict`), a key that almost is a coefficient
-is refused.
+retained and written again. Further content of files is not an error, because files in use always contain more than one
+reader needs. If only tirefmu writes the files of a model (`PropertyFile.strict`), a key that resembles a coefficient is
+refused.
 """
 
 from __future__ import annotations
@@ -43,21 +43,21 @@ from .text import Entry, Row, number_and_rest, read_lines, unquoted, without_com
 from .unit_system import unit_system
 from .units import unit_contradicts
 
-#: Sections that only hold ``KEY = value``, in addition to those of the coefficients.
+#: Sections with ``KEY = value`` only, in addition to those of the coefficients.
 STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
 
 #: The coefficient that a caller can give if a file lacks it.
 RADIUS = "UNLOADED_RADIUS"
-#: By these the equations divide; files of tires that were measured for forces only state 0.
+#: Divisors in the equations; files of tires with measured forces only contain 0.
 BODY = ("VERTICAL_STIFFNESS", "Q_RE0")
 
 
 @dataclass(frozen=True)
 class TirReading:
-    """A tire as read from a file, and what its user should know about the reading.
+    """A tire as read from a file, and notes on the reading for its user.
 
     - `notes`: what the file does not state and how it was interpreted, a sentence each: units converted, keys that
-      almost are coefficients, keys given twice, ...
+      resemble coefficients, keys given twice, ...
     """
 
     tire: Tire
@@ -89,7 +89,7 @@ def read_tir(path: str | Path, radius: float | None = None) -> Tire:
 
 
 def read_tir_with_notes(path: str | Path, radius: float | None = None) -> TirReading:
-    """Read a tire from a .tir file, with notes on what the file does not state.
+    """Read a tire from a .tir file, with notes on information that the file does not state.
 
     Raises `TirError`: as `read_tir` does.
     """
@@ -97,7 +97,7 @@ def read_tir_with_notes(path: str | Path, radius: float | None = None) -> TirRea
 
 
 class _Reader:
-    """The state of reading one file: entries are removed from `unread`; what remains is retained."""
+    """The state of reading one file: entries are removed from `unread`; the remaining ones are retained."""
 
     def __init__(self, path: Path, radius: float | None = None) -> None:
         self.path, self.radius = path, radius
@@ -183,7 +183,7 @@ class _Reader:
         return f"{self.path}:{entry.line}"
 
     def _find(self, key: str, section: str) -> Entry | None:
-        """Take a key out of its own section, or out of the last other one that has it."""
+        """Remove a key from its own section, or from the last other section that has it."""
         unread = (each for each in self.sections.get(key, ()) if each in self.unread)
         found = [each for each in unread if each[0] not in ("UNITS", *OWN_SECTIONS)]
         home = (section, key)
@@ -234,7 +234,7 @@ class _Reader:
                 raise TirError(f"{where}: {low} = {values[low]} lies above {high} = {values[high]}")
 
     def _own_ranges(self) -> Iterator[tuple[str, tuple[float, float]]]:
-        """Yield the ranges that only a file of ours holds."""
+        """Yield the ranges that only a file of tirefmu has."""
         inputs = {key: name for name, key in OWN_RANGES.items()}
         for key in self._keys_of("TIREFMU_RANGES"):
             entry = self._take("TIREFMU_RANGES", key)
@@ -261,7 +261,7 @@ class _Reader:
         return scaled
 
     def _added(self, entry: Entry) -> AddedEffect:
-        """Return the effect whose file is in a line of ours."""
+        """Return the effect whose file is in a line of tirefmu's section."""
         return read_effect(_text(entry, self.path), self._line_of(entry))
 
     def _effects(self, own: dict[str, Entry], model: Model) -> frozenset[str]:
@@ -271,7 +271,7 @@ class _Reader:
             raise TirError(f"{self._line_of(own['EFFECTS'])}: {error}") from None
 
     def _effects_by_coefficients(self, values: Mapping[str, float], model: Model) -> frozenset[str] | None:
-        """Return the effects of a file that names none, or None where they are the default ones."""
+        """Return the effects of a file that names none, or None for the default effects."""
         beyond = {effect.name for effect in model.added}
         found = {}
         for effect in model.effects.keys() - model.default_effects - beyond:
@@ -301,7 +301,7 @@ class _Reader:
         return assumed_lines(named & values.keys(), model)
 
     def _named_as_assumed(self, model: Model) -> set[str]:
-        """Return the coefficients that a file of ours lists as not given."""
+        """Return the coefficients that a file of tirefmu lists as not given."""
         names: set[str] = set()
         for key in self._keys_of(ASSUMED):
             entry = self._take(ASSUMED, key)
@@ -336,7 +336,7 @@ class _Reader:
 
 
 def _text(entry: Entry, path: Path) -> str:
-    """Return what was written as a text of ours; also a plain text typed without quotes."""
+    """Return the content of a text in tirefmu's form; also a plain text without quotes."""
     if entry.value.startswith('"'):
         try:
             return str(json.loads(entry.value))

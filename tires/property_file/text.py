@@ -1,8 +1,8 @@
-"""The text of a .tir file as sections, entries and rows of tables; nothing here knows what a key means.
+"""The text of a .tir file as sections, entries and rows of tables, independent of the meaning of keys.
 
-The form is the field's (TeimOrbit): ``[SECTION]``, ``KEY = value``, comments after ``$`` or ``!`` outside quotes,
-tables of plain lines below a heading in braces. Files come with line ends of any system, also mixed, in UTF-8,
-Latin-1 or UTF-16 with a mark; keys and sections in any case; numbers in Fortran's notation.
+The format is TeimOrbit: ``[SECTION]``, ``KEY = value``, comments after ``$`` or ``!`` outside quotes, tables of plain
+lines below a heading in braces. Files have line ends of any system, also mixed, in UTF-8, Latin-1 or UTF-16 with a
+mark; keys and sections in any case; numbers in Fortran's notation.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tirefmu.boundary.errors import TirError
 from tirefmu.boundary.escaping import excerpt, quoted
 
 #: The largest file that is read, bytes, and the most lines; files in use have a few hundred lines, those with long
-#: tables some ten thousand. The longest line, characters: an added effect's file is one.
+#: tables about ten thousand. The longest line, characters: an added effect's file is one line.
 MAX_BYTES, MAX_LINES, LONGEST_LINE = 10_000_000, 50_000, 200_000
 #: The longest text of a number, characters. The exact decimals of the smallest doubles have 1,077.
 LONGEST_NUMBER = 1500
@@ -25,7 +25,7 @@ LONGEST_NUMBER = 1500
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _SECTION = re.compile(r"\[([^\[\]]*)\](.*)")
 _KEY = re.compile(r"[A-Za-z]\w*", re.ASCII)
-# Without two ways to match the same digits: the time is proportional to the length.
+# There is only one way to match given digits, so the time is proportional to the length.
 _NUMBER = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+))(?:[eEdD]([+-]?\d+))?", re.ASCII)
 _BARE_EXPONENT = re.compile(r"([+-]?(?:\d+\.\d*|\.\d+))([+-]\d+)", re.ASCII)  # Fortran's 1.5+3
 _QUOTED = re.compile(r"(['\"])([^'\"]*)\1([^'\"]*)")
@@ -34,7 +34,7 @@ _BYTE_ORDER_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe
 
 @dataclass(frozen=True)
 class Entry:
-    """A line ``KEY = value``: section and key in upper case, the value as written but for its comment."""
+    """A line ``KEY = value``: section and key in upper case, the value as written, without its comment."""
 
     section: str
     key: str
@@ -44,7 +44,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Row:
-    """A line that is no entry, unchanged: of a table if a heading in braces is above it."""
+    """A line that is not an entry, unchanged: of a table if a heading in braces is above it."""
 
     section: str
     text: str
@@ -128,8 +128,8 @@ def unquoted(value: str) -> str:
 def number_and_rest(value: str) -> tuple[float, str]:
     """Return the number that a value begins with, and the text behind it.
 
-    `value`: also ``.5``, ``5.``, and Fortran's ``1.5D+03`` and ``1.5+3``; in quotes or not. Returns: NaN where there is
-    no finite number, it is longer than `LONGEST_NUMBER`, or a blank does not end it.
+    `value`: also ``.5``, ``5.``, and Fortran's ``1.5D+03`` and ``1.5+3``; in quotes or not. Returns: NaN if there is no
+    finite number, it is longer than `LONGEST_NUMBER`, or a blank does not end it.
 
     >>> number_and_rest("1.5D+03"), number_and_rest("'.5'"), number_and_rest("4 per cent"), number_and_rest("'4' kN")
     ((1500.0, ''), (0.5, ''), (4.0, 'per cent'), (4.0, 'kN'))
@@ -158,7 +158,7 @@ def _decoded(content: bytes) -> str:
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError:
-        return content.decode("latin-1")  # what the field's own tools wrote: a degree sign, an umlaut
+        return content.decode("latin-1")  # written by common tools: a degree sign, an umlaut
 
 
 def _section(line: str, where: str) -> str:

@@ -18,7 +18,7 @@ from .units import UNITS, factor_of, unit_factor
 class UnitSystem:
     """The units of a file.
 
-    - `factors`: to SI, by LENGTH, FORCE, ...; what is absent is SI.
+    - `factors`: to SI, by LENGTH, FORCE, ...; absent ones are SI.
     - `other_units`: those that are not SI, as the file writes them.
 
     >>> inches = UnitSystem({"LENGTH": 0.0254}, {"LENGTH": "'inch'"})
@@ -31,13 +31,13 @@ class UnitSystem:
 
     def factor(self, unit: str, section: str, *, per_angle: bool = False) -> float:
         """Return the factor to SI of a value with an SI unit in a section; `per_angle` as in `factor_of`."""
-        if section.endswith("_COEFFICIENTS") or section.startswith("TIREFMU"):  # ours are in SI whatever the rest is
+        if section.endswith("_COEFFICIENTS") or section.startswith("TIREFMU"):  # tirefmu's are always in SI
             return 1.0
         return factor_of(unit, self.factors, per_angle=per_angle)
 
 
 def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> tuple[UnitSystem, list[str]]:
-    """Take the units out of a file's entries.
+    """Remove the units from a file's entries.
 
     `entries`: those that declare units are removed. `path`: for messages. Returns: the units, and notes about them.
     Raises `TirError` if a unit, or a key of [UNITS], is not known.
@@ -70,6 +70,6 @@ def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> 
 
 
 def _names_unit(entry: Entry) -> bool:
-    """Return whether an entry outside [UNITS], such as in a [HEADER], is a unit all the same."""
+    """Return whether an entry outside [UNITS], such as in a [HEADER], is a unit."""
     named = entry.key in UNITS and unit_factor(entry.key, unquoted(entry.value)) is not None
     return named and not entry.section.startswith("TIREFMU")

@@ -1,10 +1,10 @@
-"""The [UNITS] of .tir files: which spellings there are, and what they make of a value.
+"""The [UNITS] of .tir files: the spellings and their conversion of values.
 
-A unit system is declared by LENGTH, FORCE, ANGLE, MASS, TIME and, in some files, PRESSURE; Pa where that is
-missing. The spellings are those of the Adams and Ansys manuals and of files in use. As in the field's readers,
-units apply to what has a dimension outside the Magic Formula: sizes, loads, stiffnesses, speeds, pressures, and
-the ranges of the inputs. The coefficients of a section ``..._COEFFICIENTS`` never change: their radians are part of
-the formula, as are radians within another unit (N/rad), unless the model's property file declares them (`per_angle`).
+A unit system is declared by LENGTH, FORCE, ANGLE, MASS, TIME and, in some files, PRESSURE; Pa if that is missing. The
+spellings are those of the Adams and Ansys manuals and of files in use. As in other readers, units apply to values with
+a dimension outside the Magic Formula: sizes, loads, stiffnesses, speeds, pressures, and the ranges of the inputs. The
+coefficients of a section ``..._COEFFICIENTS`` never change: their radians are part of the formula, as are radians
+within another unit (N/rad), unless the model's property file declares them (`per_angle`).
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ UNITS: dict[str, dict[str, float]] = {
         }
     ),
 }
-#: How a file of ours names its units.
+#: The names of units in a file of tirefmu.
 WRITTEN = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians", "MASS": "kg", "TIME": "second"}
 #: SI symbols in a unit, and the unit key that applies to them.
 _RULED_BY = {"m": "LENGTH", "N": "FORCE", "rad": "ANGLE", "kg": "MASS", "s": "TIME", "Pa": "PRESSURE"}
@@ -102,7 +102,7 @@ def unit_factor(key: str, spelling: str) -> float | None:
 def factor_of(unit: str, factors: Mapping[str, float], *, per_angle: bool = False) -> float:
     """Return the factor to SI of a value with an SI unit, written in a file's units.
 
-    `unit`: unit of a declaration: "N/m", "kg m^2", "rad", "1". `factors`: the file's units by key; SI where one is
+    `unit`: unit of a declaration: "N/m", "kg m^2", "rad", "1". `factors`: the file's units by key; SI if one is
     missing. `per_angle`: whether ANGLE also applies within another unit.
 
     >>> factor_of("N/m", {"LENGTH": 1e-3}), factor_of("rad", {"ANGLE": 0.5}), factor_of("N/rad", {"ANGLE": 0.5})
@@ -120,7 +120,7 @@ def factor_of(unit: str, factors: Mapping[str, float], *, per_angle: bool = Fals
 def unit_contradicts(word: str, factor: float) -> bool:
     """Return whether the word behind a number is a unit other than the one that the file declares.
 
-    `factor`: what the file's units make of the number.
+    `factor`: conversion of the number by the file's units.
 
     >>> unit_contradicts("kN", 1.0), unit_contradicts("N", 1.0), unit_contradicts("(N/mm)", 1.0)
     (True, False, True)

@@ -30,12 +30,12 @@ from .units import WRITTEN
 
 
 def write_tir(tire: TireDefinition, path: str | Path) -> None:
-    """Write a tire as a .tir file: complete or not at all.
+    """Write a tire as a .tir file, completely or not at all.
 
     Parameters
     ----------
     tire : TireDefinition
-        Written in ISO-W, whatever its own signs.
+        In any signs; it is written in ISO-W.
     path : str or Path
         The file to write; an existing one is replaced.
 
@@ -58,8 +58,8 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
 def tir_text(tire: TireDefinition) -> str:
     """Return the text of a tire's .tir file.
 
-    Returns: other entries of the file that the tire was read from are in their former sections. What only tirefmu knows
-    is at the end, in sections [TIREFMU...], which other readers skip.
+    Returns: other entries of the file that the tire was read from are in their former sections. Information that only
+    tirefmu uses is at the end, in sections [TIREFMU...], which other readers skip.
 
     >>> from tirefmu.tires import published
     >>> tir_text(published("trento_hoosier")).splitlines()[0]
@@ -89,7 +89,7 @@ def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
     yield from (("MODEL", key, f"{key} = {value}") for key, value in model_lines(model).items())
     if tire.side:
         yield "MODEL", "TYRESIDE", f"TYRESIDE = '{tire.side.upper()}'"
-    values = tire.parameters()[: len(model.coefficients)].tolist()  # options are no property of a tire
+    values = tire.parameters()[: len(model.coefficients)].tolist()  # options are not properties of a tire
     written = dict(zip(model.coefficients, values, strict=True))
     silent = silent_coefficients(tire)
     for section in model.sections:
@@ -107,7 +107,7 @@ def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
 
 
 def _only_here(tire: TireDefinition) -> list[str]:
-    """Return the lines of what a .tir file cannot state otherwise."""
+    """Return the lines with information that a .tir file cannot state otherwise."""
     own = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
     absent = [effect for name, effect in tire.symbolic_model.effects.items() if name not in tire.has]
     if tire.has != tire.symbolic_model.default_effects:
@@ -132,7 +132,7 @@ def _section(title: str, values: dict[str, str]) -> list[str]:
 
 
 def _quoted(text: str) -> str:
-    """Return a text of our own sections on one line, without a character that starts a comment or ends a quote."""
+    """Return a text of tirefmu's sections on one line, without a character that starts a comment or ends a quote."""
     if text.isprintable() and not set(text) & set("'\"$!\\"):
         return f"'{text}'"
     inner = json.dumps(text)[1:-1].replace('\\"', "\\u0022")

@@ -10,7 +10,7 @@ from tirefmu.boundary.errors import UnknownName
 from ..property_file.reading import read_tir
 from ..tire import Tire
 
-#: The published tires and the signs in which their source writes them.
+#: The published tires and the signs of their source.
 PUBLISHED = {"trento_hoosier": "adapted-sae", "unicamp_small_tire": "adapted-sae"}
 
 
@@ -23,7 +23,7 @@ def published(name: str) -> Tire: ...
 
 
 def published(name: str | None = None) -> Tire | tuple[str, ...]:
-    """Return a published tire in the signs of its source, or the names of all where none is given.
+    """Return a published tire in the signs of its source, or the names of all if none is given.
 
     Parameters
     ----------

@@ -46,9 +46,9 @@ class _Header:
 def read_crg(path: str | Path) -> Road:
     """Read a road from an OpenCRG file with text data (LRFI or LDFI).
 
-    The heights contain the banking and the slope of the reference line. Heights that are missing at the sides are those
-    of the next ones towards the reference line. Raises `DataError` if the file cannot be read, has binary data, changes
-    the road by modifiers, another border mode or another file, or contains something that is no number; the message
+    The heights contain the banking and the slope of the reference line. Missing heights at the sides are equal to the
+    nearest heights towards the reference line. Raises `DataError` if the file cannot be read, has binary data, changes
+    the road by modifiers, another border mode or another file, or contains something that is not a number; the message
     names file and line.
 
     Source: ASAM OpenCRG 1.2.

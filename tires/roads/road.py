@@ -15,7 +15,7 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Distances of points from nodes that are computed at a time.
 _CHUNK = 2_000_000
-#: Largest number, m or rad, and smallest distance of grid points, m: what is beyond them is no road, and overflows.
+#: Largest number, m or rad, and smallest distance of grid points, m: other values are not a road and overflow.
 LARGEST, SMALLEST_STEP = 1e9, 1e-9
 
 
@@ -23,12 +23,12 @@ LARGEST, SMALLEST_STEP = 1e9, 1e-9
 class Road:
     """Heights over u, the length along a reference line, and v, the distance to its left.
 
-    Heights are bilinear between the points of the grid, and beyond its edges those of the edges.
+    Heights are bilinear between the points of the grid. Beyond its edges they are those of the edges.
 
     `increment`: distance of the points of the reference line, m. `v`, shape (m,): increasing. `heights`, shape (n, m):
     at each point of the reference line, n at least 2. `headings`, shape (n,): direction of the reference line from the
-    previous point; the first one is not used. `start`: global x and y of its first point, m. Raises `DataError` if
-    shapes do not fit, a number is not finite or too large, or v does not increase.
+    previous point; the first is not used. `start`: global x and y of its first point, m. Raises `DataError` if shapes
+    do not fit, a number is not finite or too large, or v does not increase.
 
     Source: ASAM OpenCRG 1.2.
 

@@ -1,4 +1,4 @@
-"""The book's lambda: scaling factors that carry a tire to another ground or to a similar tire."""
+"""The book's lambda: factors that scale a tire to another road surface or to a similar tire."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from ...declarations import Coefficient, Section
 
 
 def factor(description: str, *, signed: bool = False) -> Coefficient:
-    """Declare a scaling factor: 1 does nothing; one of a shift or a moment may be zero or negative."""
+    """Declare a scaling factor: 1 has no influence; a factor of a shift or a moment may be zero or negative."""
     return Coefficient(f"scale of {description}", "1", -10.0 if signed else 0.1, 10.0, 1.0)
 
 

@@ -162,7 +162,7 @@ class MatlabPrinter(CallPrinter):
     pi = "pi"
 
     def _print_Mul(self, expr: Any) -> str:
-        # A star or a slash occurs in an operator only: arguments have no texts.
+        # A star or a slash occurs only in an operator: arguments have no texts.
         return str(super()._print_Mul(expr)).replace(".*", "*").replace("./", "/").replace("*", ".*").replace("/", "./")
 
     def _print_Pow(self, expr: Any) -> str:

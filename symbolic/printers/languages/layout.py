@@ -1,4 +1,4 @@
-"""How functions are laid out as text: statements with remarks, indentation, templates."""
+"""Layout of functions as text: statements with remarks, indentation, templates."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Layout:
     - `statement`: definition of a local variable: ``{name}`` and ``{value}``.
     - `comment`: a comment up to the end of the line: ``{}``.
     - `escape`: makes any text harmless in such a comment.
-    - `continued`: what a line ends with if its statement continues on the next one.
+    - `continued`: the end of a line whose statement continues on the next one.
     """
 
     printer: Printer

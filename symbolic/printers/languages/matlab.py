@@ -19,7 +19,7 @@ from .layout import Layout, filled, wrapped
 from .program import TOLERANCE, Program
 
 LAYOUT = Layout(MatlabPrinter(), "{name} = {value};", "% {}", line_comment, continued=" ...")
-#: What the functions call their coefficients: they are in most lines.
+#: The name of the coefficients in the functions: they are in most lines.
 COEFFICIENTS = "c"
 
 _FUNCTION = """\

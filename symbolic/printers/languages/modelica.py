@@ -25,7 +25,7 @@ TYPES = {
     "N/m": ("TranslationalSpringConstant", ""), "N s/m": ("TranslationalDampingConstant", ""),
 }  # fmt: skip
 
-#: What acts instead of a slip that lags: its state, and the slip as the state has it.
+#: Replacement of a slip that lags: its state, and the slip as a function of the state.
 ACTING = {"kappa": ("kappa_lagged", "kappa_lagged"), "alpha": ("tan_alpha_lagged", "atan(tan_alpha_lagged)")}
 
 _PACKAGE = """\
@@ -184,7 +184,7 @@ def _connectors(kind: str, quantities: Sequence[Quantity], x: int) -> list[str]:
 
 
 def _unit(text: str) -> str:
-    r"""Return the attribute of a unit as Modelica writes it; none for a text that is no unit.
+    r"""Return the attribute of a unit in Modelica; none for a text that is not a unit.
 
     >>> _unit("N m"), _unit("1/rad^2"), _unit('mm " x')
     ('unit = "N.m"', 'unit = "1/rad2"', '')

@@ -184,7 +184,7 @@ def operations(routine: Routine) -> int:
 def identifier(text: str) -> str:
     """Return a text as an identifier of every language: lower case, digits and single underscores.
 
-    It is no word of a language, no function of C, no module that a printout imports and no device of Windows.
+    It is not a word of a language, a function of C, a module that a printout imports or a device of Windows.
 
     >>> identifier("My Tire 205/55.tir"), identifier("2019 front"), identifier("for"), identifier("größe")
     ('my_tire_205_55_tir', 'tire_2019_front', 'tire_for', 'gr_e')

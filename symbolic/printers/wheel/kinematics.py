@@ -1,4 +1,4 @@
-"""The functions of wheel kinematics: a Python module, and a C header that has their tangents too."""
+"""The functions of wheel kinematics: a Python module, and a C header that also has their tangents."""
 
 from __future__ import annotations
 
