@@ -142,10 +142,10 @@ def fit(
     workers = vars(spread)
     with terminal.fitting() as progress:
         result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
-    if checks.folds and not result.interrupted:
+    if checks.folds and not result.run.interrupted:
         # The fit of a fold has the other folds' rows.
         distributes = any(workers.values())
-        expected = None if distributes else (checks.folds, (checks.folds - 1) * result.seconds)
+        expected = None if distributes else (checks.folds, (checks.folds - 1) * result.run.seconds)
         with terminal.counting("cross-validation", singly=True, expected=expected) as counted:
             parts: dict[str, Any] = {"folds": checks.folds, "whole": result, **options}
             held_out = (
@@ -156,11 +156,11 @@ def fit(
         result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    if checks.replicates and not result.interrupted:
+    if checks.replicates and not result.run.interrupted:
         with terminal.counting("bootstrap") as counted:
             seed: int = options["seed"]
             result = bootstrap(result, recordings, checks.replicates, seed=seed, progress=counted, **workers)
-    if checks.profiled and not result.interrupted:
+    if checks.profiled and not result.run.interrupted:
         with terminal.counting("profile likelihood") as counted:
             result = profile(result, checks.profiled, progress=counted, **workers)
     chosen = [part for name, value in vars(selection).items() if value for part in (f"--{name}", value)]
@@ -169,7 +169,7 @@ def fit(
     write_json(json_file, result.to_json())
     terminal.fit_result(result, every)
     terminal.print(f"tire: {output}")
-    if result.interrupted and finished_stages.exists():
+    if result.run.interrupted and finished_stages.exists():
         resuming = "" if resume else " --resume"
         terminal.print(f"completed stages: {finished_stages}; to continue: {command_line()}{resuming}")
     drawn = None
@@ -190,7 +190,7 @@ def fit(
         with terminal.working("writing the report"):
             write_report(result, recordings, report, drawn, findings=result.data_findings, command=command_line())
         terminal.print(f"report: {report}")
-    if not result.interrupted:
+    if not result.run.interrupted:
         finished_stages.unlink(missing_ok=True)  # last: until then --resume has every result without the fit
     return 0 if result.verdict.usable else 1
 
