@@ -8,6 +8,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
+from inspect import signature
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -19,8 +20,7 @@ from tirefmu.boundary.escaping import file_name
 from tirefmu.diagnosis import diagnose, export_and_simulate, write_report
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.measurements.files.reading import READERS
-from tirefmu.symbolic.added import AddedEffect
-from tirefmu.tires import Tire, TireLike, tire_from
+from tirefmu.tires import Tire, tire_from
 from tirefmu.tires.drawing.page import page_text, write_page
 
 from .jobs import unique
@@ -95,11 +95,6 @@ def diagnose_many(
     tables: str | Path | Sequence[str | Path],
     folder: str | Path,
     *,
-    tire: TireLike | None = None,
-    model: str | None = None,
-    effects: Sequence[str] = (),
-    nominal: Mapping[str, float] | None = None,
-    candidates: Sequence[AddedEffect | str] | None = None,
     signs: str | None = None,
     where: str | None = None,
     fmus: bool = True,
@@ -107,6 +102,7 @@ def diagnose_many(
     workers: int | None = None,
     resume: bool = False,
     progress: Progress | None = None,
+    **options: Any,
 ) -> tuple[DiagnosisResult, ...]:
     """Diagnose many recordings.
 
@@ -116,8 +112,6 @@ def diagnose_many(
         Recordings, or folders of recordings.
     folder : path
         For the results; it is created.
-    tire, model, effects, nominal, candidates
-        As for `tirefmu.diagnose`, for all recordings.
     signs, where : str, optional
         As for `tirefmu.measurements.recordings_from`.
     fmus : bool
@@ -130,6 +124,8 @@ def diagnose_many(
         Keep the results that the folder has of recordings with the same data, options and version.
     progress : callable, optional
         Called with each result and the numbers of finished and of all recordings.
+    **options
+        Of `tirefmu.diagnose`, for all recordings: tire, model, effects, nominal, candidates.
 
     Returns
     -------
@@ -143,6 +139,8 @@ def diagnose_many(
         If there is no recording, two have the same name, or the cluster cannot be used.
     DataError
         If the folder cannot be written.
+    TypeError
+        If `options` has a name that is no option of `tirefmu.diagnose`.
 
     Notes
     -----
@@ -159,10 +157,11 @@ def diagnose_many(
     folder = path_from(folder)
     given = [tables] if isinstance(tables, (str, Path)) else list(tables)
     files = [one for path in given for one in _recordings_in(path_from(path))]
-    options = {"effects": tuple(effects), "nominal": nominal, "candidates": candidates}
-    options |= {} if model is None else {"model": model}
-    baseline = None if tire is None else tire_from(tire)
-    jobs = [DiagnosisJob(file_name(one.stem), one, signs, where, baseline, options, fmus) for one in files]
+    signature(diagnose).bind(None, **options)
+    chosen = {key: value for key, value in options.items() if value is not None}
+    chosen |= {key: tuple(chosen[key]) for key in ("effects", "candidates") if key in chosen}
+    baseline = tire_from(chosen.pop("tire")) if "tire" in chosen else None
+    jobs = [DiagnosisJob(file_name(one.stem), one, signs, where, baseline, chosen, fmus) for one in files]
     return compute(
         DIAGNOSES, unique(jobs, "recordings"), folder, scheduler=scheduler, workers=workers, resume=resume,
         progress=progress, summarize=lambda results: _write_summary(results, folder),

@@ -142,8 +142,8 @@ def run(task: FitTask) -> Outcome[JobResult]:
         found = fit(task.recordings, options.pop("model", None), **options)
     except TirefmuError as error:
         return Outcome(JobResult(job.name, FAILED, (str(error),)))
-    if found.interrupted:
-        return Outcome(JobResult(job.name, LOST, (f"interrupted: {found.interrupted}",)))
+    if found.run.interrupted:
+        return Outcome(JobResult(job.name, LOST, (f"interrupted: {found.run.interrupted}",)))
     tire = replace(found.tire, name=found.tire.name or job.name)
     with TemporaryDirectory(prefix="tirefmu-") as scratch:
         path = Path(scratch, f"{job.name}.tir")

@@ -68,7 +68,7 @@ def result_of_fit(name: str, fit: FitResult) -> JobResult:
         rows = max(rows, int(counts.sum()))
     verdict = fit.verdict
     return JobResult(
-        name, verdict.word, verdict.reasons, fit.tire.model, rows, fit.seconds, channels, dict(fit.tire.values)
+        name, verdict.word, verdict.reasons, fit.tire.model, rows, fit.run.seconds, channels, dict(fit.tire.values)
     )
 
 

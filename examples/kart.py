@@ -88,7 +88,8 @@ def monolithic(manoeuvre: Manoeuvre, times: FloatArray) -> FloatArray:
         motion = wheel_motion(**given, omega=omega)
         load = PARAMETERS["VERTICAL_STIFFNESS"] * (free - motion["R_l"])
         load = np.where(load > 0.0, np.maximum(load - PARAMETERS["VERTICAL_DAMPING"] * motion["R_l_rate"], 0.0), 0.0)
-        scaled = parameters | {name: parameters[name] * friction for name in model.symbolic_model.friction_scales}
+        scales = model.symbolic_model.motion.friction_scales
+        scaled = parameters | {name: parameters[name] * friction for name in scales}
         Fx, Fy, Mz = code.forces([kappa, np.arctan(tangent), motion["gamma"], load], list(scaled.values()))
         placed = {name: value for name, value in given.items() if name.startswith(("R_", "road_n"))}
         hub = hub_wrench(Fx=Fx, Fy=Fy, Fz=load, Mz=Mz, R_l=motion["R_l"], **placed)

@@ -30,8 +30,8 @@ from .problem.weights import emphasis, equal_weights, limits_of, noise_weights
 from .results.checkpoint import Checkpoint, Ended, FitState, Release
 from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
-from .results.records import FittedCoefficient, StageFit
-from .results.solved_stage import SolvedStage
+from .results.records import FitRecord, FittedCoefficient, StageFit
+from .results.solved_stage import FitSolution, SolvedStage
 from .setup import Setup
 from .solvers.interruption import Interruption
 from .solvers.restarts import best_end
@@ -341,17 +341,13 @@ class FitRun:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
         sources = distinct(recordings)
         channels = channel_fits(self._fit_data, tire, sources, self._fitted, effective)
+        residuals, solved = Residuals.of(self._data, sources, self._tire), [self._solved(*end) for end in self._ends]
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
-            tuple(self._stages), self._constraints.margins(self._fitted, self._tire.parameters()),
-            tuple(self._notes), seconds=seconds, recipe=self._plan.name, directions=directions,
-            excluded_rows=self._fit_data.excluded_rows, interrupted=self._interrupted(),
-            evidence=Residuals.of(self._data, sources, self._tire),
-            data_findings=self._fit_data.findings,
-            method=self._options.method,
-            covariance=covariance,
-            prediction_covariance=complete,
-            solved=tuple(self._solved(*end) for end in self._ends),
+            FitRecord(tuple(self._stages), self._plan.name, self._options.method, seconds, self._interrupted()),
+            self._constraints.margins(self._fitted, self._tire.parameters()),
+            tuple(self._notes), self._fit_data.findings, directions, self._fit_data.excluded_rows,
+            covariance=covariance, solution=FitSolution(residuals, complete, tuple(solved)),
         )  # fmt: skip
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:

@@ -142,6 +142,58 @@ class PhysicalConstraint:
     on_request: bool = False
 
 
+@dataclass(frozen=True)
+class FitDeclaration:
+    """How a model is fitted.
+
+    - `constraints`: what a fit enforces, by the output that it belongs to.
+    - `recipe`: the default fit recipe: one of the package's, or of its own.
+    - `recipes`: its own recipes: ``<name>.toml`` in its folder.
+    """
+
+    constraints: Mapping[str, tuple[PhysicalConstraint, ...]] = field(default_factory=dict)
+    recipe: str = "joint"
+    recipes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """The baseline model, with which a diagnosis begins.
+
+    - `coefficients`: those that a tire without effects is fitted by.
+    - `starts`: several starts in adapted SAE, against local optima; others start at generic values.
+    - `spread`: standard deviation among tires of coefficients that a recording may leave undetermined.
+    - `refinements`: refinements that a diagnosis tries: coefficients and sizes to probe with, in adapted SAE.
+    """
+
+    coefficients: tuple[str, ...] = ()
+    starts: tuple[Mapping[str, float], ...] = ({},)
+    spread: Mapping[str, float] = field(default_factory=dict)
+    refinements: tuple[Mapping[str, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What a simulation of a moving wheel needs of a model.
+
+    - `relaxation`: the coefficients of its relaxation lengths, which act through time only.
+    - `own_relaxation`: the coefficient that scales relaxation lengths which follow from other coefficients, then those
+      that must be known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
+    - `low_speed`: the coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
+    - `reverses`: whether its forces at a given kappa change their direction with the sign of V: kappa is then positive
+      where it drives the wheel in its direction of travel. The equations of other models are those of a wheel that
+      rolls forward: an FMU that computes slips mirrors their forces where the wheel rolls backward.
+    - `friction_scales`: the coefficients to which friction is proportional: a road with another friction multiplies
+      each of them.
+    """
+
+    relaxation: tuple[str, ...] = ()
+    own_relaxation: tuple[str, ...] = ()
+    low_speed: str = ""
+    reverses: bool = False
+    friction_scales: tuple[str, ...] = ()
+
+
 def positive(quantity: str, floor: float, *over: str, size: float = 1.0, effect: str = "") -> PhysicalConstraint:
     """Return the constraint that a quantity stays above a floor, which is small compared with plausible values.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .contract import PhysicalConstraint, Role, curvature, friction_falling, positive, stiffness_saturating
+from .contract import Baseline, PhysicalConstraint, Role, curvature, friction_falling, positive, stiffness_saturating
 
 ROLES = {
     "friction_x": Role("mu_x", ("PDX1", "PDX2")),
@@ -21,21 +21,19 @@ ROLES = {
     "weighting_x": Role("G_xa"),
     "weighting_y": Role("G_yk"),
 }
-#: The coefficients of a tire without effects: peaks, shapes, stiffnesses and trail.
-BASELINE = (
-    "PCX1", "PDX1", "PEX1", "PKX1", "PCY1", "PDY1", "PEY1", "PKY1", "QBZ1", "QCZ1", "QDZ1",
-)  # fmt: skip
-#: Several starts of shape and curvature: a local optimum of the baseline looks like a missing effect.
-STARTS = (
-    {"PCX1": 1.6, "PEX1": 0.2, "PCY1": 1.4, "PEY1": -0.3, "QBZ1": 9.0, "QCZ1": 1.1},
-    {"PCX1": 1.4, "PEX1": -1.0, "PCY1": 1.6, "PEY1": 0.3, "QBZ1": 6.0, "QCZ1": 1.3},
-    {"PCX1": 1.8, "PEX1": 0.5, "PCY1": 1.25, "PEY1": -1.2, "QBZ1": 13.0, "QCZ1": 1.0},
+#: A tire without effects is fitted by peaks, shapes, stiffnesses and trail. Several starts of shape and curvature: a
+#: local optimum looks like a missing effect. The spread of shapes is about twice that of published tires: coefficients
+#: that a recording does not determine stay plausible.
+BASELINE = Baseline(
+    ("PCX1", "PDX1", "PEX1", "PKX1", "PCY1", "PDY1", "PEY1", "PKY1", "QBZ1", "QCZ1", "QDZ1"),
+    starts=(
+        {"PCX1": 1.6, "PEX1": 0.2, "PCY1": 1.4, "PEY1": -0.3, "QBZ1": 9.0, "QCZ1": 1.1},
+        {"PCX1": 1.4, "PEX1": -1.0, "PCY1": 1.6, "PEY1": 0.3, "QBZ1": 6.0, "QCZ1": 1.3},
+        {"PCX1": 1.8, "PEX1": 0.5, "PCY1": 1.25, "PEY1": -1.2, "QBZ1": 13.0, "QCZ1": 1.0},
+    ),
+    spread={"PCX1": 0.2, "PEX1": 1.0, "PCY1": 0.2, "PEY1": 1.0, "QBZ1": 4.0, "QCZ1": 0.2},
+    refinements=({"PEX3": 0.3}, {"QEZ1": -1.0}, {"PKX3": 0.1, "PKX2": 1.0}),
 )
-#: Standard deviation of shapes among tires, about twice that of published ones: coefficients that a
-#: recording does not determine stay plausible.
-SPREAD = {"PCX1": 0.2, "PEX1": 1.0, "PCY1": 0.2, "PEY1": 1.0, "QBZ1": 4.0, "QCZ1": 0.2}
-#: Refinements of the baseline, with sizes to probe with.
-REFINEMENTS = ({"PEX3": 0.3}, {"QEZ1": -1.0}, {"PKX3": 0.1, "PKX2": 1.0})
 
 
 def force_constraints(*, pressure: bool) -> dict[str, tuple[PhysicalConstraint, ...]]:

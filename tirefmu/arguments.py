@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import dataclass, fields
 from difflib import get_close_matches
+from functools import wraps
 from importlib.resources import files
 from math import isfinite
 from pathlib import Path
@@ -97,6 +99,41 @@ def common(command: Callable[..., Any]) -> Callable[..., Any]:
         command
     )
     return click.option("--quiet", is_flag=True, help="Print errors only.")(command)
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which rows of tables are read, and in which sign convention."""
+
+    signs: str | None
+    where: str | None
+
+
+@dataclass(frozen=True)
+class Spread:
+    """What computes in parallel: a Dask cluster, or a number of local processes."""
+
+    scheduler: str | None
+    workers: int | None
+
+    def __post_init__(self) -> None:
+        if self.scheduler and self.workers:
+            raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
+
+
+def grouped(**groups: type[Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Pass the options that are fields of a frozen class to a command as one value of that class."""
+
+    def of(command: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(command)
+        def called(**options: Any) -> Any:
+            for name, group in groups.items():
+                options[name] = group(**{field.name: options.pop(field.name) for field in fields(group)})
+            return command(**options)
+
+        return called
+
+    return of
 
 
 def check_input_paths(*paths: Path) -> None:

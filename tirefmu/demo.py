@@ -153,7 +153,7 @@ def _fits(
         result.tire.save(folder / f"{recipe}.tir")
         results[recipe] = result
         errors = ", ".join(f"{c.channel} {c.rmse:.3g} {c.unit} (R2 {c.r2:.4f})" for c in result.channels)
-        lines.append(f"{recipe}: RMSE {errors}; {result.status}, {result.seconds:.1f} s")
+        lines.append(f"{recipe}: RMSE {errors}; {result.status}, {result.run.seconds:.1f} s")
         terminal.print(f"  {lines[-1]}")
     for line in _stiffness_lines(truth, results):
         lines.append(line)

@@ -79,7 +79,7 @@ def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
         yield f"note: {rows}"
     for note in result.notes:
         yield f"note: {note}"
-    yield f"fit {result.status} ({result.method}), {result.seconds:.1f} s"
+    yield f"fit {result.status} ({result.run.method}), {result.run.seconds:.1f} s"
     if not every:
         yield "--all lists every coefficient, constraint and stage"
 
@@ -163,7 +163,7 @@ def _stiffnesses(result: FitResult) -> Table:
 
 def _stages(result: FitResult) -> Table:
     table = plain_table(
-        "stage", "rows", "free", "iterations", "R2 uncentred", "", title=f"Stages of recipe {result.recipe}"
+        "stage", "rows", "free", "iterations", "R2 uncentred", "", title=f"Stages of recipe {result.run.recipe}"
     )
     for s in result.stages:
         reason = "" if s.converged else s.reason

@@ -5,8 +5,9 @@ The names are loaded on first access: the command line needs some of them withou
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from tirefmu.boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .forces import Forces
@@ -48,12 +49,4 @@ __all__ = [
     "write_tir",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _ON_DEMAND:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_ON_DEMAND[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return list(__all__)
+__getattr__, __dir__ = on_demand(__name__, _ON_DEMAND)

@@ -61,7 +61,8 @@ def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
     """
     model = tire.symbolic_model
     declarations = model.coefficients
-    free = {name for name in model.baseline if name in declarations and _in_baseline(declarations[name], tire, signals)}
+    declared = [name for name in model.baseline.coefficients if name in declarations]
+    free = {name for name in declared if _in_baseline(declarations[name], tire, signals)}
     for effect in tire.has:
         candidate = declared_candidate(effect, model)
         if candidate:
@@ -161,7 +162,7 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
     measured = dict(zip(signals.channels, signals.measured, strict=True))
     starts = []
     model = tire.symbolic_model
-    for shape in model.starts:
+    for shape in model.baseline.starts:
         values = {**model.prior_center, **shape}
         for channel, slip in OWN_SLIP.items():
             axis = channel[1]

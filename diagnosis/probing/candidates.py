@@ -96,7 +96,7 @@ def declared_candidate(name: str, model: Model, present: frozenset[str] = frozen
         stateful = any(effect.states for effect in model.added if effect.name == name)
         channels = detection.channels or CHANNELS
         return Candidate(name, forms, detection.requires, channels, detection.contains, stateful, detection.rate)
-    own = name in {effect.name for effect in model.own_effects}
+    own = name in {effect.name for effect in model.source.own_effects}
     if name not in model.effects or name in {effect.name for effect in model.added} or not (detection or own):
         return None
     owned = [
@@ -148,7 +148,7 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
     found : frozenset of str
         The identified effects.
     """
-    forms = [("core", Form.each(sizes)) for sizes in tire.symbolic_model.refinements]
+    forms = [("core", Form.each(sizes)) for sizes in tire.symbolic_model.baseline.refinements]
     return forms + [
         (name, form)
         for name, detection in sorted(tire.symbolic_model.detections.items())

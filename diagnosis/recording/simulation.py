@@ -65,7 +65,7 @@ class Simulator:
         self._determines_lag = np.array([name in reached for name in self.symbolic_model.parameters])
         added = [effect for effect in self.symbolic_model.added if effect.name in self.symbolic_model.relaxing_effects]
         own = [each for effect in added for each in effect.declarations]
-        lengths = (*self.symbolic_model.relaxation, *(each.name for each in own if each.neutral == 0.0))
+        lengths = (*self.symbolic_model.motion.relaxation, *(each.name for each in own if each.neutral == 0.0))
         self._relaxation = np.array([self.index[name] for name in lengths], dtype=int)
         #: Coefficients that act through time, and the steps of their differences.
         self._by_difference = {name: self._step(name) for name in (*lengths, *(each.name for each in own))}
@@ -87,7 +87,7 @@ class Simulator:
 
     def _step(self, name: str) -> float:
         declaration = self.symbolic_model.coefficients[name]
-        if name in self.symbolic_model.relaxation or declaration.unit == "m":
+        if name in self.symbolic_model.motion.relaxation or declaration.unit == "m":
             return 0.01 if declaration.unit == "m" else 0.02
         span = declaration.upper - declaration.lower
         return 1e-4 * span if np.isfinite(span) else 1e-4

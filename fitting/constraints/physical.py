@@ -97,7 +97,7 @@ def declared_constraints(model: str) -> dict[str, tuple[Constraint, ...]]:
     >>> declared_constraints("mf96")["Mz"][0].text
     'C_t > 0'
     """
-    declared = model_named(model).constraints
+    declared = model_named(model).fit.constraints
     return {output: tuple(Constraint(**vars(each)) for each in own) for output, own in declared.items()}
 
 

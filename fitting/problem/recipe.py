@@ -142,15 +142,15 @@ def load_recipe(name: str | None, model_name: str) -> Recipe:
     13
     """
     model = model_named(model_name)
-    name = model.recipe if name is None else name
-    if name in model.recipes or name in RECIPES:
-        folder = files(model.folder) if name in model.recipes else files("tirefmu.fitting") / "recipes"
+    name = model.fit.recipe if name is None else name
+    if name in model.fit.recipes or name in RECIPES:
+        folder = files(model.source.folder) if name in model.fit.recipes else files("tirefmu.fitting") / "recipes"
         where = f"recipe {name}"
         content = toml_content((folder / f"{name}.toml").read_text(encoding="utf-8"), where, FitError)
     elif name.endswith(".toml"):
         where, content = name, toml_file(Path(name), FitError)
     else:
-        raise UnknownName("recipe", name, (*RECIPES, *model.recipes))
+        raise UnknownName("recipe", name, (*RECIPES, *model.fit.recipes))
     _check_keys(content, RECIPE_KEYS, where)
     models = content.get("models", list(MODELS))
     if model_name not in models:

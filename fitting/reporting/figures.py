@@ -102,7 +102,7 @@ def figures_of(
     `tire`, `recordings`, `truth`, `signs`: as for `draw_figures`. Raises `FitError` if there is no recording. Raises
     `DataError` if a recording has no measured output.
     """
-    fitted = tire if isinstance(tire, FitResult) and len(tire.prediction_covariance) else None
+    fitted = tire if isinstance(tire, FitResult) and len(tire.solution.covariance) else None
     comparison = compare(tire.tire if isinstance(tire, FitResult) else tire, recordings, signs)
     families = [
         ("pure_Fx", "Pure longitudinal force", comparison.pure("Fx", "kappa")),

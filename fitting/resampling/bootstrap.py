@@ -88,7 +88,7 @@ def replicate_tasks(
     solution, or it is of other data.
     """
     check_replicates(replicates)
-    stages = tuple(stage for stage in result.solved if stage.determined)
+    stages = tuple(stage for stage in result.solution.stages if stage.determined)
     if not stages:
         raise FitError("bootstrap: no stage of the fit used all of its rows")
     sweeps = sweeps_of(recordings)

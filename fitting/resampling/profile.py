@@ -59,7 +59,7 @@ def side_tasks(result: FitResult, names: Sequence[str]) -> list[SideTask]:
 
     Raises `UnknownName` if a coefficient was not fitted. Raises `FitError` if no stage with all its rows determined it.
     """
-    stages = {name: stage for stage in result.solved for name in stage.determined & set(stage.problem.free)}
+    stages = {name: stage for stage in result.solution.stages for name in stage.determined & set(stage.problem.free)}
     for name in names:
         if name not in {one.name for one in result.coefficients}:
             raise UnknownName("fitted coefficient", name, [one.name for one in result.coefficients])

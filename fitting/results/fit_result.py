@@ -18,12 +18,11 @@ from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
-from ..evidence.residuals import Residuals
 from ..evidence.uncertainty import Direction
 from .intervals import interval, listed_intervals
-from .records import ChannelFit, FittedCoefficient, HeldOut, StageFit
+from .records import ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
 from .resampled import Bootstrap, Profile
-from .solved_stage import SolvedStage
+from .solved_stage import FitSolution
 from .summary import fit_html, fit_text
 from .verdict import Verdict, verdict_of
 
@@ -43,67 +42,53 @@ class FitResult:
         The free coefficients: value, interval, bounds.
     channels : tuple of ChannelFit
         Goodness of fit of each recording and channel.
-    stages : tuple of StageFit
-        The stages in order: rows, iterations, cost.
+    run : FitRecord
+        Stages, recipe, method and duration.
     margins : tuple of Margin
         The smallest margin of each physical constraint.
     notes : tuple of str
         Notes for the user: what was skipped, assumed or not determined.
     data_findings : tuple of Finding
         What the recordings lack or contradict (`tirefmu.measurements.data_findings`).
-    seconds : float
-        Wall time, s.
-    recipe : str
-        Name of the recipe.
     directions : tuple of Direction
         Combinations of coefficients that are not identifiable.
     excluded_rows : tuple of ExcludedRows
         Rows that were not fitted, with the reason.
-    interrupted : str
-        Where the fit was stopped; empty if it is complete.
     held_out : tuple of HeldOut
         Results of a blocked cross-validation, if requested.
-    evidence : Residuals or None
-        The fitted rows, for `findings`.
-    method : str
-        The method that solved the stages.
     covariance : pandas.DataFrame
         Of the coefficients by name, in their units and `signs`, under time-correlated noise: half an interval is
         1.96 times the root of the diagonal. Rows and columns are NaN for a coefficient without a finite interval (at a
         bound, not identifiable, or not freed by a stage with all its rows). A stage assumes that the values of earlier
         stages are known, so the covariance of coefficients of different stages (`FittedCoefficient.stage`) is 0.
-    prediction_covariance : pandas.DataFrame
-        The same without NaN, for `interval`: coefficients that are not identifiable have the plausible deviation of one
-        size, and those at a bound 0.
     bootstrap : Bootstrap or None
         Percentile intervals, if requested.
     profiles : tuple of Profile
         Profile likelihoods, if requested.
-    solved : tuple of SolvedStage
-        The solutions of the stages with all their rows, for bootstrap and profiles; always in adapted SAE.
+    solution : FitSolution
+        What `findings`, `interval`, bootstrap and profiles are computed from.
     """
 
     tire: Tire
     signs: str
     coefficients: tuple[FittedCoefficient, ...]
     channels: tuple[ChannelFit, ...]
-    stages: tuple[StageFit, ...]
+    run: FitRecord
     margins: tuple[Margin, ...] = ()
     notes: tuple[str, ...] = ()
     data_findings: tuple[Finding, ...] = ()
-    seconds: float = 0.0
-    recipe: str = ""
     directions: tuple[Direction, ...] = ()
     excluded_rows: tuple[ExcludedRows, ...] = ()
-    interrupted: str = ""
-    method: str = "ipopt"
     held_out: tuple[HeldOut, ...] = ()
-    evidence: Residuals | None = field(default=None, repr=False, compare=False)
     covariance: pd.DataFrame = field(default_factory=pd.DataFrame, compare=False)
-    prediction_covariance: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False, compare=False)
     bootstrap: Bootstrap | None = None
     profiles: tuple[Profile, ...] = ()
-    solved: tuple[SolvedStage, ...] = field(default=(), repr=False, compare=False)
+    solution: FitSolution = field(default_factory=FitSolution, repr=False, compare=False)
+
+    @property
+    def stages(self) -> tuple[StageFit, ...]:
+        """The stages in order: rows, iterations, cost."""
+        return self.run.stages
 
     @property
     def correlation(self) -> pd.DataFrame:
@@ -141,8 +126,7 @@ class FitResult:
             signs=signs,
             coefficients=tuple(c.mirrored() if declarations[c.name].flips else c for c in self.coefficients),
             covariance=self.covariance * np.outer(flips, flips),
-            prediction_covariance=self.prediction_covariance * np.outer(flips, flips),
-            evidence=None if self.evidence is None else replace(self.evidence, signs=signs),
+            solution=self.solution.in_signs(signs, np.outer(flips, flips)),
             bootstrap=self.bootstrap and self.bootstrap.mirrored(lambda name: declarations[name].flips),
             profiles=tuple(one.mirrored() if declarations[one.name].flips else one for one in self.profiles),
         )
@@ -157,8 +141,8 @@ class FitResult:
 
     @cached_property
     def findings(self) -> Findings:
-        """Diagnostics of the fit, computed at the first access; empty without `evidence`."""
-        if self.evidence is None:
+        """Diagnostics of the fit, computed at the first access; empty without fitted rows."""
+        if self.solution.residuals is None:
             return Findings()
         free = [c.name for c in self.coefficients if not c.at_bound]
         unseen = [(c.name,) for c in self.coefficients if not c.determined]
@@ -168,7 +152,7 @@ class FitResult:
             effective[c.channel] = effective.get(c.channel, 0.0) + effective_rows
         known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
         bounded = [c.name for c in self.coefficients if c.at_bound]
-        return find(self.evidence, free, [names for names in (*known, *unseen) if names], bounded, effective)
+        return find(self.solution.residuals, free, [names for names in (*known, *unseen) if names], bounded, effective)
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -179,7 +163,7 @@ class FitResult:
     def ok(self) -> bool:
         """Whether all stages ran and converged and all constraints are satisfied. The tire may still be not usable."""
         return (
-            not self.interrupted
+            not self.run.interrupted
             and all(stage.converged for stage in self.stages)
             and all(m.margin >= -TOLERANCE for m in self.margins)
         )
@@ -189,8 +173,8 @@ class FitResult:
         """Status of the fit in one line."""
         failed = [stage for stage in self.stages if not stage.converged]
         violated = [margin for margin in self.margins if not margin.margin >= -TOLERANCE]
-        if self.interrupted:
-            return f"interrupted in {self.interrupted}: the values are the best so far"
+        if self.run.interrupted:
+            return f"interrupted in {self.run.interrupted}: the values are the best so far"
         if failed:
             return f"not converged: stage {failed[0].name!r} ended: {failed[0].reason}"
         if violated:
@@ -241,9 +225,9 @@ class FitResult:
             "ok": self.verdict.usable,
             "verdict": vars(self.verdict),
             "status": self.status,
-            "recipe": self.recipe,
-            "method": self.method,
-            "seconds": self.seconds,
+            "recipe": self.run.recipe,
+            "method": self.run.method,
+            "seconds": self.run.seconds,
             "model": self.tire.model,
             "effects": sorted(self.tire.has),
             "signs": self.signs,
@@ -263,7 +247,7 @@ class FitResult:
         plain["margins_signs"] = "adapted-sae"
         plain["notes"] = list(self.notes)
         plain["data_findings"] = [vars(finding) for finding in self.data_findings]
-        plain["interrupted"] = self.interrupted
+        plain["interrupted"] = self.run.interrupted
         return _plain(plain)  # type: ignore[no-any-return]
 
 

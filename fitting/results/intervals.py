@@ -15,7 +15,7 @@ from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
 from ..evidence.intervals import standard_errors
-from ..evidence.residuals import Residuals
+from .solved_stage import FitSolution
 
 #: Roles of the quantities over load, and the forces over their own slip.
 OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
@@ -36,12 +36,8 @@ class Predicting(Protocol):
         """Sign convention of the covariance."""
 
     @property
-    def prediction_covariance(self) -> pd.DataFrame:
-        """Covariance of all coefficients."""
-
-    @property
-    def evidence(self) -> Residuals | None:
-        """The fitted rows."""
+    def solution(self) -> FitSolution:
+        """The fitted rows, and the covariance of all coefficients."""
 
 
 def interval(
@@ -57,7 +53,7 @@ def interval(
     """
     if not 0.0 < level < 1.0:
         raise FitError(f"confidence level {level:g} is not between 0 and 1")
-    if not len(result.prediction_covariance):
+    if not len(result.solution.covariance):
         raise FitError("the fit has no covariance: none of its stages used all rows of its channels")
     recording = recording_from(table, signs=signs)
     return band(result, quantity, recording.table, recording.signs, level)
@@ -75,7 +71,7 @@ def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, lev
         [rows[n].to_numpy(dtype=float) if n in rows else np.full(len(rows), tire.nominal(n)) for n in tire.inputs]
     )
     declarations = tire.symbolic_model.coefficients
-    covariance = result.prediction_covariance
+    covariance = result.solution.covariance
     flips = np.array([-1.0 if formula != result.signs and declarations[n].flips else 1.0 for n in covariance.index])
     value, error = standard_errors(tire, quantity, inputs, covariance * np.outer(flips, flips))
     written = convert_signs(pd.DataFrame({quantity: value}), formula, signs)[quantity].to_numpy()
@@ -90,9 +86,9 @@ def listed_intervals(result: Predicting) -> Iterator[dict[str, Any]]:
     Yields: ``quantity``, ``at`` (the inputs that differ from the medians of the data), ``value``, ``lower``, ``upper``.
     None without fitted rows or covariance.
     """
-    if result.evidence is None or not len(result.prediction_covariance):
+    evidence, model = result.solution.residuals, result.tire.symbolic_model
+    if evidence is None or not len(result.solution.covariance):
         return
-    evidence, model = result.evidence, result.tire.symbolic_model
     table = convert_signs(evidence.table, "adapted-sae", "iso")
     loads = np.linspace(table["Fz"].min(), table["Fz"].max(), LOADS)
     held = {n: float(table[n].median()) for n in result.tire.inputs if n in table and n not in ("kappa", "alpha", "Fz")}

@@ -92,6 +92,23 @@ class StageFit:
 
 
 @dataclass(frozen=True)
+class FitRecord:
+    """How a fit ran.
+
+    - `stages`: in order.
+    - `recipe`, `method`: names of the recipe and of the method that solved the stages.
+    - `seconds`: wall time, s.
+    - `interrupted`: where the fit was stopped; empty if it is complete.
+    """
+
+    stages: tuple[StageFit, ...]
+    recipe: str
+    method: str
+    seconds: float
+    interrupted: str
+
+
+@dataclass(frozen=True)
 class HeldOut:
     """Prediction error of a channel of a recording at operating conditions that were not fitted.
 

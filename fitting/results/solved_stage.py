@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 
 from ..constraints.verification import ConstraintPoints
+from ..evidence.residuals import Residuals
 from ..problem.weighted_residuals import Problem
 from .checkpoint import Ended
 
@@ -47,3 +49,23 @@ class SolvedStage:
         x = np.clip(end.x, lower, upper)
         numbers = np.asarray(rows, dtype=np.int64)
         return cls(name, problem, x, lower, upper, tuple(constraints), ridge, numbers, frozenset(determined))
+
+
+@dataclass(frozen=True, eq=False)
+class FitSolution:
+    """What intervals, diagnostics, bootstrap and profile likelihoods of a fit are computed from.
+
+    - `residuals`: the fitted rows.
+    - `covariance`: of the coefficients by name, without NaN: coefficients that are not identifiable have the plausible
+      deviation of one size, and those at a bound 0.
+    - `stages`: the solutions of the stages with all their rows, always in adapted SAE.
+    """
+
+    residuals: Residuals | None = None
+    covariance: pd.DataFrame = field(default_factory=pd.DataFrame)
+    stages: tuple[SolvedStage, ...] = ()
+
+    def in_signs(self, signs: str, flips: FloatArray) -> FitSolution:
+        """Return the same in another sign convention, with the changes of sign of the covariance, shape (n, n)."""
+        residuals = None if self.residuals is None else replace(self.residuals, signs=signs)
+        return replace(self, residuals=residuals, covariance=self.covariance * flips)

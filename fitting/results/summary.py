@@ -9,7 +9,7 @@ from tirefmu.boundary.escaping import excerpt, visible
 from tirefmu.tires.notebook import html_details, html_summary, html_table
 from tirefmu.tires.tire import Tire
 
-from .records import ChannelFit, FittedCoefficient
+from .records import ChannelFit, FitRecord, FittedCoefficient
 from .verdict import Verdict
 
 #: Longest name of a recording, in characters, and largest number of channels that are listed.
@@ -24,8 +24,8 @@ class Summarized(Protocol):
         """The fitted tire."""
 
     @property
-    def recipe(self) -> str:
-        """Name of the recipe."""
+    def run(self) -> FitRecord:
+        """Recipe and duration."""
 
     @property
     def status(self) -> str:
@@ -40,10 +40,6 @@ class Summarized(Protocol):
         """Sign convention of the coefficients."""
 
     @property
-    def seconds(self) -> float:
-        """Duration of the fit."""
-
-    @property
     def coefficients(self) -> Sequence[FittedCoefficient]:
         """The fitted coefficients."""
 
@@ -56,11 +52,11 @@ def fit_text(result: Summarized) -> str:
     """Return status and goodness of fit in a few lines."""
     effects = len(result.tire.has)
     name = f" {excerpt(result.tire.name, LONGEST_NAME)!r}" if result.tire.name else ""
-    recipe = visible(result.recipe)
+    recipe = visible(result.run.recipe)
     lines = [
         f"FitResult{name}: {result.tire.model} with {effects} effects, recipe {recipe}: {visible(result.status)}",
         f"  {result.verdict.word}{''.join(f'; {visible(reason)}' for reason in result.verdict.reasons[:1])}",
-        f"  {len(result.coefficients)} coefficients fitted, in {result.signs} signs; {result.seconds:.1f} s",
+        f"  {len(result.coefficients)} coefficients fitted, in {result.signs} signs; {result.run.seconds:.1f} s",
     ]
     for c in result.channels[:MAX_CHANNELS]:
         source = excerpt(c.recording, LONGEST_NAME)

@@ -18,6 +18,7 @@ from ..evidence.diagnostics import Findings
 from ..evidence.residuals import Residuals
 from ..evidence.slip_stiffness import SlipStiffness
 from .records import ChannelFit, FittedCoefficient
+from .solved_stage import FitSolution
 
 USABLE, LIMITED, UNUSABLE = "usable", "usable with limits", "not usable"
 #: The forces, without which a tire is not usable.
@@ -89,7 +90,7 @@ class Judged(Protocol):
         """Diagnostics of the fit."""
 
     @property
-    def evidence(self) -> Residuals | None:
+    def solution(self) -> FitSolution:
         """The fitted rows."""
 
 
@@ -106,7 +107,7 @@ def verdict_of(result: Judged) -> Verdict:
         *_not_imposed(result),
         *_at_bounds(result),
         *_excluded(result),
-        *([] if result.evidence is None else _extrapolated(result.evidence)),
+        *([] if result.solution.residuals is None else _extrapolated(result.solution.residuals)),
     ]
     return Verdict(UNUSABLE if wrong else LIMITED if limits else USABLE, (*wrong, *limits))
 

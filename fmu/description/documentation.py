@@ -125,7 +125,7 @@ def _how_to_connect(tire: Tire, inputs: Sequence[Variable]) -> Iterable[str]:
 
 def _slips(tire: Tire) -> str:
     """Return the definition of the slips in both directions of travel."""
-    if tire.symbolic_model.reverses:
+    if tire.symbolic_model.motion.reverses:
         return "kappa = (omega R_e - V_x)/V_x, also with V_x < 0; tan(alpha) = V_y/|V_x|."
     if "V" in tire.inputs:
         return "kappa = (omega R_e - V_x)/|V_x|, tan(alpha) = V_y/|V_x|; Mz is that of a wheel that rolls forward."

@@ -88,7 +88,7 @@ def hub_inputs(
         inputs = [replace(v, start=(v.start or 0.0) + ground) if v.name == "r_z" else v for v in inputs]
     if spins:
         inputs = [*inputs[:-1], replace(inputs[-1], causality="output"), *TORQUES]
-    if tire.symbolic_model.friction_scales:
+    if tire.symbolic_model.motion.friction_scales:
         described = (hub.FRICTION.name, "input", hub.FRICTION.unit, hub.FRICTION.description)
         inputs.append(Variable(*described, start=1.0, lower=MIN_FRICTION, nominal=1.0, group="input"))
     return inputs + [

@@ -38,7 +38,7 @@ def with_lengths(tire: Tire) -> tuple[Tire, str]:
     if tire.lags:
         return tire, ""
     half = f"half of its free radius, {_default_length(tire):.3g} m (DEFAULT_SIGMA)"
-    scale, *needed = tire.symbolic_model.own_relaxation or ("",)
+    scale, *needed = tire.symbolic_model.motion.own_relaxation or ("",)
     if not scale or set(needed) & set(tire.defaulted):
         return tire, f"the tire has no relaxation: the relaxation lengths are {half}"
     (effect,) = (each for each in tire.symbolic_model.relaxing_effects if scale in tire.symbolic_model.owned(each))
@@ -59,7 +59,7 @@ def standstill_parameters(tire: Tire) -> tuple[Variable, ...]:
     >>> [variable.name for variable in standstill_parameters(published("trento_hoosier"))]
     ['LOW_SPEED', 'LOW_SPEED_DAMPING', 'DEFAULT_SIGMA', 'FRICTION_LIMIT']
     """
-    own = tire.values.get(tire.symbolic_model.low_speed, 0.0)
+    own = tire.values.get(tire.symbolic_model.motion.low_speed, 0.0)
     return (
         replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start),
         LOW_SPEED_DAMPING,

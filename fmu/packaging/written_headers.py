@@ -143,7 +143,7 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define HUB {int(shown.hub)}"
     yield f"#define SPIN {int(shown.spins)}"
     yield f"#define ROAD {int(shown.road is not None)}"
-    yield f"#define REVERSES {int(shown.tire.symbolic_model.reverses)}"
+    yield f"#define REVERSES {int(shown.tire.symbolic_model.motion.reverses)}"
     names = [v.name for v in shown.contact_inputs]
     yield f"#define SPIN_PLACE {names.index(SPIN.name) if shown.spins else 0}"
     optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
@@ -188,7 +188,7 @@ def _indices(shown: Interface) -> Iterable[str]:
     if shown.hub:
         forces = [q.name for q in CONTACT_FORCES]
         yield from table("CONTACT_FORCES", [str(forces.index(name)) for name in tire.outputs])
-        scales = [f"{prefix}_{name}" for name in tire.symbolic_model.friction_scales]
+        scales = [f"{prefix}_{name}" for name in tire.symbolic_model.motion.friction_scales]
         yield from table("FRICTION_PARAMETERS", [*scales, "-1"])
         if not scales:
             yield "#define HOST_FRICTION 0"  # not read
@@ -196,7 +196,7 @@ def _indices(shown: Interface) -> Iterable[str]:
 
 def _backward_signs(model: Model) -> list[str]:
     """Return the sign of each output of a wheel that rolls backward, relative to one that rolls forward."""
-    return ["-1" if q.name in MIRRORED_ACROSS and not model.reverses else "1" for q in model.outputs]
+    return ["-1" if q.name in MIRRORED_ACROSS and not model.motion.reverses else "1" for q in model.outputs]
 
 
 def _memory(shown: Interface) -> list[str]:

@@ -6,11 +6,24 @@ ChFialaTire.cpp.
 
 from dataclasses import replace
 
-from ..contract import PropertyFile, Role, positive
-from ..model import Model
+from ..contract import Baseline, FitDeclaration, Motion, PropertyFile, Role, positive
+from ..model import Model, Source
 from ..quantities import ALPHA, FX, FY, FZ, KAPPA, MY, MZ, V
 from .coefficients import SECTIONS
 
+CONSTRAINTS = {
+    "Fx": (
+        positive("mu_x", 0.01, "kappa", "alpha"),
+        positive("mu_x_fall", 0.0),
+        positive("K_xkappa", 1.0, size=1e4),
+    ),
+    "Fy": (
+        positive("mu_y", 0.01, "kappa", "alpha"),
+        positive("mu_y_fall", 0.0),
+        positive("K_yalpha", 1.0, size=1e4),
+    ),
+    "Mz": (positive("t_0", 0.0, size=0.1),),
+}
 FIALA = Model(
     name="fiala",
     title="Fiala tire (Adams, MotionSolve)",
@@ -18,8 +31,7 @@ FIALA = Model(
     inputs=(KAPPA, ALPHA, FZ, replace(V, nominal=V.typical)),
     outputs=(FX, FY, MZ, MY),
     sections=SECTIONS,
-    chapters=("forces",),
-    folder=__name__,
+    source=Source(("forces",), folder=__name__),
     results=("sigma_kappa", "sigma_alpha", "rho", "R_l", "d_z", "C_gamma"),
     roles={
         "friction_x": Role("mu_x", ("UMAX",)),
@@ -40,21 +52,8 @@ FIALA = Model(
         # Adams' sample files give these in metres although lengths are in millimetres.
         in_si=("RELAX_LENGTH_X", "RELAX_LENGTH_Y"),
     ),
-    constraints={
-        "Fx": (
-            positive("mu_x", 0.01, "kappa", "alpha"),
-            positive("mu_x_fall", 0.0),
-            positive("K_xkappa", 1.0, size=1e4),
-        ),
-        "Fy": (
-            positive("mu_y", 0.01, "kappa", "alpha"),
-            positive("mu_y_fall", 0.0),
-            positive("K_yalpha", 1.0, size=1e4),
-        ),
-        "Mz": (positive("t_0", 0.0, size=0.1),),
-    },
-    baseline=("WIDTH", "CSLIP", "CALPHA", "UMIN", "UMAX"),
-    relaxation=("REL_LEN_LON", "REL_LEN_LAT"),
-    friction_scales=("UMIN", "UMAX"),
+    fit=FitDeclaration(CONSTRAINTS),
+    baseline=Baseline(("WIDTH", "CSLIP", "CALPHA", "UMIN", "UMAX")),
+    motion=Motion(relaxation=("REL_LEN_LON", "REL_LEN_LAT"), friction_scales=("UMIN", "UMAX")),
 )
 MODELS = (FIALA,)

@@ -8,10 +8,10 @@ solver [MFeval].
 
 from __future__ import annotations
 
-from ..contract import PropertyFile, Role, curvature, positive, with_extrapolation
-from ..magic_formula import BASELINE, REFINEMENTS, SPREAD, STARTS, force_constraints
+from ..contract import FitDeclaration, Motion, PropertyFile, Role, curvature, positive, with_extrapolation
+from ..magic_formula import BASELINE, force_constraints
 from ..magic_formula import ROLES as COMMON_ROLES
-from ..model import Model
+from ..model import Model, Source
 from ..quantities import ALPHA, FX, FY, FZ, GAMMA, KAPPA, MX, MY, MZ, PHIT, P, V
 from .coefficients import SECTIONS
 
@@ -77,8 +77,7 @@ def _model(name: str, title: str, file: PropertyFile, carcass: tuple[str, ...] =
         inputs=(KAPPA, ALPHA, GAMMA, FZ, P, V, PHIT),
         outputs=(FX, FY, MZ, MX, MY),
         sections=SECTIONS,
-        chapters=CHAPTERS,
-        folder=__name__,
+        source=Source(CHAPTERS, folder=__name__),
         results=(
             "R_e",
             "omega",
@@ -97,17 +96,15 @@ def _model(name: str, title: str, file: PropertyFile, carcass: tuple[str, ...] =
         on_demand=(("turn_slip", "phit"),),
         roles=ROLES,
         property_file=file,
-        constraints=CONSTRAINTS,
-        recipe="progressive",
+        fit=FitDeclaration(CONSTRAINTS, recipe="progressive"),
         baseline=BASELINE,
-        starts=STARTS,
-        spread=SPREAD,
-        refinements=REFINEMENTS,
-        relaxation=("SIGX", "SIGY", "SIGC", "SIGK"),
-        own_relaxation=("SIGK", *carcass),
-        low_speed="VXLOW",
-        reverses=True,
-        friction_scales=("LMUX", "LMUY"),
+        motion=Motion(
+            relaxation=("SIGX", "SIGY", "SIGC", "SIGK"),
+            own_relaxation=("SIGK", *carcass),
+            low_speed="VXLOW",
+            reverses=True,
+            friction_scales=("LMUX", "LMUY"),
+        ),
     )
 
 

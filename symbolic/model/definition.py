@@ -117,13 +117,13 @@ class Model(ModelDeclaration):
         """Every line as written, with effects as switches and options as choices."""
         from .assembly import assembled
 
-        chapters = [self._chapter(chapter) for chapter in self.chapters]  # all: one may file lines in another
+        chapters = [self._chapter(chapter) for chapter in self.source.chapters]  # all: one may file lines in another
         return assembled(self.name, chapters, self.added, self._quantities, self._outputs)
 
     def _chapter(self, chapter: str | Chapter) -> Chapter:
         if not isinstance(chapter, str):
             return chapter
-        filed: Chapter = import_module(f"{self.folder}.{chapter}").eq
+        filed: Chapter = import_module(f"{self.source.folder}.{chapter}").eq
         return filed
 
     @property
@@ -142,7 +142,7 @@ class Model(ModelDeclaration):
             effect.name: Effect(effect.name, effect.physics, optional=True, detection=effect.detection)
             for effect in self.added
         }
-        beyond |= {effect.name: effect for effect in self.own_effects}
+        beyond |= {effect.name: effect for effect in self.source.own_effects}
         return {name: beyond.get(name) or EFFECTS[name] for name in self.structure.effects}
 
     @cached_property
@@ -166,7 +166,7 @@ class Model(ModelDeclaration):
         (0.75, 0.2)
         """
         spread = {name: value for one in self.detections.values() for name, value in one.prior_spread.items()}
-        return {**spread, **self.spread}
+        return {**spread, **self.baseline.spread}
 
     def quantity(self, role: str) -> str:
         """Return the name of the quantity that has a role, or '' if the model lacks it."""

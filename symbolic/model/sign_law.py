@@ -19,10 +19,10 @@ from tirefmu.boundary.errors import ModelError
 
 from ..declarations import Coefficient, Quantity
 from ..options import signs
-from ..printers.operations import Tape, taped
 from ..quantities import V
 from .definition import Model
 from .lines import reaching
+from .tape import Tape, taped
 
 #: The columns that adapted SAE writes with the opposite sign of ISO.
 REVERSED = frozenset({"Fy", "My", "Mz"})
@@ -74,9 +74,9 @@ def check_reversal(model: Model) -> None:
         driven = {**row.coefficients, **row.given, "kappa": 0.3, "alpha": 0.0, signs.parameter: 1.0}
         forward, backward = (_run(tape, {**driven, "V": speed})["Fx"] for speed in (V.typical, -V.typical))
         reversed_rows += forward * backward < 0.0
-    if model.reverses != (2 * reversed_rows > ROWS):
-        how = "does not reverse" if model.reverses else "reverses"
-        raise ModelError(f"{model.name}: reverses is {model.reverses}, but Fx {how} with V")
+    if model.motion.reverses != (2 * reversed_rows > ROWS):
+        how = "does not reverse" if model.motion.reverses else "reverses"
+        raise ModelError(f"{model.name}: reverses is {model.motion.reverses}, but Fx {how} with V")
 
 
 @dataclass(frozen=True)

@@ -55,12 +55,12 @@ def _check_coefficients(model: Model) -> None:
         if declaration.default != declaration.default:
             raise ModelError(f"{model.name}: coefficient {name} has neither a neutral value nor a start")
     named = [(f"role {role}", name) for role, own in model.roles.items() for name in own.coefficients]
-    named += [("the baseline", name) for name in model.baseline]
-    named += [("the relaxation lengths", name) for name in model.relaxation]
-    named += [("its own relaxation lengths", name) for name in model.own_relaxation]
-    named += [("the low speed", name) for name in (model.low_speed,) if name]
-    named += [("the scales of friction", name) for name in model.friction_scales]
-    named += [("a start", name) for start in model.starts for name in start]
+    named += [("the baseline", name) for name in model.baseline.coefficients]
+    named += [("the relaxation lengths", name) for name in model.motion.relaxation]
+    named += [("its own relaxation lengths", name) for name in model.motion.own_relaxation]
+    named += [("the low speed", name) for name in (model.motion.low_speed,) if name]
+    named += [("the scales of friction", name) for name in model.motion.friction_scales]
+    named += [("a start", name) for start in model.baseline.starts for name in start]
     for where, name in named:
         if name not in declarations:
             near = nearest(name, declarations)
@@ -76,7 +76,7 @@ def _check_quantities(model: Model) -> None:
         _check_named(model, f"role {role}", own.quantity, named)
     for name in model.results:
         _check_named(model, "the results", name, named)
-    for output, constraints in model.constraints.items():
+    for output, constraints in model.fit.constraints.items():
         if output not in outputs:
             raise ModelError(f"{model.name}: constraints of {output}, which is no output of it")
         for each in constraints:

@@ -181,7 +181,7 @@ def test_a_fit_by_ioa_reports_its_method_and_is_reproducible(known, make, tmp_pa
         for iterations in (400, 400, 3)
     ]
     assert results[0].tire.values == results[1].tire.values
-    assert results[0].method == results[0].to_json()["method"] == "ioa"
+    assert results[0].run.method == results[0].to_json()["method"] == "ioa"
     assert results[0].channels[0].rmse < 5.0
     assert results[2].stages[0].reason == LIMIT
     assert not results[2].ok

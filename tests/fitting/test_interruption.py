@@ -77,7 +77,7 @@ def test_an_interrupt_returns_the_best_values_so_far(recording, whole, make, how
         ("Fy", False, "interrupted")
     ]
     # The second stage has improved the fit, but less than the complete fit.
-    first = replace(result, stages=result.stages[:1])
+    first = replace(result, run=replace(result.run, stages=result.stages[:1]))
     assert whole.channels[0].rmse < result.channels[0].rmse
     assert result.stages[1].cost < first.stages[0].cost
     assert all(margin.margin >= -1e-6 for margin in result.margins)
@@ -156,7 +156,7 @@ def test_a_resumed_fit_equals_an_uninterrupted_one(recording, whole, make, tmp_p
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
     interrupted = fit([recording], "mf96", **options, progress=stopping(stage, 2, raised))
-    assert interrupted.interrupted
+    assert interrupted.run.interrupted
     assert json.loads(path.read_text(encoding="utf-8"))["done"] > 0
     stages = []
     resumed = fit([recording], "mf96", **options, resume=True, progress=lambda *call: stages.append(call[0]))

@@ -27,7 +27,7 @@ def noisy(known, make):
 def test_the_error_is_the_spread_over_random_coefficients(noisy, quantity):
     """Tires with random coefficients from the covariance scatter by the standard error."""
     found = noisy.interval(quantity, TABLE)
-    matrix, tire = noisy.prediction_covariance, noisy.tire
+    matrix, tire = noisy.solution.covariance, noisy.tire
     random = np.random.default_rng(1).multivariate_normal(np.zeros(len(matrix)), 1e-6 * matrix.to_numpy(), 400)
     values = np.array([tire.values[name] for name in matrix.index])
     spread = [

@@ -98,9 +98,10 @@ def with_text(result, text):
 
     found = result.findings
     tire = replace(result.tire, name=text, about={"maker": text})
+    run = replace(result.run, recipe=text, interrupted=text, stages=each(result.stages, "name", "reason"))
     changed = replace(
-        result, tire=tire, recipe=text, interrupted=text, notes=(text,),
-        channels=each(result.channels, "recording"), stages=each(result.stages, "name", "reason"),
+        result, tire=tire, run=run, notes=(text,),
+        channels=each(result.channels, "recording"),
         held_out=(HeldOut(text, "Fy", "N", 3, 1.0, 2.0),),
         excluded_rows=(ExcludedRows(text, "outlier", text, 1, 9, (text,)),),
     )  # fmt: skip

@@ -21,6 +21,7 @@ from tirefmu.fitting.resampling.bootstrap import (
 )
 from tirefmu.fitting.resampling.leverage import corrections, corrections_of
 from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
+from tirefmu.fitting.results.solved_stage import FitSolution
 from tirefmu.measurements import Noise
 
 
@@ -142,7 +143,7 @@ def test_a_bootstrap_needs_sweeps_and_replicates(noisy, known, make):
     with pytest.raises(FitError, match="the tables are not those of the fit"):
         replicate_tasks(result, [short], 100, 0)
     with pytest.raises(FitError, match="no stage of the fit used all of its rows"):
-        replicate_tasks(replace(result, solved=()), [recording], 100, 0)
+        replicate_tasks(replace(result, solution=FitSolution()), [recording], 100, 0)
 
 
 def test_a_profile_of_a_nearly_linear_coefficient_is_its_standard_error(noisy):
@@ -181,4 +182,4 @@ def test_only_fitted_coefficients_have_a_profile(noisy):
     with pytest.raises(UnknownName, match="unknown fitted coefficient 'PKY'"):
         side_tasks(result, ["PKY"])
     with pytest.raises(FitError, match="profile of PKY1: no stage with all of its rows"):
-        side_tasks(replace(result, solved=()), ["PKY1"])
+        side_tasks(replace(result, solution=FitSolution()), ["PKY1"])

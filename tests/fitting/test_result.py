@@ -61,7 +61,7 @@ def test_ok_requires_converged_stages_and_satisfied_constraints(side_fit):
     assert result.ok
     assert result.status == "converged"
     failed = StageFit("late", 10, 2, 300, False, "iteration limit", 1.0, 0.5)
-    late = replace(result, stages=(*result.stages, failed))
+    late = replace(result, run=replace(result.run, stages=(*result.stages, failed)))
     assert not late.ok
     assert late.status == "not converged: stage 'late' ended: iteration limit"
     violated = replace(result, margins=(*result.margins, Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0})))

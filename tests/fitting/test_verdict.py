@@ -13,6 +13,7 @@ from tirefmu.fitting.constraints.verification import Margin
 from tirefmu.fitting.data.fit_data import ExcludedRows
 from tirefmu.fitting.evidence.diagnostics import Findings
 from tirefmu.fitting.evidence.slip_stiffness import SlipStiffness
+from tirefmu.fitting.results.solved_stage import FitSolution
 from tirefmu.fitting.results.verdict import verdict_of
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 
@@ -28,7 +29,7 @@ def judged(side_fit):
     good = {
         "ok": True, "status": "converged", "tire": result.tire, "coefficients": (),
         "channels": tuple(replace(result.channels[0], channel=name, recording="a.csv") for name in ("Fx", "Fy")),
-        "excluded_rows": (), "evidence": None, "findings": Findings(stiffnesses=(stiffness(0.02),)),
+        "excluded_rows": (), "solution": FitSolution(), "findings": Findings(stiffnesses=(stiffness(0.02),)),
     }  # fmt: skip
     names = [each.name for own in chosen_constraints(result.tire.model).values() for each in own]
     good["margins"] = [Margin(name, 0.0, 1.0, {}, name) for name in names]

@@ -56,7 +56,7 @@ class Wheel:
     def forces(self, V_x, V_y, slip):
         """Return Fx, Fy, Mz in steady state; a positive slip drives in the direction of travel."""
         spin = (1.0 + slip) * V_x / self.tire.values["UNLOADED_RADIUS"]
-        reference = 1.0 if self.symbolic_model.reverses else np.sign(V_x)
+        reference = 1.0 if self.symbolic_model.motion.reverses else np.sign(V_x)
         given = {"V_x": V_x, "V_y": V_y, "v_x": V_x, "v_y": V_y, "omega": spin, "V": V_x}
         given |= {"kappa": reference * slip, "alpha": np.arctan(V_y / abs(V_x))}
         settable = (*self.host.inputs, *(["omega"] if "T_brake" in self.host.inputs else []))
@@ -96,13 +96,14 @@ def test_backward_the_forces_are_mirrored(wheel_of, model, inputs):
         Fx, Fy, Mz = wheel.forces(V_x, V_y, slip)
         assert abs(Fx) > 1e-3 * wheel.tire.nominal("Fz")
         mirrored, turned = wheel.forces(-V_x, V_y, slip), wheel.forces(-V_x, -V_y, slip)
-        known = 3 if inputs != "slip" or wheel.symbolic_model.reverses else 2  # Mz as in the model's own equations
+        # Mz as in the model's own equations
+        known = 3 if inputs != "slip" or wheel.symbolic_model.motion.reverses else 2
         np.testing.assert_allclose(mirrored[:known], [-Fx, Fy, -Mz][:known], **near, err_msg=f"{V_x, V_y, slip}")
         np.testing.assert_allclose(turned[:known], [-Fx, -Fy, Mz][:known], **near, err_msg=f"{V_x, V_y, slip}")
 
 
 @pytest.mark.parametrize("inputs", KINDS[1:])
-@pytest.mark.parametrize("model", [name for name, model in MODELS.items() if not model.reverses])
+@pytest.mark.parametrize("model", [name for name, model in MODELS.items() if not model.motion.reverses])
 def test_shifts_are_mirrored_too_if_the_model_is_that_of_forward_rolling(wheel_of, model, inputs):
     """Above the speeds at which both directions are interpolated; other models have signs of their own."""
     wheel = wheel_of(model, inputs, shifts=True)

@@ -8,10 +8,10 @@ from __future__ import annotations
 import pytest
 from sympy import atan, sqrt
 
-from tirefmu.symbolic.contract import PropertyFile, Role, positive
+from tirefmu.symbolic.contract import Baseline, FitDeclaration, PropertyFile, Role, positive
 from tirefmu.symbolic.declarations import Coefficient, Effect, Section
 from tirefmu.symbolic.functions import where
-from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.model import Model, Source
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.notation import Chapter
 from tirefmu.symbolic.quantities import ALPHA, FX, FY, FZ, KAPPA, MZ
@@ -53,8 +53,7 @@ def made_toy(name="toy", *, flips=True, folder="", recipes=()):
         inputs=(KAPPA, ALPHA, FZ),
         outputs=(FX, FY, MZ),
         sections=(Size, Load, Parameter),
-        chapters=(eq,),
-        own_effects=(softening,),
+        source=Source((eq,), folder, (softening,)),
         roles={
             "friction_x": Role("mu", ("UMAX",)),
             "friction_y": Role("mu", ("UMAX",)),
@@ -62,11 +61,10 @@ def made_toy(name="toy", *, flips=True, folder="", recipes=()):
             "stiffness_y": Role("K_y", ("CSIDE",)),
         },
         property_file=PropertyFile(formats=("TOY",), written_format="TOY", header={"USE_MODE": "2"}),
-        constraints={"Fy": (positive("mu", 0.01, "Fz"), positive("K_y", 1.0))},
-        baseline=("UMAX", "CLONG", "CSIDE", "ARM"),
-        recipe=recipes[0] if recipes else "joint",
-        recipes=recipes,
-        folder=folder,
+        fit=FitDeclaration(
+            {"Fy": (positive("mu", 0.01, "Fz"), positive("K_y", 1.0))}, recipes[0] if recipes else "joint", recipes
+        ),
+        baseline=Baseline(("UMAX", "CLONG", "CSIDE", "ARM")),
     )
 
 

@@ -16,7 +16,7 @@ from tirefmu.fitting import fit
 from tirefmu.fitting.problem.recipe import load_recipe
 from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
-from tirefmu.symbolic.contract import PropertyFile, Role, positive
+from tirefmu.symbolic.contract import Baseline, FitDeclaration, PropertyFile, Role, positive
 from tirefmu.symbolic.model.discovery import register
 from tirefmu.symbolic.model.verification import verify
 from tirefmu.symbolic.models import MODELS
@@ -67,8 +67,9 @@ def test_a_wrong_sign_mark_is_reported(name, coefficient, monkeypatch):
 
 @pytest.mark.parametrize("name", ["mf61", "fiala", "mf96"])
 def test_a_wrong_statement_about_reverse_is_reported(name):
-    wrong = replace(MODELS[name], reverses=not MODELS[name].reverses)
-    with pytest.raises(ModelError, match=f"{name}: reverses is {wrong.reverses}, but Fx"):
+    motion = MODELS[name].motion
+    wrong = replace(MODELS[name], motion=replace(motion, reverses=not motion.reverses))
+    with pytest.raises(ModelError, match=f"{name}: reverses is {not motion.reverses}, but Fx"):
         verify(wrong)
 
 
@@ -85,10 +86,10 @@ def test_both_conventions_are_one_tire(tire):
         ({"roles": {"friction_x": Role("mu_x")}}, "role friction_x has mu_x, which is no named quantity"),
         ({"roles": {"friction_x": Role("mu", ("UMIX",))}}, "role friction_x has UMIX, .*did you mean UMAX"),
         ({"roles": {"friction_x": Role("mu")}}, "role friction_y is missing"),
-        ({"constraints": {"Fx": (positive("K_z", 0.0),)}}, "constraint of Fx has K_z"),
-        ({"constraints": {"My": ()}}, "constraints of My, which is no output"),
-        ({"baseline": ("UMAX", "CALPHA")}, "the baseline has CALPHA"),
-        ({"starts": ({"PCX1": 1.0},)}, "a start has PCX1"),
+        ({"fit": FitDeclaration({"Fx": (positive("K_z", 0.0),)})}, "constraint of Fx has K_z"),
+        ({"fit": FitDeclaration({"My": ()})}, "constraints of My, which is no output"),
+        ({"baseline": Baseline(("UMAX", "CALPHA"))}, "the baseline has CALPHA"),
+        ({"baseline": Baseline(starts=({"PCX1": 1.0},))}, "a start has PCX1"),
         ({"sections": ()}, "no section has the coefficient FNOMIN"),
     ],
 )

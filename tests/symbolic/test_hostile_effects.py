@@ -16,7 +16,7 @@ from tirefmu.symbolic.added import AddedEffect, effect_text, read_effect
 from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.contract import Role
 from tirefmu.symbolic.declarations import Coefficient, Section
-from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.model import Model, Source
 from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.notation import Chapter
 from tirefmu.symbolic.printers.generate import render_model
@@ -45,7 +45,13 @@ def small_model():
     force("3", "Fy", Size.PKY1 * grip * sp.atan(alpha) * load, "N", "side force")
     roles = {"friction_x": Role("mu_y", ("PDY1",)), "friction_y": Role("mu_y", ("PDY1",))}
     return Model(
-        "small", "A small model", symbolic_model.inputs, symbolic_model.outputs[:2], (Size,), (force,), roles=roles
+        "small",
+        "A small model",
+        symbolic_model.inputs,
+        symbolic_model.outputs[:2],
+        (Size,),
+        Source((force,)),
+        roles=roles,
     )
 
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from tirefmu.symbolic.model.tape import CODES, taped
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.notation import Chapter
-from tirefmu.symbolic.printers.operations import CODES, ROLLING_RADIUS, TURNING, model_tape, taped
+from tirefmu.symbolic.printers.operations import ROLLING_RADIUS, TURNING, model_tape
 from tirefmu.tires.code import code_for
 
 DOES = {

@@ -29,7 +29,7 @@ def effects(name: str | None = None, only_model: str | None = None) -> list[dict
         model_named(only_model)  # raises for an unknown one
     known: dict[str, Effect | AddedEffect] = {**EFFECTS, **library()}
     for model in MODELS.values():
-        known |= {effect.name: effect for effect in model.own_effects}
+        known |= {effect.name: effect for effect in model.source.own_effects}
     if name is not None and name not in known:
         raise UnknownName("effect", name, known)
     found = [_effect(effect) for effect in known.values() if name in (None, effect.name)]
@@ -83,7 +83,7 @@ def models() -> list[dict[str, Any]]:
             "outputs": [quantity.name for quantity in model.outputs],
             "coefficients": len(model.coefficients),
             "effects": sorted(model.default_effects),
-            "recipes": list(model.recipes),
+            "recipes": list(model.fit.recipes),
         }
         for name, model in MODELS.items()
     ]

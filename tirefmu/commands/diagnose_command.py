@@ -9,7 +9,6 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
-from tirefmu.symbolic import DEFAULT_MODEL
 
 from ..arguments import (
     FILE,
@@ -17,10 +16,13 @@ from ..arguments import (
     SIGNS,
     WHERE,
     Pairs,
+    Selection,
+    Spread,
     check_input_paths,
     check_output_paths,
     command_line,
     common,
+    grouped,
     names,
     write_json,
 )
@@ -50,12 +52,11 @@ FURTHER = {FMUS: 8.0, REPORT: 18.0}
 @click.option("--resume", is_flag=True, help="Of several recordings: keep the results of the folder that are valid.")
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis.json, report.html, tires, FMUs.")
 @common
+@grouped(selection=Selection, spread=Spread)
 def diagnose(
-    tables: tuple[Path, ...], tire: Path | None, model: str | None, effects: tuple[str, ...] | None,
-    nominal: dict[str, float] | None,
-    signs: str | None, where: str | None, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
-    others: tuple[Path, ...], turning: bool, fmus: bool, workers: int | None, scheduler: str | None, resume: bool,
-    output: Path, quiet: bool, json_file: Path | None,
+    tables: tuple[Path, ...], selection: Selection, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
+    others: tuple[Path, ...], turning: bool, fmus: bool, spread: Spread, resume: bool, output: Path, quiet: bool,
+    json_file: Path | None, **baseline: Any,
 ) -> int:  # fmt: skip
     """Identify the effect that a tire model lacks, and add it.
 
@@ -68,21 +69,17 @@ def diagnose(
     check_output_paths(json_file, folder=output)
     if others and not fmus:
         raise TirefmuError("--holdout needs the FMUs; remove --no-fmu")
-    if scheduler and workers:
-        raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
-    check_input_paths(*others, *user_files, *([tire] if tire else []))
+    given = {name: value for name, value in baseline.items() if value is not None}
+    check_input_paths(*others, *user_files, *([given["tire"]] if "tire" in given else []))
     if len(tables) > 1 or tables[0].is_dir():
         if others:
             raise TirefmuError("--holdout is for one recording")
         if turning:
             raise TirefmuError("--turn-slip is for one recording")
-        options = {
-            "tire": tire, "model": model, "effects": effects or (), "nominal": nominal, "signs": signs, "where": where,
-            "candidates": [*map(user_effect, user_files), *(candidates or ())] or None, "fmus": fmus,
-            "workers": workers, "scheduler": scheduler, "resume": resume,
-        }  # fmt: skip
+        tested = [*map(user_effect, user_files), *(candidates or ())] or None
+        options = {**given, **vars(selection), **vars(spread), "candidates": tested, "fmus": fmus, "resume": resume}
         return _diagnose_many(tables, output, options, quiet, json_file)
-    if workers or scheduler or resume:
+    if any(vars(spread).values()) or resume:
         raise TirefmuError("--workers, --scheduler and --resume are for several recordings")
     (table,) = tables
     check_input_paths(table)
@@ -96,7 +93,7 @@ def diagnose(
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    recording, *further = recordings_from([table, *others], signs=signs, where=where)
+    recording, *further = recordings_from([table, *others], **vars(selection))
     if turning:
         recording, *further = (with_turn_slip(one) for one in (recording, *further))
     terminal.selection(recording, *further)
@@ -105,19 +102,16 @@ def diagnose(
         one.measured()  # raises for a table without a measured output
     shown = ("incomplete rows", "warm-up", "clock")
     terminal.findings(each for each in data_findings([recording]) if each.serious or each.kind in shown)
-    baseline = tire_from(tire) if tire else None
-    user_effects = [user_effect(path) for path in user_files]
-    tested = [*user_effects, *(candidates or ())] or None
+    if "tire" in given:
+        given["tire"] = tire_from(given["tire"])
+    tested = [*map(user_effect, user_files), *(candidates or ())] or None
     steps = {**STEPS, **{step: work for step, work in FURTHER.items() if fmus or step != FMUS}}
     with terminal.stages(list(steps.items())) as stages:
 
         def progress(sentence: str) -> None:
             (stages.begin if sentence in steps else stages.event)(sentence)
 
-        result = run(
-            recording, model=model or DEFAULT_MODEL, effects=effects or (), nominal=nominal, tire=baseline,
-            candidates=tested, progress=progress,
-        )  # fmt: skip
+        result = run(recording, **given, candidates=tested, progress=progress)
         path = result.save(output)
         written = {"tire": "improved.tir", "base_tire": "base.tir"}
         simulated: dict[str, Any] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,17 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError
 
-from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, common, write_json
+from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, common, grouped, write_json
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Version, inputs and outputs of an FMU."""
+
+    fmi: str | None
+    inputs: str
+    axes: str
+    quantities: bool
 
 
 @click.command()
@@ -42,23 +53,12 @@ from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, com
     help="host, all, or FMI 3 names separated by commas (x86_64-windows, ...); to compile for others needs ziglang.",
 )
 @common
+@grouped(interface=Interface)
 def export(
-    tires: tuple[Path, ...],
-    output: Path | None,
-    ssp: Path | None,
-    vehicle: Path | None,
-    fmi: str | None,
-    radius: float | None,
-    inputs: str,
-    axes: str,
-    quantities: bool,
-    kind: str,
-    platforms: str,
-    road: Path | None,
-    arrays: bool,
-    quiet: bool,
+    tires: tuple[Path, ...], output: Path | None, ssp: Path | None, vehicle: Path | None, radius: float | None,
+    interface: Interface, kind: str, platforms: str, road: Path | None, arrays: bool, quiet: bool,
     json_file: Path | None,
-) -> int:
+) -> int:  # fmt: skip
     """Export TIRE as an FMU.
 
     It is native (Co-Simulation and Model Exchange, no Python), or has editable Python. Several tires are exported as a
@@ -71,7 +71,7 @@ def export(
         raise TirefmuError("several tires are one file as a system only: give --ssp instead of -o")
     if ssp and kind != "native":
         raise TirefmuError(f"--ssp packs native FMUs, not kind {kind}")
-    if kind == "sti" and (fmi, inputs, axes, quantities) != (None, "slip", "iso", False):
+    if kind == "sti" and interface != Interface(None, "slip", "iso", False):
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
     if (road or arrays) and (ssp or kind != "native"):
         raise TirefmuError("--road and --arrays are for one native FMU")
@@ -88,20 +88,22 @@ def export(
 
     terminal = Terminal(quiet)
     loaded = [tire_from(tire, radius=radius) for tire in tires]
-    version = int(fmi) if fmi else 3 if kind == "native" and not ssp else 2
-    shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": axes}
+    inputs = interface.inputs
+    version = int(interface.fmi) if interface.fmi else 3 if kind == "native" and not ssp else 2
+    shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": interface.axes}
     with terminal.working("compiling" if kind in ("native", "sti") else "packing"):
         if ssp:
-            system: dict[str, Any] = {"quantities": quantities, "platforms": platforms, "vehicle": vehicle}
+            system: dict[str, Any] = {"quantities": interface.quantities, "platforms": platforms, "vehicle": vehicle}
             written = export_system(loaded, target, **shared, **system)
         elif kind == "ssv":
             written = export_parameters(loaded[0], target, **shared)
         elif kind == "sti":
             written = export_sti(loaded[0], target, platforms=platforms)
         else:
-            several: dict[str, Any] = {"quantities": quantities, "kind": kind, "platforms": platforms, "road": road}
-            several["arrays"] = arrays
-            written = export_fmu(loaded[0], target, **shared, **several)
+            written = export_fmu(
+                loaded[0], target, **shared, quantities=interface.quantities, kind=kind, platforms=platforms, road=road,
+                arrays=arrays,
+            )  # fmt: skip
     size = written.stat().st_size
     what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
     described = {} if kind == "sti" else {"fmi": version, "inputs": inputs}

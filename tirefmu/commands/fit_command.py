@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,10 +20,13 @@ from ..arguments import (
     SIGNS,
     WHERE,
     Pairs,
+    Selection,
+    Spread,
     check_input_paths,
     check_output_paths,
     command_line,
     common,
+    grouped,
     names,
     write_json,
 )
@@ -33,13 +36,22 @@ if TYPE_CHECKING:
     from tirefmu.tires import Tire
 
 
+@dataclass(frozen=True)
+class Checks:
+    """What is computed of a fit in addition: cross-validation, bootstrap, profile likelihoods."""
+
+    folds: int | None
+    replicates: int | None
+    profiled: tuple[str, ...]
+
+
 @click.command()
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @MODEL
 @click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
 @click.option(
     "--start",
-    type=FILE,
+    type=click.Path(),
     help="Tire with initial values, or 'features' to read them from the data (default: generic).",
 )
 @click.option("--effects", callback=names, help="Exactly these effects in addition to the core, or 'none'.")
@@ -60,10 +72,10 @@ if TYPE_CHECKING:
     show_default=True,
     help="Seed of the random numbers of ioa and --bootstrap.",
 )
-@click.option("--constraint", callback=names, default="none",
+@click.option("--constraint", "constraints", callback=names, default="none",
               help="Physical constraints in addition to the default ones: extrapolation (signs and E up to "
                    "1.5 times the range), stiffness_saturating (also K_xkappa), or all.")  # fmt: skip
-@click.option("--without-constraint", callback=names, default="none",
+@click.option("--without-constraint", "without_constraints", callback=names, default="none",
               help="Physical constraints to remove: signs, curvature, friction_falling, stiffness_saturating, "
                    "extrapolation, a single one (curvature:E_y), or all.")  # fmt: skip
 @click.option("--loss", default="squares", show_default=True,
@@ -71,7 +83,8 @@ if TYPE_CHECKING:
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @WHERE
-@click.option("--all-rows", is_flag=True, help="Do not exclude rows (warm-up, transitions, outliers).")
+@click.option("--all-rows", "screening", is_flag=True, callback=lambda context, option, given: not given,
+              help="Do not exclude rows (warm-up, transitions, outliers).")  # fmt: skip
 @click.option("--rows", default="condition", show_default=True,
               help="Weights of rows: condition (equal per operating condition), equal, independent (by effective "
                    "sample size), or load (errors relative to the load).")  # fmt: skip
@@ -92,14 +105,11 @@ if TYPE_CHECKING:
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @click.option("--all", "every", is_flag=True, help="List every coefficient, constraint and stage.")
 @common
+@grouped(selection=Selection, checks=Checks, spread=Spread)
 def fit(
-    tables: tuple[Path, ...], model: str | None, output: Path, start: Path | None, effects: tuple[str, ...] | None,
-    without: tuple[str, ...], recipe: str | None, method: str, iterations: int | None, seed: int,
-    constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
-    nominal: dict[str, float] | None, signs: str | None, where: str | None, all_rows: bool,
-    rows: str, stiffness_weight: float, resume: bool, folds: int | None,
-    replicates: int | None, profiled: tuple[str, ...], workers: int | None, scheduler: str | None,
-    figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
+    tables: tuple[Path, ...], model: str | None, output: Path, selection: Selection, resume: bool, checks: Checks,
+    spread: Spread, figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
+    **options: Any,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES under physical constraints.
 
@@ -110,15 +120,13 @@ def fit(
     the tire, has the completed stages. --resume continues after them. The file is deleted when all results are written.
     """
     check_output_paths(output, json_file, report, folder=figures)
-    if scheduler and workers:
-        raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
     check_input_paths(*tables)
     from tirefmu.measurements import check_convention, recordings_from
 
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    recordings = recordings_from(tables, signs=signs, where=where)
+    recordings = recordings_from(tables, **vars(selection))
     for recording in recordings:  # before the slower imports
         check_convention(recording)
     terminal.selection(*recordings)
@@ -127,45 +135,41 @@ def fit(
     from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
 
-    check_intervals(recordings, replicates, profiled, model)
-    if folds:
-        assign_folds(recordings, folds)  # raises before the fit if there are too few parts
+    check_intervals(recordings, checks.replicates, checks.profiled, model)
+    if checks.folds:
+        assign_folds(recordings, checks.folds)  # raises before the fit if there are too few parts
     finished_stages = output.with_name(f"{output.stem}.progress.json")
-    options: dict[str, Any] = {
-        "start": None if start is None else str(start), "effects": effects, "without": without, "recipe": recipe,
-        "method": method, "iterations": iterations, "seed": seed, "nominal": nominal,
-        "screening": not all_rows, "rows": rows, "stiffness_weight": stiffness_weight, "loss": loss,
-        "constraints": constraint, "without_constraints": without_constraint,
-    }  # fmt: skip
-    spread: dict[str, Any] = {"scheduler": scheduler, "workers": workers}
+    workers = vars(spread)
     with terminal.fitting() as progress:
         result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
-    if folds and not result.interrupted:
+    if checks.folds and not result.run.interrupted:
         # The fit of a fold has the other folds' rows.
-        expected = None if any(spread.values()) else (folds, (folds - 1) * result.seconds)
+        distributes = any(workers.values())
+        expected = None if distributes else (checks.folds, (checks.folds - 1) * result.run.seconds)
         with terminal.counting("cross-validation", singly=True, expected=expected) as counted:
-            parts: dict[str, Any] = {"folds": folds, "whole": result, **options}
+            parts: dict[str, Any] = {"folds": checks.folds, "whole": result, **options}
             held_out = (
-                distributed(recordings, model, progress=counted, **spread, **parts)
-                if any(spread.values())
+                distributed(recordings, model, progress=counted, **workers, **parts)
+                if distributes
                 else cross_validate(recordings, model, compute=partial(_one_by_one, counted), **parts)
             )
         result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    if replicates and not result.interrupted:
+    if checks.replicates and not result.run.interrupted:
         with terminal.counting("bootstrap") as counted:
-            result = bootstrap(result, recordings, replicates, seed=seed, progress=counted, **spread)
-    if profiled and not result.interrupted:
+            seed: int = options["seed"]
+            result = bootstrap(result, recordings, checks.replicates, seed=seed, progress=counted, **workers)
+    if checks.profiled and not result.run.interrupted:
         with terminal.counting("profile likelihood") as counted:
-            result = profile(result, profiled, progress=counted, **spread)
-    chosen = [part for name, value in (("--signs", signs), ("--where", where)) if value for part in (name, value)]
+            result = profile(result, checks.profiled, progress=counted, **workers)
+    chosen = [part for name, value in vars(selection).items() if value for part in (f"--{name}", value)]
     residual = _residual_findings(result.tire, output, tables, recordings, chosen)
     result = replace(result, data_findings=(*result.data_findings, *residual))
     write_json(json_file, result.to_json())
     terminal.fit_result(result, every)
     terminal.print(f"tire: {output}")
-    if result.interrupted and finished_stages.exists():
+    if result.run.interrupted and finished_stages.exists():
         resuming = "" if resume else " --resume"
         terminal.print(f"completed stages: {finished_stages}; to continue: {command_line()}{resuming}")
     drawn = None
@@ -186,7 +190,7 @@ def fit(
         with terminal.working("writing the report"):
             write_report(result, recordings, report, drawn, findings=result.data_findings, command=command_line())
         terminal.print(f"report: {report}")
-    if not result.interrupted:
+    if not result.run.interrupted:
         finished_stages.unlink(missing_ok=True)  # last: until then --resume has every result without the fit
     return 0 if result.verdict.usable else 1
 

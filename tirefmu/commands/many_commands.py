@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,9 +15,11 @@ from ..arguments import (
     SIGNS,
     WHERE,
     Pairs,
+    Spread,
     check_input_paths,
     check_output_paths,
     common,
+    grouped,
     names,
     write_json,
 )  # fmt: skip
@@ -42,9 +44,10 @@ if TYPE_CHECKING:
 @click.option("--signs", type=SIGNS, help="Of a folder: convention of the tables.")
 @WHERE
 @common
+@grouped(spread=Spread)
 def fit_many(
-    jobs: Path, output: Path, scheduler: str | None, workers: int | None, resume: bool, quiet: bool,
-    json_file: Path | None, **options: str | tuple[str, ...] | dict[str, float] | None,
+    jobs: Path, output: Path, spread: Spread, resume: bool, quiet: bool, json_file: Path | None,
+    **options: Any,
 ) -> int:  # fmt: skip
     """Fit many tires on all processors or a cluster.
 
@@ -58,8 +61,6 @@ def fit_many(
     check_output_paths(json_file, folder=output)
     if not jobs.exists():
         raise TirefmuError(f"{jobs}: no such file or folder")
-    if scheduler and workers:
-        raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
     from tirefmu.batch.fit_many import fit_many as run
 
     from ..terminal import Terminal
@@ -71,11 +72,11 @@ def fit_many(
         terminal.print(f"{result.name}: {result.status}{reason}")
         counted(finished, jobs)
 
-    given = {
+    given: dict[str, Any] = {
         key: list(value) if isinstance(value, tuple) else value for key, value in options.items() if value is not None
     }
     with terminal.counting("fitting", singly=True) as counted:
-        batch = run(jobs, output, scheduler=scheduler, workers=workers, resume=resume, progress=progress, **given)
+        batch = run(jobs, output, **vars(spread), resume=resume, progress=progress, **given)
     unusable = [one.name for one in batch.results if not one.usable]
     write_json(json_file, {"ok": not unusable, "results": [one.to_json() for one in batch.results]})
     terminal.print(f"{len(batch.results) - len(unusable)} of {len(batch.results)} tires are usable")
@@ -90,10 +91,8 @@ def fit_many(
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler  [default: this machine]")
 @click.option("--workers", type=click.IntRange(min=1), help="Processes of this machine  [default: its processors]")
 @common
-def study(
-    fmu: Path, study_file: Path, output: Path, scheduler: str | None, workers: int | None, quiet: bool,
-    json_file: Path | None,
-) -> int:  # fmt: skip
+@grouped(spread=Spread)
+def study(fmu: Path, study_file: Path, output: Path, spread: Spread, quiet: bool, json_file: Path | None) -> int:
     """Simulate FMU over manoeuvres and parameters.
 
     STUDY is a TOML file (docs/many_tires.md). The table of results has a row for each run: parameters, and statistics
@@ -101,15 +100,13 @@ def study(
     """
     check_output_paths(json_file, folder=output)
     check_input_paths(fmu, study_file)
-    if scheduler and workers:
-        raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
     from tirefmu.batch.study import study as run
 
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     with terminal.counting("simulating") as counted:
-        table = run(fmu, study_file, output, scheduler=scheduler, workers=workers, progress=counted)
+        table = run(fmu, study_file, output, **vars(spread), progress=counted)
     failed = table[table["reason"] != ""]
     write_json(json_file, {"ok": failed.empty, "runs": len(table), "failed": len(failed)})
     terminal.print(f"{len(table)} runs, {len(failed)} failed: {output}")

@@ -10,9 +10,8 @@ import numpy.typing as npt
 from tirefmu.symbolic.model import Model
 
 from .c_code import c_code
-from .interface import Code, all_straight, as_matrices, chunks_of, jacobian_entries_of, slices, straight_rows
+from .interface import Code, all_straight, slices, straight_rows
 from .kernel import ChosenDerivatives, Kernel
-from .modules import numpy_module
 from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
 from .result_memory import RESULTS
 
@@ -100,21 +99,15 @@ def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> 
     return equations_by_chunks(code, rows, parameters)
 
 
-class _BatchCode:
+class _BatchCode(Code):
     """Kernels for whole tables; what they do not cover is computed row by row in C."""
 
     def __init__(self, model: Model) -> None:
-        self._model = model
-        self._module = numpy_module(model)
-        self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
-        self.entries = jacobian_entries_of(self._module)
+        super().__init__(model)
         self._kernels: dict[str, Kernel] = {}
         self._equations: EquationsKernel | None = None
         self._chosen: ChosenDerivatives | None = None
         self._kernel("forces")  # raises CompilerError here rather than at the first use
-
-    def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._table("forces", inputs, parameters)
 
     def forces_of_each(self, inputs: FloatArray, population: FloatArray) -> FloatArray:
         straight = straight_rows(self._model, inputs, population[0])
@@ -154,10 +147,9 @@ class _BatchCode:
         return self._single.drives(inputs, parameters)
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        forces = len(self._module.FORCES)
         if not all_straight(self._model, inputs, parameters):
-            return as_matrices(self._table("jacobian_inputs", inputs, parameters), forces)
-        n, columns = inputs.shape[1], len(self._module.INPUTS)
+            return super().jacobian_inputs(inputs, parameters)
+        n, forces, columns = inputs.shape[1], len(self._module.FORCES), len(self._module.INPUTS)
         matrices = RESULTS.empty((n, forces * columns))
         for rows, results in self._chunks("jacobian_inputs", inputs, parameters, ROWS_IN_CACHE):
             matrices[rows] = results.T
@@ -176,7 +168,7 @@ class _BatchCode:
         self, inputs: FloatArray, parameters: FloatArray, size: int
     ) -> Iterator[tuple[slice, FloatArray]]:
         if not all_straight(self._model, inputs, parameters):
-            yield from chunks_of(self, inputs, parameters, size)
+            yield from super().jacobian_chunks(inputs, parameters, size)
             return
         yield from self._chunks("jacobian_parameters", inputs, parameters, size)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -12,8 +11,7 @@ import numpy.typing as npt
 from tirefmu.symbolic.model import Model
 
 from .compiler import CompilerError, instruction_set, loaded_library, processor
-from .interface import Code, chunks_of, jacobian_entries_of, slices
-from .modules import numpy_module
+from .interface import Code, slices
 from .printed import code_file
 from .result_memory import RESULTS
 
@@ -47,14 +45,12 @@ def compiled_model(model: Model, *, jacobians: bool = False) -> ctypes.CDLL:
         return loaded_library(name, [source], headers=headers, flags=flags)
 
 
-class _CCode:
+class _CCode(Code):
     """The C source, compiled once on this machine."""
 
     def __init__(self, model: Model) -> None:
-        self._model = model
-        self._library = compiled_model(model)
-        metadata = numpy_module(model)
-        self.quantities_names: tuple[str, ...] = metadata.QUANTITIES
+        super().__init__(model)
+        self._library, metadata = compiled_model(model), self._module
         self._sizes = {
             "forces": (len(metadata.FORCES),),
             "quantities": (len(metadata.QUANTITIES),),
@@ -62,37 +58,15 @@ class _CCode:
             "jacobian_inputs": (len(metadata.FORCES), len(metadata.INPUTS)),
             "jacobian_parameters": (len(metadata.FORCES), len(metadata.COEFFICIENTS)),
         }
-        self.entries = jacobian_entries_of(metadata)
-
-    def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._rows("forces", inputs, parameters).T
-
-    def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._rows("quantities", inputs, parameters).T
-
-    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._rows("drives", inputs, parameters).T
-
-    def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._rows("jacobian_inputs", inputs, parameters)
-
-    def jacobian_parameters(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._rows("jacobian_parameters", inputs, parameters)
-
-    def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        force, coefficient = self.entries
-        return self.jacobian_parameters(inputs, parameters)[:, force, coefficient].T
-
-    def jacobian_chunks(
-        self, inputs: FloatArray, parameters: FloatArray, size: int
-    ) -> Iterator[tuple[slice, FloatArray]]:
-        return chunks_of(self, inputs, parameters, size)
 
     @cached_property
     def _jacobians(self) -> ctypes.CDLL:
         return compiled_model(self._model, jacobians=True)
 
-    def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+    def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._matrices(routine, inputs, parameters).T
+
+    def _matrices(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         parameters = np.ascontiguousarray(parameters)
         n, size = inputs.shape[1], self._sizes[routine]
         results = RESULTS.empty((n, *size))

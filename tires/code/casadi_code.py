@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
@@ -13,8 +12,8 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.model import Model
 
-from .interface import Code, chunks_of, jacobian_entries_of
-from .modules import numpy_module, numpy_routine
+from .interface import Code
+from .modules import numpy_routine
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -60,44 +59,15 @@ def casadi_function(model: Model, routine: str) -> Any:
     return ca.Function(routine, [inputs, parameters], [results], ["inputs", "parameters"], ["results"])
 
 
-class _CasadiCode:
+class _CasadiCode(Code):
     """Every routine as a casadi.Function over columns."""
-
-    def __init__(self, model: Model) -> None:
-        self._model, module = model, numpy_module(model)
-        self.quantities_names: tuple[str, ...] = module.QUANTITIES
-        self.entries = jacobian_entries_of(module)
-
-    def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._columns("forces", inputs, parameters)
-
-    def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._columns("quantities", inputs, parameters)
-
-    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._columns("drives", inputs, parameters)
-
-    def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._matrices("jacobian_inputs", inputs, parameters)
-
-    def jacobian_parameters(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._matrices("jacobian_parameters", inputs, parameters)
-
-    def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        force, coefficient = self.entries
-        return self.jacobian_parameters(inputs, parameters)[:, force, coefficient].T
-
-    def jacobian_chunks(
-        self, inputs: FloatArray, parameters: FloatArray, size: int
-    ) -> Iterator[tuple[slice, FloatArray]]:
-        return chunks_of(self, inputs, parameters, size)
 
     def _matrices(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         function = casadi_function(self._model, routine)
         results = [np.array(function(column, parameters)) for column in inputs.T]
         return np.array(results).reshape(-1, *function.size_out(0))
 
-    def _columns(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+    def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         function = casadi_function(self._model, routine)
         n = inputs.shape[1]
         if n == 0:  # CasADi maps over at least one column

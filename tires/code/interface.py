@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from functools import lru_cache
-from types import ModuleType
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -17,8 +16,8 @@ from .modules import numpy_module
 FloatArray = npt.NDArray[np.float64]
 
 
-class Code(Protocol):
-    """The interface of a language's code: from rows of inputs to rows of results.
+class Code(ABC):
+    """What a language's code offers: rows of inputs in, rows of results out.
 
     Attributes
     ----------
@@ -28,31 +27,53 @@ class Code(Protocol):
         Force and coefficient of each derivative by coefficients that is not 0 everywhere.
     """
 
-    quantities_names: tuple[str, ...]
-    entries: npt.NDArray[np.intp]
+    def __init__(self, model: Model) -> None:
+        self._model, self._module = model, numpy_module(model)
+        self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
+        column = {name: i for i, name in enumerate(self._module.COEFFICIENTS)}
+        entries = [(force, column[name]) for force, reached in enumerate(self._module.REACH) for name in reached]
+        self.entries: npt.NDArray[np.intp] = np.array(entries, dtype=np.intp).reshape(-1, 2).T
 
     def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return forces, shape (n_forces, n), at inputs of shape (n_inputs, n)."""
+        return self._table("forces", inputs, parameters)
 
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return named quantities, shape (n_quantities, n), at inputs of shape (n_inputs, n)."""
+        return self._table("quantities", inputs, parameters)
 
     def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return the lines of `Model.drives`, shape (3 n_states, n): target, rate and start of each state."""
+        return self._table("drives", inputs, parameters)
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return derivatives of the forces by the inputs, shape (n, n_forces, n_inputs)."""
+        return self._matrices("jacobian_inputs", inputs, parameters)
 
     def jacobian_parameters(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return derivatives of the forces, shape (n, n_forces, n_coefficients)."""
+        return self._matrices("jacobian_parameters", inputs, parameters)
 
     def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return the derivatives of `entries`, shape (n_entries, n)."""
+        force, coefficient = self.entries
+        return self.jacobian_parameters(inputs, parameters)[:, force, coefficient].T
 
     def jacobian_chunks(
         self, inputs: FloatArray, parameters: FloatArray, size: int
     ) -> Iterator[tuple[slice, FloatArray]]:
         """Go through the rows, `size` at a time: which they are and the derivatives of `entries`, until the next."""
+        for rows in slices(inputs.shape[1], size):
+            yield rows, self.jacobian_entries(inputs[:, rows], parameters)
+
+    @abstractmethod
+    def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return the results of a routine, shape (n_results, n); those of a matrix row by row."""
+
+    def _matrices(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return the matrices of a routine, shape (n, n_forces, n_columns)."""
+        table = self._table(routine, inputs, parameters)
+        return np.ascontiguousarray(table.T).reshape(table.shape[1], len(self._module.FORCES), -1)
 
 
 def straight_rows(model: Model, inputs: FloatArray, parameters: FloatArray) -> npt.NDArray[np.bool_]:
@@ -84,24 +105,6 @@ def _deciding(model: Model) -> tuple[npt.NDArray[np.intp], list[int]]:
     return options, [inputs.index(name) for _, name in model.on_demand]
 
 
-def jacobian_entries_of(module: ModuleType) -> npt.NDArray[np.intp]:
-    """Return force and coefficient of each derivative that is not 0 everywhere, shape (2, n_entries)."""
-    column = {name: i for i, name in enumerate(module.COEFFICIENTS)}
-    entries = [(force, column[name]) for force, reached in enumerate(module.REACH) for name in reached]
-    return np.array(entries, dtype=np.intp).reshape(-1, 2).T
-
-
-def chunks_of(code: Code, inputs: FloatArray, parameters: FloatArray, size: int) -> Iterator[tuple[slice, FloatArray]]:
-    """Yield slices of `size` rows and the Jacobian entries of each; see `Code.jacobian_chunks`."""
-    for rows in slices(inputs.shape[1], size):
-        yield rows, code.jacobian_entries(inputs[:, rows], parameters)
-
-
 def slices(n: int, size: int) -> list[slice]:
     """Return the slices that divide n rows into chunks of `size`."""
     return [slice(start, min(start + size, n)) for start in range(0, n, size)]
-
-
-def as_matrices(table: FloatArray, n_forces: int) -> FloatArray:
-    """Turn results by row of a matrix, shape (n_forces * n_columns, n), into matrices by row of the table."""
-    return np.ascontiguousarray(table.T).reshape(table.shape[1], n_forces, -1)

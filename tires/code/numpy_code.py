@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.model import Model
 
-from .interface import Code, as_matrices, chunks_of, jacobian_entries_of, straight_rows
-from .modules import numpy_module, numpy_routine
+from .interface import Code, straight_rows
+from .modules import numpy_routine
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -24,42 +24,16 @@ def numpy_code(model: Model) -> Code:
     return _NumpyCode(model)
 
 
-class _NumpyCode:
-    """The NumPy module, for a few thousand rows at a time."""
-
-    def __init__(self, model: Model) -> None:
-        self._model, self._module = model, numpy_module(model)
-        self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
-        self.entries = jacobian_entries_of(self._module)
-
-    def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._rows("forces", inputs, parameters)
-
-    def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._rows("quantities", inputs, parameters)
-
-    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return self._rows("drives", inputs, parameters)
-
-    def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return as_matrices(self._rows("jacobian_inputs", inputs, parameters), len(self._module.FORCES))
-
-    def jacobian_parameters(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        return as_matrices(self._rows("jacobian_parameters", inputs, parameters), len(self._module.FORCES))
+class _NumpyCode(Code):
+    """The NumPy module, some thousand rows at a time."""
 
     def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         force, coefficient = self.entries
-        table = self._rows("jacobian_parameters", inputs, parameters)
+        table = self._table("jacobian_parameters", inputs, parameters)
         chosen: FloatArray = table[force * len(self._module.COEFFICIENTS) + coefficient]
         return chosen
 
-    def jacobian_chunks(
-        self, inputs: FloatArray, parameters: FloatArray, size: int
-    ) -> Iterator[tuple[slice, FloatArray]]:
-        return chunks_of(self, inputs, parameters, size)
-
-    def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Results, row by row of a matrix, shape (n_results, n)."""
+    def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         straight = bool(straight_rows(self._model, inputs, parameters).all())
         function = numpy_routine(self._model, routine, straight=straight)
         starts = range(0, inputs.shape[1], CHUNK) or range(1)

@@ -104,17 +104,7 @@ int main(void)
 
 
 def files(program: Program) -> dict[str, str]:
-    """Return the C file, its self-test and their data.
-
-    Parameters
-    ----------
-    program : Program
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Return the C file, its self-test and their data: text by file name."""
     name = program.name
     values = {
         "head": LAYOUT.head(program.header),

@@ -101,17 +101,7 @@ sys.exit(0 if ok else 1)
 
 
 def files(program: Program) -> dict[str, str]:
-    """Return the module, its self-test and their data.
-
-    Parameters
-    ----------
-    program : Program
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Return the module, its self-test and their data: text by file name."""
     name, some = program.name, bool(program.coefficients)
     results = ", ".join(f'"{routine.name}": _{routine.name}' for routine in program.routines)
     names = ['"inputs"', '"coefficients"'] if some else ['"inputs"']

@@ -151,17 +151,7 @@ int main()
 
 
 def files(program: Program) -> dict[str, str]:
-    """Return the header, its self-test and their data.
-
-    Parameters
-    ----------
-    program : Program
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Return the header, its self-test and their data: text by file name."""
     name = program.name
     values = {
         "head": LAYOUT.head(program.header),

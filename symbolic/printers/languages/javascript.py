@@ -93,17 +93,7 @@ process.exitCode = rows.length === n && n > 0 && largest.every((value, f) => val
 
 
 def files(program: Program) -> dict[str, str]:
-    """Return the module, its type declarations, its self-test and their data.
-
-    Parameters
-    ----------
-    program : Program
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Return the module, its type declarations, its self-test and their data: text by file name."""
     name = program.name
     values = {
         "head": LAYOUT.head(program.header),

@@ -98,17 +98,7 @@ def _greek(word: str) -> str:
 
 
 def files(program: Program) -> dict[str, str]:
-    """Return the document and the rows of the self-test.
-
-    Parameters
-    ----------
-    program : Program
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Return the document and the rows of the self-test: text by file name."""
     model = program.model
     effects = [(name, model.effects[name].physics) for name in program.effects]
     values = {

@@ -112,17 +112,7 @@ end
 
 
 def files(program: Program) -> dict[str, str]:
-    """Return the functions, the self-test and their data.
-
-    Parameters
-    ----------
-    program : Program
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Return the functions, the self-test and their data: text by file name."""
     name = program.name
     printed = {f"{name}_{routine.name}.m": _function(program, routine) for routine in _printed(program)}
     printed[f"{name}_inputs.m"] = _inputs(program)

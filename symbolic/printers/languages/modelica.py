@@ -109,21 +109,9 @@ end @name@_selftest;
 
 
 def files(program: Program) -> dict[str, str]:
-    """Return the package and its self-test.
+    """Return the package and its self-test: text by file name.
 
-    Parameters
-    ----------
-    program : Program
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-
-    Raises
-    ------
-    TirefmuError
-        If the coefficients are in a file: Modelica reads none without an external library.
+    Raises `TirefmuError` if the coefficients are in a file: Modelica reads none without an external library.
     """
     if program.placement == "file":
         raise TirefmuError("modelica reads no coefficients from a file: use --values inline or struct")

@@ -100,17 +100,7 @@ fn main() {
 
 
 def files(program: Program) -> dict[str, str]:
-    """Return the module, its self-test and their data.
-
-    Parameters
-    ----------
-    program : Program
-
-    Returns
-    -------
-    dict of str to str
-        Text by file name.
-    """
+    """Return the module, its self-test and their data: text by file name."""
     given = {"inline": "", "struct": ", &Default::default()", "file": ", &coefficients"}
     values = {
         "head": LAYOUT.head(program.header),
