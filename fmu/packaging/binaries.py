@@ -16,13 +16,14 @@ from tirefmu.tires.code.compiler import (
     CrossCompiler,
     NoCompilerError,
     compiled_object,
+    compiled_objects,
     shared_library,
     suffix,
 )
 
 from .cross_compiler import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
 from .model_code import model_files
-from .sources import BUILT_IN, STI, STI_TIRE, VALUES
+from .sources import BUILT_IN, STI, STI_TIRE, VALUES, WRAPPER
 
 #: FMI 3's names of the systems, by sys.platform.
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
@@ -45,6 +46,8 @@ RARE = frozenset(
 #: The headers that are written for one tire, in a folder of their own; the files that include one of them.
 OF_ONE_TIRE = (VALUES, STI_TIRE)
 READS_ONE_TIRE = (BUILT_IN, *STI)
+#: The files of one version of the standard.
+VERSIONED = frozenset(file for names in WRAPPER.values() for file in names)
 #: On Windows the system's libraries and windows.c replace the C runtime that zig would link into each binary.
 RUNTIME = "windows.c"
 SYSTEM = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "private", "stdio", "string"))
@@ -189,28 +192,22 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
                 (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
                 parts.append(folder / RUNTIME)
 
-            def part(file: Path) -> Path:
-                """Return an object file, or the source to compile with the others.
-
-                For this machine every file without a header of one tire is compiled once for tires of the same
-                structure. For another platform, where each call of the compiler takes long, those that must be small.
-                """
-                if cross is None:
-                    if file.name in READS_ONE_TIRE:
-                        return file
-                    return compiled_object("fmu", file, headers=common, include=[folder, include], flags=FLAGS)
-                if not bare and file.name not in RARE:
-                    return file
-                small = SMALL if file.name in RARE else ()
-                return compiled_object(
-                    "fmu", file, headers=headers, include=[folder, own, include], flags=[*FLAGS, *small], cross=cross
-                )
-
-            with ThreadPoolExecutor(2) as pool:
-                parts = list(pool.map(part, parts))
+            objects: dict[Path, Path] = {}
+            if cross is None:  # what does not depend on the tire is compiled once for tires of the same structure
+                shared = [file for file in parts if file.name not in READS_ONE_TIRE]
+                for versioned in (True, False):  # and for both versions of the standard
+                    group = [file for file in shared if (file.name in VERSIONED) == versioned]
+                    objects |= compiled_objects("fmu", group, headers=common, include=[folder, include], flags=FLAGS)
+            else:  # where each call of the compiler takes long: those that must be small
+                for file in parts:
+                    if bare or file.name in RARE:
+                        objects[file] = compiled_object(
+                            "fmu", file, headers=headers, include=[folder, own, include],
+                            flags=[*FLAGS, *(SMALL if file.name in RARE else ())], cross=cross,
+                        )  # fmt: skip
             library = shared_library(
                 "fmu",
-                [*parts, *compiled],
+                [*(objects.get(file, file) for file in parts), *compiled],
                 headers=headers,
                 include=[folder, own, include],
                 flags=[*FLAGS, *LINK[system], *(["-nostdlib"] if bare else [])],
