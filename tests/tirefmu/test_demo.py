@@ -7,11 +7,14 @@ import re
 
 import pytest
 
+from tirefmu import demo
 from tirefmu.demo import BENCH_TIRE, bench_tire
 from tirefmu.tires import published, read_tir
 
 
-def test_the_end_to_end_workflow(command, tmp_path):
+def test_the_end_to_end_workflow(command, tmp_path, monkeypatch):
+    """With fewer rows than `make demo` has."""
+    monkeypatch.setattr(demo, "SAMPLE_RATE", 8.0)
     folder = tmp_path / "made for it" / "demo"
     outcome = command("demo", "-o", folder, "--json", tmp_path / "demo.json")
     assert outcome.status == 0, outcome.out + outcome.err
