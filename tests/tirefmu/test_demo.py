@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from functools import partial
 
 import pytest
 
@@ -13,8 +14,9 @@ from tirefmu.tires import published, read_tir
 
 
 def test_the_end_to_end_workflow(command, tmp_path, monkeypatch):
-    """With fewer rows than `make demo` has."""
-    monkeypatch.setattr(demo, "SAMPLE_RATE", 8.0)
+    """With fewer pixels in its second process, too."""
+    coarse = "from tirefmu.tires.drawing import files, picture; files.DPI = picture.DPI = picture.PAGE_DPI = 40"
+    monkeypatch.setattr(demo, "_end_with_ctrl_c", partial(exec, coarse))
     folder = tmp_path / "made for it" / "demo"
     outcome = command("demo", "-o", folder, "--json", tmp_path / "demo.json")
     assert outcome.status == 0, outcome.out + outcome.err
