@@ -16,12 +16,14 @@ from tirefmu.tires.code.compiler import (
     CrossCompiler,
     NoCompilerError,
     compiled_object,
+    compiled_objects,
     shared_library,
     suffix,
 )
 
 from .cross_compiler import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
 from .model_code import model_files
+from .sources import BUILT_IN, STI, STI_TIRE, VALUES, WRAPPER
 
 #: FMI 3's names of the systems, by sys.platform.
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
@@ -41,6 +43,11 @@ RARE = frozenset(
         "life_cycle.c", "saved_state.c",
     }
 )  # fmt: skip
+#: The headers that are written for one tire, in a folder of their own; the files that include one of them.
+OF_ONE_TIRE = (VALUES, STI_TIRE)
+READS_ONE_TIRE = (BUILT_IN, *STI)
+#: The files of one version of the standard.
+VERSIONED = frozenset(file for names in WRAPPER.values() for file in names)
 #: On Windows the system's libraries and windows.c replace the C runtime that zig would link into each binary.
 RUNTIME = "windows.c"
 SYSTEM = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "private", "stdio", "string"))
@@ -161,9 +168,10 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
     wrapper_files = sorted(file for file in sources if file.endswith(".c") and file not in generated)
     system, bare = (cross.system if cross else sys.platform), cross is not None and cross.system == "win32"
     with tempfile.TemporaryDirectory(prefix="tirefmu-") as name:
-        folder = Path(name)
+        folder, own = Path(name), Path(name) / "tire"
+        own.mkdir()
         for file, content in sources.items():
-            (folder / file).write_bytes(content)
+            (own if file in OF_ONE_TIRE else folder).joinpath(file).write_bytes(content)
         header = folder / f"{model}.h"
         try:
             compiled = [
@@ -177,25 +185,31 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
                 )
                 for file in generated
             ]
-            headers = sorted([*(folder / file for file in sources if file.endswith(".h")), *include.glob("fmi*.h")])
-            wrapper = [folder / file for file in wrapper_files]
+            common = sorted([*folder.glob("*.h"), *include.glob("fmi*.h")])
+            headers = [*common, *sorted(own.glob("*.h"))]
+            parts = [folder / file for file in wrapper_files]
             if bare:  # the runtime's headers are needed for compiling only
                 (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
-                wrapper.append(folder / RUNTIME)
-            # Files for further platforms must be small; a file for this machine must compile quickly.
-            separate = [file for file in wrapper if bare or (cross and file.name in RARE)]
-            compiled += [
-                compiled_object(
-                    "fmu", file, headers=headers, include=[folder, include],
-                    flags=[*FLAGS, *(SMALL if file.name in RARE else ())], cross=cross,
-                )
-                for file in separate
-            ]  # fmt: skip
+                parts.append(folder / RUNTIME)
+
+            objects: dict[Path, Path] = {}
+            if cross is None:  # what does not depend on the tire is compiled once for tires of the same structure
+                shared = [file for file in parts if file.name not in READS_ONE_TIRE]
+                for versioned in (True, False):  # and for both versions of the standard
+                    group = [file for file in shared if (file.name in VERSIONED) == versioned]
+                    objects |= compiled_objects("fmu", group, headers=common, include=[folder, include], flags=FLAGS)
+            else:  # where each call of the compiler takes long: those that must be small
+                for file in parts:
+                    if bare or file.name in RARE:
+                        objects[file] = compiled_object(
+                            "fmu", file, headers=headers, include=[folder, own, include],
+                            flags=[*FLAGS, *(SMALL if file.name in RARE else ())], cross=cross,
+                        )  # fmt: skip
             library = shared_library(
                 "fmu",
-                [*(file for file in wrapper if file not in separate), *compiled],
+                [*(objects.get(file, file) for file in parts), *compiled],
                 headers=headers,
-                include=[folder, include],
+                include=[folder, own, include],
                 flags=[*FLAGS, *LINK[system], *(["-nostdlib"] if bare else [])],
                 libraries=SYSTEM if bare else ["-lm"],
                 cross=cross,

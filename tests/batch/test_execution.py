@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import signal
-
 import pytest
 
 from tirefmu.batch.cluster import completed_on_cluster
 from tirefmu.batch.execution import Lost, completed
 from tirefmu.boundary.errors import FitError
+
+from .conftest import kill_a_busy_worker
 
 END = "__import__('os')._exit(3)"
 SLOW = "__import__('time').sleep(0.5) or {}"
@@ -43,16 +42,6 @@ def test_later_tasks_are_not_read_before_they_are_needed():
     results.close()
 
 
-@pytest.fixture(scope="module")
-def cluster(tmp_path_factory):
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0",
-        local_directory=str(tmp_path_factory.mktemp("dask")), silence_logs=50,
-    ) as cluster:  # fmt: skip
-        yield cluster
-
-
 def test_a_cluster_gives_the_same_results(cluster):
     tasks = [f"{i}**2" for i in range(8)] + ["1/0"]
     results = dict(completed_on_cluster(eval, tasks, cluster.scheduler_address))
@@ -63,7 +52,7 @@ def test_a_killed_worker_loses_nothing(cluster):
     results = {}
     for number, result in completed_on_cluster(eval, [SLOW.format(i) for i in range(6)], cluster.scheduler_address):
         if not results:
-            os.kill(next(iter(cluster.workers.values())).pid, signal.SIGKILL)
+            kill_a_busy_worker(cluster)
         results[number] = result
     assert results == {i: i for i in range(6)}
 

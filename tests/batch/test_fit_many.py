@@ -18,10 +18,6 @@ from tirefmu.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
 from tirefmu.tires import published
 
-from .test_execution import cluster
-
-__all__ = ["cluster"]
-
 JOBS = """
 [defaults]
 model = "mf96"

@@ -13,10 +13,8 @@ from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, read_recording, write_table
 from tirefmu.tires import published
 
-from .test_execution import cluster
-from .test_two_workers import kill_a_busy_worker
+from .conftest import kill_a_busy_worker
 
-__all__ = ["cluster"]
 EFFECTS = ["load_friction", "load_stiffness", "load_curvature", "plysteer", "conicity"]
 OPTIONS = {"effects": EFFECTS, "recipe": "joint", "nominal": {"Fz0": 700.0, "R0": 0.23}}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 
 import numpy as np
 import pandas as pd
@@ -18,21 +17,9 @@ from tirefmu.fmu import export
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
 from tirefmu.tires import Tire, published
 
-from .test_execution import cluster
+from .conftest import kill_a_busy_worker
 
-__all__ = ["cluster"]
 TIRE = Tire("fiala", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.25, "CALPHA": 15000.0, "UMAX": 1.2, "UMIN": 1.0})
-
-
-def kill_a_busy_worker(cluster) -> str:
-    """Kill a worker that computes, and return its address."""
-    from distributed import Client
-
-    with Client(cluster.scheduler_address) as client:
-        busy = {address for address, keys in client.processing().items() if keys}
-    nanny = next(one for one in cluster.workers.values() if one.worker_address in busy)
-    os.kill(nanny.pid, signal.SIGKILL)
-    return nanny.worker_address
 
 
 @pytest.fixture

@@ -32,12 +32,12 @@ on = "friction_y"
 factor = "exp(-WARMMU*warmth)"
 """
 EFFECT = read_effect(WARM, "warm.toml")
-VALUES = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "PDY1": 1.2, "PKY1": -20.0, "PCY1": 1.4, "PEY1": -0.5}
+VALUES = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "WIDTH": 0.2, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 8e4, "CALPHA": 8e4, "UMIN": 1.0, "UMAX": 1.2}
 STARTS = np.array([1.5, 0.2, 0.8])
 
 
 def tire(**values):
-    return Tire("mf61", {**VALUES, "WARMMU": 0.15, **values}, effects={"warm"}, added=(EFFECT,))
+    return Tire("fiala", {**VALUES, "WARMMU": 0.15, **values}, effects={"warm"}, added=(EFFECT,))
 
 
 @pytest.fixture(scope="module")

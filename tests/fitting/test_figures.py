@@ -68,8 +68,8 @@ def unrendered(monkeypatch):
 
 
 def test_every_figure_is_complete_and_reproducible(bench, tmp_path):
-    first = draw_figures(TIRE, [bench], tmp_path / "a", prefix="fit_", truth=TIRE)
-    second = draw_figures(TIRE, [bench], tmp_path / "b", prefix="fit_", truth=TIRE)
+    some = replace(bench, table=bench.table.iloc[::5])
+    first, second = (draw_figures(TIRE, [some], tmp_path / name, prefix="fit_", truth=TIRE) for name in "ab")
     assert [path.name for path in first] == [f"fit_{name}.png" for name in ALL]
     assert sorted(path.name for path in (tmp_path / "a").iterdir()) == sorted(path.name for path in first)
     assert all(path.read_bytes().endswith(b"IEND\xaeB`\x82") for path in first)

@@ -9,21 +9,23 @@ from tirefmu.fitting import fit
 from tirefmu.symbolic.added import library
 from tirefmu.tires import Tire
 
-VALUES = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "PCY1": 1.4, "PDY1": 1.1, "PKY1": -22.0, "HTAU": 5.0}
+VALUES = {
+    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "WIDTH": 0.2, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 8e4, "CALPHA": 9e4,
+    "UMIN": 1.0, "UMAX": 1.1, "HTAU": 5.0,
+}  # fmt: skip
 EFFECTS = ("heat_friction", "slip_history")
-#: The whole library in its order: a model that other tests print and compile, too.
-ADDED = tuple(library().values())
+ADDED = tuple(library()[name] for name in EFFECTS)
 
 
 def test_coefficients_of_memory_are_found():
     """The start tire heats its tread otherwise: the fit simulates the states again with its own result."""
     t = np.linspace(0.0, 16.0, 900)
     table = pd.DataFrame({"t": t, "alpha": 0.16 * np.sin(1.6 * t), "Fz": 3000.0 + 80.0 * t, "V": 12.0})
-    truth = Tire("mf61", {**VALUES, "HMU": 0.24, "SHMUX": 0.05, "SHMUY": 0.05}, effects=EFFECTS, added=ADDED)
+    truth = Tire("fiala", {**VALUES, "HMU": 0.24, "SHMUX": 0.05, "SHMUY": 0.05}, effects=EFFECTS, added=ADDED)
     table["Fy"] = truth.evaluate(table)["Fy"]
-    start = Tire("mf61", {**VALUES, "PDY1": 0.9, "PKY1": -17.0}, effects=EFFECTS, added=ADDED)
+    start = Tire("fiala", {**VALUES, "UMAX": 1.05, "UMIN": 0.9, "CALPHA": 7e4}, effects=EFFECTS, added=ADDED)
     result = fit(table, start=start, screening=False)
-    for name, share in (("HMU", 0.05), ("SHMUY", 0.02), ("PDY1", 0.01)):
+    for name, share in (("HMU", 0.05), ("SHMUY", 0.02), ("UMAX", 0.01)):
         assert abs(result.tire.values[name] / truth.values[name] - 1.0) < share, name
     assert result.tire.values["HTAU"] == 5.0  # in the equation of a state: not fitted
     error = result.tire.evaluate(table)["Fy"] - table["Fy"]

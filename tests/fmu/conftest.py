@@ -159,44 +159,16 @@ def golden_tire(folder, name, model, more, without, values):
 
 @pytest.fixture(scope="session")
 def fmus(compiler, tires, tmp_path_factory):
-    """Return the paths of the FMUs by tire and version; each is built on first use."""
+    """Return the paths of FMUs by tire, version and kind of inputs ("slip" if none); each is built on first use."""
     folder = tmp_path_factory.mktemp("fmus")
 
     class Fmus(dict):
         def __missing__(self, key):
-            name, fmi = key
-            self[key] = export(tires[name], folder / f"{name}_{fmi}.fmu", fmi=fmi)
+            name, fmi, inputs = (*key, "slip")[:3]
+            self[key] = export(tires[name], folder / f"{'_'.join(map(str, key))}.fmu", fmi=fmi, inputs=inputs)
             return self[key]
 
     return Fmus()
-
-
-@pytest.fixture
-def hosts(fmus):
-    """Return a function that loads an FMU into a new host."""
-    with contextlib.ExitStack() as stack:
-        yield lambda name, fmi: Host(stack.enter_context(loaded(fmus[name, fmi])))
-
-
-@pytest.fixture(scope="session")
-def wheel_fmus(tires, compiler, tmp_path_factory):
-    """Return the paths of FMUs with wheel inputs by tire and version; each is built on first use."""
-    folder = tmp_path_factory.mktemp("wheels")
-
-    class Fmus(dict):
-        def __missing__(self, key):
-            name, fmi = key
-            self[key] = export(tires[name], folder / f"{name}_{fmi}.fmu", fmi=fmi, inputs="wheel")
-            return self[key]
-
-    return Fmus()
-
-
-@pytest.fixture
-def wheels(wheel_fmus):
-    """Return a function that loads an FMU with wheel inputs into a new host."""
-    with contextlib.ExitStack() as stack:
-        yield lambda name, fmi=3: Host(stack.enter_context(loaded(wheel_fmus[name, fmi])))
 
 
 @pytest.fixture
@@ -204,6 +176,18 @@ def make_host():
     """Return a function that loads an FMU by its path into a new host."""
     with contextlib.ExitStack() as stack:
         yield lambda path: Host(stack.enter_context(loaded(path)))
+
+
+@pytest.fixture
+def hosts(fmus, make_host):
+    """Return a function that loads an FMU of `fmus` into a new host."""
+    return lambda *key: make_host(fmus[key])
+
+
+@pytest.fixture
+def wheels(hosts):
+    """Return a function that loads an FMU with wheel inputs into a new host."""
+    return lambda name, fmi=3: hosts(name, fmi, "wheel")
 
 
 @pytest.fixture(params=TIRES)

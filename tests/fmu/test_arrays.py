@@ -24,11 +24,11 @@ MOVED = {
 
 
 @pytest.fixture(scope="module")
-def paths(tires, compiler, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("arrays")
+def paths(tires, fmus, tmp_path_factory):
+    path = tmp_path_factory.mktemp("arrays") / "arrays.fmu"
     return {
-        arrays: export(tires["first"], folder / f"arrays_{arrays}.fmu", inputs="hub-torque", arrays=arrays)
-        for arrays in (False, True)
+        False: fmus["first", 3, "hub-torque"],
+        True: export(tires["first"], path, inputs="hub-torque", arrays=True),
     }
 
 

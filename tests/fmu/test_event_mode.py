@@ -9,16 +9,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi3 import FMU3Slave
 
-from tirefmu.fmu.packaging.export import export
-
 FIXED = {"v_x": 8.0, "WHEEL_INERTIA": 0.8, "omega": 33.0}
 STEP = 0.02
-
-
-@pytest.fixture(scope="module")
-def paths(tires, compiler, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("events")
-    return {inputs: export(tires["first"], folder / f"{inputs}.fmu", inputs=inputs) for inputs in ("hub", "hub-torque")}
 
 
 class Wheel:
@@ -68,11 +60,11 @@ class Wheel:
 
 
 @pytest.fixture
-def make(paths, tmp_path):
+def make(fmus, tmp_path):
     made = []
 
     def wheel(inputs="hub-torque", **used):
-        made.append(Wheel(paths[inputs], tmp_path / str(len(made)), **used))
+        made.append(Wheel(fmus["first", 3, inputs], tmp_path / str(len(made)), **used))
         return made[-1]
 
     yield wheel
@@ -128,8 +120,11 @@ def test_without_early_return_the_event_is_reported_at_the_end_of_the_step(make)
         other.fmu.enterEventMode()
 
 
-def test_where_nothing_can_happen_there_is_no_event_mode(make, paths):
-    described = {inputs: zipfile.ZipFile(path).read("modelDescription.xml") for inputs, path in paths.items()}
+def test_where_nothing_can_happen_there_is_no_event_mode(make, fmus):
+    described = {
+        inputs: zipfile.ZipFile(fmus["first", 3, inputs]).read("modelDescription.xml")
+        for inputs in ("hub", "hub-torque")
+    }
     assert b'hasEventMode="true"' in described["hub-torque"]
     assert b"hasEventMode" not in described["hub"]
     with pytest.raises(Exception, match=r"[Ii]nstantiate"):

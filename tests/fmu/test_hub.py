@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import replace
 
 import numpy as np
@@ -14,11 +13,8 @@ from scipy.spatial.transform import Rotation
 from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import export
-from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, MOTION, ROAD, SPIN, WRENCH
 from tirefmu.tires.hub import hub_wrench, wheel_motion
-
-from .conftest import Host
 
 OK, DISCARD, ERROR = 0, 2, 3
 MOVED = tuple(quantity.name for quantity in (*CARRIER, *ROAD, SPIN))
@@ -26,24 +22,9 @@ FORCES = tuple(quantity.name for quantity in CONTACT_FORCES)
 NAMES = ("first", "mf61")
 
 
-@pytest.fixture(scope="module")
-def fmus_of(tires, compiler, tmp_path_factory):
-    """Return the paths of FMUs by tire, kind of inputs and version; each is built on first use."""
-    folder = tmp_path_factory.mktemp("hubs")
-
-    class Fmus(dict):
-        def __missing__(self, key):
-            name, inputs, fmi = key
-            self[key] = export(tires[name], folder / f"{name}_{inputs}_{fmi}.fmu", fmi=fmi, inputs=inputs)
-            return self[key]
-
-    return Fmus()
-
-
 @pytest.fixture
-def host_of(fmus_of):
-    with contextlib.ExitStack() as stack:
-        yield lambda name, inputs="hub", fmi=3: Host(stack.enter_context(loaded(fmus_of[name, inputs, fmi])))
+def host_of(hosts):
+    return lambda name, inputs="hub": hosts(name, 3, inputs)
 
 
 def rotation(*angles):
@@ -67,8 +48,8 @@ def pose(rng, radius):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_it_is_valid(fmus_of, name, fmi):
-    assert validate_fmu(str(fmus_of[name, "hub", fmi])) == []
+def test_it_is_valid(fmus, name, fmi):
+    assert validate_fmu(str(fmus[name, fmi, "hub"])) == []
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
-
 import numpy as np
 import pytest
 
-from tirefmu.fmu.packaging.export import export
-from tirefmu.fmu.simulation.simulate import loaded
-
-from .conftest import Host
 from .hub_car import GRAVITY, HubCar
 
 MASS, INERTIA, STEP = 30.0, 0.4, 5e-4
 LIGHT = 4.0  # kg, on a tire that has the assumed damping only
 
 
-@pytest.fixture(scope="module")
-def spinning(tires, compiler, tmp_path_factory):
-    return export(tires["first"], tmp_path_factory.mktemp("balances") / "spinning.fmu", inputs="hub-torque")
-
-
 @pytest.fixture
-def car(spinning, tires):
-    with contextlib.ExitStack() as stack:
-        host = Host(stack.enter_context(loaded(spinning)))
-        radius = tires["first"].values["UNLOADED_RADIUS"]
-        rest = radius - MASS * GRAVITY / host.get("VERTICAL_STIFFNESS")[0]
+def car(hosts, tires):
+    host = hosts("first", 3, "hub-torque")
+    radius = tires["first"].values["UNLOADED_RADIUS"]
+    rest = radius - MASS * GRAVITY / host.get("VERTICAL_STIFFNESS")[0]
 
-        def start(speed, spin, height=rest, **values):
-            given = {"omega": spin, "WHEEL_INERTIA": INERTIA, "VERTICAL_DAMPING": 300.0, **values}
-            return HubCar(host, MASS).start(height, (speed, 0.0, 0.0), **given)
+    def start(speed, spin, height=rest, **values):
+        given = {"omega": spin, "WHEEL_INERTIA": INERTIA, "VERTICAL_DAMPING": 300.0, **values}
+        return HubCar(host, MASS).start(height, (speed, 0.0, 0.0), **given)
 
-        yield start
+    return start
 
 
 @pytest.mark.parametrize(("speed", "slip"), [(20.0, -0.5), (20.0, 0.5), (-10.0, -0.5), (80.0, -0.1)])
@@ -88,9 +76,9 @@ def test_a_bouncing_wheel_loses_the_work_of_its_damper(car, tires):
     assert MASS * (rate[top] - rate[landed]) == pytest.approx(impulse, rel=1e-2, abs=0.01)
 
 
-def test_a_tire_whose_file_has_no_damping_comes_to_rest(tires, compiler, tmp_path, make_host):
+def test_a_tire_whose_file_has_no_damping_comes_to_rest(tires, hosts):
     """The model has a coefficient of damping, which is 0 if it is not stated; the FMU assumes 50 N s/m."""
-    host = make_host(export(tires["fiala"], tmp_path / "fiala.fmu", inputs="hub"))
+    host = hosts("fiala", 3, "hub")
     radius = tires["fiala"].values["UNLOADED_RADIUS"]
     z = HubCar(host, LIGHT).start(1.01 * radius).run(2.0, 1e-4)[2]
     assert host.get("VERTICAL_DAMPING")[0] == 50.0

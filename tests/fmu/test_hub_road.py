@@ -39,12 +39,9 @@ def crg(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def paths(tires, compiler, crg, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("fmus")
-    return {
-        "road": export(tires["first"], folder / "road.fmu", inputs="hub", road=crg),
-        "plain": export(tires["first"], folder / "plain.fmu", inputs="hub"),
-    }
+def paths(tires, fmus, crg, tmp_path_factory):
+    path = tmp_path_factory.mktemp("fmus") / "road.fmu"
+    return {"road": export(tires["first"], path, inputs="hub", road=crg), "plain": fmus["first", 3, "hub"]}
 
 
 def test_it_is_valid(paths):

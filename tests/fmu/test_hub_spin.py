@@ -2,33 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
-
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from tirefmu.fmu.packaging.export import export
-from tirefmu.fmu.simulation.simulate import loaded
-
-from .conftest import Host
 from .hub_car import GRAVITY, HubCar
 
 OK, DISCARD, ERROR = 0, 2, 3
 MASS, INERTIA, DRIVE = 30.0, 0.1, 15.0
-
-
-@pytest.fixture(scope="module")
-def spinning(tires, compiler, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("spinning")
-
-    class Fmus(dict):
-        def __missing__(self, key):
-            name, fmi = key
-            self[key] = export(tires[name], folder / f"{name}_{fmi}.fmu", fmi=fmi, inputs="hub-torque")
-            return self[key]
-
-    return Fmus()
 
 
 @pytest.fixture
@@ -37,9 +18,8 @@ def radius(tires):
 
 
 @pytest.fixture
-def host(spinning):
-    with contextlib.ExitStack() as stack:
-        yield Host(stack.enter_context(loaded(spinning["first", 3])))
+def host(hosts):
+    return hosts("first", 3, "hub-torque")
 
 
 @pytest.fixture
@@ -54,8 +34,8 @@ def car(host, radius):
     return start
 
 
-def test_it_is_valid(spinning, fmi):
-    assert validate_fmu(str(spinning["first", fmi])) == []
+def test_it_is_valid(fmus, fmi):
+    assert validate_fmu(str(fmus["first", fmi, "hub-torque"])) == []
 
 
 def test_in_the_air_the_spin_is_the_integral_of_the_torques(host, radius):

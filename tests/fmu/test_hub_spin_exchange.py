@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tirefmu.fmu.packaging.export import export
-from tirefmu.fmu.simulation.simulate import loaded
-
-from .conftest import Host
 from .solver import OK, Solver
 
 ERROR = 3
 INERTIA = 0.8
 FIXED = {"v_x": 8.0, "WHEEL_INERTIA": INERTIA, "omega": 33.0}
-
-
-@pytest.fixture(scope="module")
-def paths(tires, compiler, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("spinning")
-    return {fmi: export(tires["first"], folder / f"{fmi}.fmu", fmi=fmi, inputs="hub-torque") for fmi in (2, 3)}
 
 
 class Wheel(Solver):
@@ -81,8 +69,8 @@ class Wheel(Solver):
 
 
 @pytest.fixture
-def wheel(paths, tmp_path, fmi):
-    made = Wheel(paths[fmi], tmp_path)
+def wheel(fmus, tmp_path, fmi):
+    made = Wheel(fmus["first", fmi, "hub-torque"], tmp_path)
     yield made
     made.fmu.freeInstance()
 
@@ -107,7 +95,7 @@ def test_a_brake_locks_holds_and_releases(wheel):
     assert spins[-1] > 25.0
 
 
-def test_co_simulation_converges_to_the_same_spin(wheel, paths, fmi):
+def test_co_simulation_converges_to_the_same_spin(wheel, hosts, fmi):
     """Its implicit steps are of first order."""
     wheel.start(T_drive=120.0)
     wheel.run(0.1)
@@ -115,15 +103,14 @@ def test_co_simulation_converges_to_the_same_spin(wheel, paths, fmi):
     wheel.run(0.3)
     errors = []
     for steps in (300, 1200):
-        with contextlib.ExitStack() as stack:
-            host, size = Host(stack.enter_context(loaded(paths[fmi]))), 0.3 / steps
-            assert host.set(**FIXED, T_drive=120.0) == OK
-            host.start()
-            for k in range(steps):
-                assert host.set(r_x=FIXED["v_x"] * (k + 1) * size) == OK
-                assert 3 * k != steps or host.set(T_drive=0.0, T_brake=200.0) == OK
-                assert host.step(k * size, size) == OK
-            errors.append(host.get("omega")[0] - wheel.get("omega")[0])
+        host, size = hosts("first", fmi, "hub-torque"), 0.3 / steps
+        assert host.set(**FIXED, T_drive=120.0) == OK
+        host.start()
+        for k in range(steps):
+            assert host.set(r_x=FIXED["v_x"] * (k + 1) * size) == OK
+            assert 3 * k != steps or host.set(T_drive=0.0, T_brake=200.0) == OK
+            assert host.step(k * size, size) == OK
+        errors.append(host.get("omega")[0] - wheel.get("omega")[0])
     assert abs(errors[0]) < 0.5
     assert errors[1] == pytest.approx(errors[0] / 4.0, rel=0.2)
 

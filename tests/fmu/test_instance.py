@@ -380,10 +380,11 @@ def test_a_serialized_value_outside_its_limits_is_rejected(hosts, fmi, way):
 
 @pytest.mark.parametrize("exchange", [False, True])
 @pytest.mark.parametrize("on", [False, True])
-def test_the_note_at_the_start_is_logged_on_request_only(wheel_fmus, tmp_path, fmi, exchange, on):
-    description = read_model_description(str(wheel_fmus["first", fmi]))
+def test_the_note_at_the_start_is_logged_on_request_only(fmus, tmp_path, fmi, exchange, on):
+    path = str(fmus["first", fmi, "wheel"])
+    description = read_model_description(path)
     kinds = {2: (FMU2Slave, FMU2Model), 3: (FMU3Slave, FMU3Model)}[fmi]
-    fmu = kinds[exchange](guid=description.guid, unzipDirectory=extract(str(wheel_fmus["first", fmi]), str(tmp_path)),
+    fmu = kinds[exchange](guid=description.guid, unzipDirectory=extract(path, str(tmp_path)),
                           modelIdentifier=description.coSimulation.modelIdentifier, instanceName="wheel")  # fmt: skip
     log = []
     if fmi == 3:

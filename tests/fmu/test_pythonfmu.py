@@ -29,11 +29,9 @@ def python_fmus(tires, tmp_path_factory):
 
 
 @pytest.fixture
-def python_host(hosts, fmus, python_fmus):
+def python_host(make_host, python_fmus):
     """Return a function that loads the Python variant of a tire."""
-    for name, path in python_fmus.items():
-        fmus[f"python {name}", 2] = path
-    return lambda name: hosts(f"python {name}", 2)
+    return lambda name: make_host(python_fmus[name])
 
 
 def drive(tire, n=120):

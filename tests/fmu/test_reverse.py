@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.models import MODELS
 
@@ -72,16 +71,16 @@ class Wheel:
 
 
 @pytest.fixture(scope="module")
-def wheel_of(tires, compiler, tmp_path_factory):
-    """Return a function that returns the wheel of a model with a kind of inputs; each is built on first use."""
-    folder, built = tmp_path_factory.mktemp("reverse"), {}
+def wheel_of(tires, fmus):
+    """Return a function that returns the wheel of a model with a kind of inputs; each is loaded on first use."""
+    built = {}
     with contextlib.ExitStack() as stack:
 
         def wheel(model, inputs, *, shifts=False):
             if (model, inputs) not in built:
-                tire = tires["first" if model == "mf96" else model]
-                path = export(tire, folder / f"{model}_{inputs}.fmu", inputs=inputs)
-                built[model, inputs] = Wheel(Host(stack.enter_context(loaded(path))), tire)
+                name = "first" if model == "mf96" else model
+                host = Host(stack.enter_context(loaded(fmus[name, 3, inputs])))
+                built[model, inputs] = Wheel(host, tires[name])
             return built[model, inputs].start(shifts=shifts)
 
         yield wheel

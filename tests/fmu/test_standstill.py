@@ -225,12 +225,12 @@ def test_unknown_stiffnesses_give_half_the_radius(tires):
     assert interface(tires["mf61"]).relaxation_note == ""
 
 
-def test_the_lengths_are_logged_and_documented(wheels, wheel_fmus, tires, fmi):
+def test_the_lengths_are_logged_and_documented(wheels, fmus, tires, fmi):
     host = wheels("mf61", fmi).start()
     note = interface(tires["mf61"], inputs="wheel").relaxation_note
     assert note.startswith("the tire has no relaxation")
     assert host.log == [note]
-    with zipfile.ZipFile(wheel_fmus["mf61", fmi]) as archive:
+    with zipfile.ZipFile(fmus["mf61", fmi, "wheel"]) as archive:
         assert note in archive.read("documentation/index.html").decode()
     assert wheels("rolling", fmi).start().log == []
 

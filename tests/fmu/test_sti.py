@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
-from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.packaging.sti import export_sti
 from tirefmu.symbolic.wheel.quantities import CARRIER, WRENCH
 from tirefmu.tires.code.compiler import suffix
@@ -45,12 +44,6 @@ def programs(tires, compiler, tmp_path_factory):
             return self[name]
 
     return Programs()
-
-
-@pytest.fixture(scope="module")
-def fmus(tires, compiler, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("hub")
-    return {name: export(tires[name], folder / f"{name}.fmu", inputs="hub") for name in NAMES}
 
 
 def motion(manoeuvre, radius):
@@ -133,7 +126,7 @@ def test_library_and_fmu_agree(programs, fmus, tires, tmp_path, name, entry, man
     given = motion(manoeuvre, radius)
     found, report, status = run(programs[name], entry, *given)
     assert status == 0, report
-    expected = simulate(fmus[name], tmp_path, entry, radius, *given)
+    expected = simulate(fmus[name, 3, "hub"], tmp_path, entry, radius, *given)
     size = 1.0 + np.abs(expected).max(axis=0)
     assert np.abs(expected[:, :6]).max() > 100.0
     assert np.abs((found[:, : expected.shape[1]] - expected) / size).max() < 1e-9

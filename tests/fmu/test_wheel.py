@@ -26,8 +26,8 @@ def settled(host, time=0.0, size=30.0):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_it_is_valid(wheel_fmus, name, fmi):
-    assert validate_fmu(str(wheel_fmus[name, fmi])) == []
+def test_it_is_valid(fmus, name, fmi):
+    assert validate_fmu(str(fmus[name, fmi, "wheel"])) == []
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -183,9 +183,9 @@ def test_turn_rate_is_turn_slip(wheels, tires):
     assert host.get("Mz")[0] == pytest.approx(float(expected["Mz"]), rel=1e-9)
 
 
-def test_check_needs_slips(wheel_fmus):
+def test_check_needs_slips(fmus):
     with pytest.raises(FmuError, match="its inputs are the motion of the wheel"):
-        check(wheel_fmus["mf61", 3], pd.DataFrame({"Fz": [4000.0], "alpha": [0.1], "Fy": [0.0]}))
+        check(fmus["mf61", 3, "wheel"], pd.DataFrame({"Fz": [4000.0], "alpha": [0.1], "Fy": [0.0]}))
 
 
 def test_derivatives_are_differences(wheels):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 from dataclasses import dataclass
 from math import radians
 
@@ -65,6 +66,16 @@ def bench_csv(tmp_path_factory):
     path = tmp_path_factory.mktemp("bench") / "bench.csv"
     write_table(VirtualBench(bench_tire(), Noise(), seed=3).run(program).table, path)
     return path
+
+
+@pytest.fixture(scope="session")
+def validated(command, bench_csv, tmp_path_factory):
+    """Return what a fit with cross-validation in two folds prints, and its JSON file."""
+    path = tmp_path_factory.mktemp("validated") / "fit.json"
+    options = ("--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23", "--cross-validate", "2")
+    outcome = command("fit", bench_csv, *options, "-o", path.with_suffix(".tir"), "--json", path)
+    assert outcome.status == 0, outcome.err
+    return outcome, json.loads(path.read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="session")

@@ -48,24 +48,8 @@ def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options,
     assert ("Constraints, verified" in outcome.out) == bool(stored)
 
 
-def test_cross_validation_is_reported(command, bench_csv, tmp_path):
-    path, effects = tmp_path / "fit.json", "load_friction,load_stiffness,camber_thrust"
-    outcome = command(
-        "fit",
-        bench_csv,
-        "--model",
-        "mf96",
-        "--effects",
-        effects,
-        "--cross-validate",
-        "2",
-        "-o",
-        tmp_path / "t.tir",
-        "--json",
-        path,
-    )
-    assert outcome.status == 0
-    reported = json.loads(path.read_text(encoding="utf-8"))
+def test_cross_validation_is_reported(validated):
+    outcome, reported = validated
     assert {each["channel"] for each in reported["held_out"]} == {each["channel"] for each in reported["channels"]}
     for each in reported["held_out"]:
         assert each["held_out"] > 0.9 * each["in_sample"]

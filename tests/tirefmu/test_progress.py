@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import pytest
@@ -10,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from tirefmu.fitting import fit
+from tirefmu.fitting import cross_validate, fit
 from tirefmu.forecast import Forecast, seconds_left
 from tirefmu.measurements import read_recording
 from tirefmu.progress import EVIDENCE, FitProgress, Stages, counting, showing_stages
@@ -18,7 +17,6 @@ from tirefmu.progress import EVIDENCE, FitProgress, Stages, counting, showing_st
 from .conftest import EFFECTS
 
 WORK = st.floats(0.1, 1e6)
-FIT = ("--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23")
 #: A line of a stage that has ended, and of the parts of a computation.
 ENDED = re.compile(r"^.+: .*\d+\.\d s(; stage \d+ of \d+(, (about \d+ (s|min)|less than 1 s) left)?)?$")
 COUNTED = re.compile(r"^.+: \d+ of \d+, (about \d+ (s|min) left|less than 1 s left|\d+\.\d s)$")
@@ -111,10 +109,8 @@ def test_a_failure_of_the_announcement_is_raised(bench_csv):
         fit([read_recording(bench_csv)], "mf96", effects=[], progress=Wrong())
 
 
-def test_a_fit_prints_a_line_for_each_stage_without_a_terminal(command, bench_csv, tmp_path):
-    arguments = ("fit", bench_csv, *FIT, "-o", tmp_path / "t.tir", "--cross-validate", "2")
-    shown = command(*arguments, "--json", tmp_path / "t.json")
-    found = json.loads((tmp_path / "t.json").read_text(encoding="utf-8"))
+def test_a_fit_prints_a_line_for_each_stage_without_a_terminal(validated, command, bench_csv, tmp_path):
+    shown, found = validated
     lines = shown.err.splitlines()
     stages = [line for line in lines if "; stage " in line]
     assert [line for line in lines if not ENDED.match(line) and not COUNTED.match(line)] == []
@@ -128,14 +124,12 @@ def test_a_fit_prints_a_line_for_each_stage_without_a_terminal(command, bench_cs
         f"cross-validation: {number} of 2" for number in range(3)
     ]
     assert not any(line in shown.out for line in lines)
-    assert command(*arguments, "--quiet").err == ""
+    fast = ("--model", "mf96", "--effects", "none", "--cross-validate", "2", "--quiet")
+    assert command("fit", bench_csv, *fast, "-o", tmp_path / "t.tir").err == ""
 
 
-def test_folds_in_this_process_are_those_of_the_library(bench_csv, command, tmp_path):
-    from tirefmu.fitting import cross_validate
-
-    command("fit", bench_csv, *FIT, "-o", tmp_path / "t.tir", "--cross-validate", "2", "--json", tmp_path / "t.json")
-    printed = json.loads((tmp_path / "t.json").read_text(encoding="utf-8"))["held_out"]
+def test_folds_in_this_process_are_those_of_the_library(validated, bench_csv):
+    printed = validated[1]["held_out"]
     found = cross_validate([read_recording(bench_csv)], "mf96", folds=2, effects=EFFECTS.split(","),
                            nominal={"Fz0": 220.0, "R0": 0.23})  # fmt: skip
     assert [each["held_out"] for each in printed] == pytest.approx([each.held_out for each in found], rel=1e-12)

@@ -232,6 +232,7 @@ def test_the_fastest_code(monkeypatch):
     selection._code_for.cache_clear()
 
 
+@pytest.mark.parametrize("model", ["mf96"], indirect=True)
 def test_flags_that_the_compiler_rejects_are_omitted(monkeypatch, tmp_path, parameters, model):
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path))
     monkeypatch.setattr(kernel, "FLAGS", (("-no-such-flag-as-this",), kernel.FUSED))

@@ -18,18 +18,19 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = [path.parent for path in ROOT.glob("*/__init__.py") if path.parent.name != "tests"]
 OWN = ROOT / "tires" / "drawing" / "own_matplotlib.py"
 HOSTILE = {
-    "LaTeX": b"text.usetex: True\ntext.latex.preamble: \\immediate\\write18{touch ran} \\notacommand\n",
-    "sizes": b"font.size: 40\nfigure.dpi: 1000\nsavefig.transparent: True\n",
+    "LaTeX and sizes": b"text.usetex: True\ntext.latex.preamble: \\immediate\\write18{touch ran} \\notacommand\n"
+    b"font.size: 40\nfigure.dpi: 1000\nsavefig.transparent: True\n",
     "bytes": b"\xff\xfe\x00",
 }
 
 
 def drawn(folder, settings=None):
-    """Draw a tire by the command line in a folder, and return the files."""
+    """Draw a tire by the command line in a folder, with fewer pixels, and return the files."""
     folder.mkdir()
     if settings is not None:
         (folder / "matplotlibrc").write_bytes(settings)
-    command = [sys.executable, "-m", "tirefmu", "draw", "trento_hoosier", "--loads", "900", "-o", "out"]
+    main = "from tirefmu.cli import main; from tirefmu.tires.drawing import files; files.DPI = 40; exit(main())"
+    command = [sys.executable, "-c", main, "draw", "trento_hoosier", "--loads", "900", "-o", "out"]
     subprocess.run(command, cwd=folder, env={**os.environ}, check=True, capture_output=True)
     return {path.name: path.read_bytes() for path in (folder / "out").iterdir()}
 

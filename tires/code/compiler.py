@@ -153,6 +153,25 @@ def compiled_object(
     return _built(name, ".o", [source], headers, include, ["-c", *flags], [], cross=cross)
 
 
+def compiled_objects(
+    name: str,
+    sources: Sequence[Path],
+    *,
+    headers: Sequence[Path] = (),
+    include: Sequence[Path] = (),
+    flags: Sequence[str] = (),
+) -> dict[Path, Path]:
+    """Return the object files of C sources by source: one call of the compiler, and one entry of the cache.
+
+    `name`: what the entry begins with. `sources`: of different names. `headers`, `include`, `flags`: as for
+    `shared_library`. Raises `CompilerError`: as `shared_library`.
+    """
+    if not sources:
+        return {}
+    folder = _built(name, "", sources, headers, include, ["-c", *flags], []).parent
+    return {source: folder / f"{source.stem}.o" for source in sources}
+
+
 def _built(
     name: str,
     ending: str,
@@ -165,7 +184,10 @@ def _built(
     cross: CrossCompiler | None = None,
     rebuild: bool = False,
 ) -> Path:
-    """Return the compiler's output for the sources, from the cache if it is there."""
+    """Return what the compiler makes of the sources, from the cache where it is there.
+
+    `ending`: of the file made of all sources; none: each source gives a file in the folder of the returned path.
+    """
     compiler = list(cross.command) if cross else find_compiler()
     system = cross.system if cross else sys.platform
     built_by = cross.version if cross else platform.machine()
@@ -177,7 +199,8 @@ def _built(
     file = f"{name}{ending}"  # linkers on macOS write it into the library
 
     def build(folder: Path) -> None:
-        _run([*compiler, *options, *folders, *map(str, sources), "-o", str(folder / file), *libraries])
+        into = ["-o", str(folder / file), *libraries] if ending else []
+        _run([*compiler, *options, *folders, *map(str, sources), *into], None if ending else folder)
 
     try:
         return cached(f"{name}-{digest.hexdigest()[:24]}", build, rebuild=rebuild) / file
@@ -185,8 +208,8 @@ def _built(
         raise CompilerError(f"{file}: cannot be written ({error.strerror or error})") from error
 
 
-def _run(command: list[str]) -> None:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+def _run(command: list[str], folder: Path | None = None) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
     if done.returncode != 0:
         raise CompilerError(f"{Path(command[0]).name} failed: {_errors(done.stderr or done.stdout)}")
 
