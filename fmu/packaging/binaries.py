@@ -194,20 +194,20 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
 
             objects: dict[Path, Path] = {}
             if cross is None:  # what does not depend on the tire is compiled once for tires of the same structure
-                shared = [file for file in parts if file.name not in READS_ONE_TIRE]
+                shared = [part for part in parts if part.name not in READS_ONE_TIRE]
                 for versioned in (True, False):  # and for both versions of the standard
-                    group = [file for file in shared if (file.name in VERSIONED) == versioned]
+                    group = [part for part in shared if (part.name in VERSIONED) == versioned]
                     objects |= compiled_objects("fmu", group, headers=common, include=[folder, include], flags=FLAGS)
             else:  # where each call of the compiler takes long: those that must be small
-                for file in parts:
-                    if bare or file.name in RARE:
-                        objects[file] = compiled_object(
-                            "fmu", file, headers=headers, include=[folder, own, include],
-                            flags=[*FLAGS, *(SMALL if file.name in RARE else ())], cross=cross,
+                for part in parts:
+                    if bare or part.name in RARE:
+                        objects[part] = compiled_object(
+                            "fmu", part, headers=headers, include=[folder, own, include],
+                            flags=[*FLAGS, *(SMALL if part.name in RARE else ())], cross=cross,
                         )  # fmt: skip
             library = shared_library(
                 "fmu",
-                [*(objects.get(file, file) for file in parts), *compiled],
+                [*(objects.get(part, part) for part in parts), *compiled],
                 headers=headers,
                 include=[folder, own, include],
                 flags=[*FLAGS, *LINK[system], *(["-nostdlib"] if bare else [])],

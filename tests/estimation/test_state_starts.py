@@ -32,7 +32,16 @@ on = "friction_y"
 factor = "exp(-WARMMU*warmth)"
 """
 EFFECT = read_effect(WARM, "warm.toml")
-VALUES = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "WIDTH": 0.2, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 8e4, "CALPHA": 8e4, "UMIN": 1.0, "UMAX": 1.2}
+VALUES = {
+    "FNOMIN": 4000.0,
+    "UNLOADED_RADIUS": 0.3,
+    "WIDTH": 0.2,
+    "VERTICAL_STIFFNESS": 2e5,
+    "CSLIP": 8e4,
+    "CALPHA": 8e4,
+    "UMIN": 1.0,
+    "UMAX": 1.2,
+}
 STARTS = np.array([1.5, 0.2, 0.8])
 
 
