@@ -17,8 +17,8 @@ from tirefmu.symbolic.models import model_named, whole_library
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
-from .comparison.answer import Answer
-from .comparison.compare import compared
+from .explanations.answer import Answer
+from .explanations.compare import compared
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
 from .probing.effect_probing import Screen
@@ -41,7 +41,8 @@ NOMINAL_COEFFICIENTS = {
 
 
 #: The steps of a diagnosis, as reported to its progress callback, and their time relative to the first one. The search
-#: took 22 to 58 times as long in four recordings of 5,000 rows: how many effects it finds is not known in advance.
+#: took 22 to 58 times as long in four recordings of 5,000 rows: how many effects it finds is not known in advance. The
+#: comparison takes about half as long as the search.
 STEPS = {
     "fitting the baseline model": 1.0,
     "searching for missing effects": 40.0,

@@ -14,8 +14,8 @@ from scipy.special import stdtrit
 from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
 
-from ..comparison.answer import Answer
-from ..comparison.explanation import UNKNOWN
+from ..explanations.answer import Answer
+from ..explanations.explanation import UNKNOWN
 from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Response, Screen

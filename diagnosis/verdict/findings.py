@@ -36,7 +36,7 @@ class Finding:
     cv_gain, cv_gain_se : float
         Reduction of the squared misfit in blocked cross-validation, as a share, and its standard error.
     probability : float
-        Of all explanations that contain it, among those compared (`tirefmu.diagnosis.comparison`).
+        Of all explanations that contain it, among those compared (`tirefmu.diagnosis.explanations`).
     when : tuple of (float, float)
         Stretches of time with most of the evidence, s.
     size : mapping of str to (float, float)

@@ -18,7 +18,7 @@ from tirefmu.symbolic.added import AddedEffect, effect_text
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
-from ..comparison.answer import Answer
+from ..explanations.answer import Answer
 from ..search.confirmation import Confirmation
 from ..search.proposals import FormCorrection
 from ..unexplained.formula_proposal import Unknown

@@ -31,13 +31,12 @@ SHARE = 0.02
 
 
 def features():
-    """Return the instruction sets of x86 that this processor has; the largest only on request: it is its own."""
+    """Return the instruction sets of x86 that this processor has."""
     described = Path("/proc/cpuinfo")
     if platform.machine() not in ("x86_64", "AMD64") or not described.is_file():
         return []
     flags = described.read_text(encoding="utf-8").partition("flags")[2].partition("\n")[0].split()
-    known = ["x86-64", *(["x86-64-v3"] if "avx2" in flags else []), *(["x86-64-v4"] if "avx512vl" in flags else [])]
-    return known if LARGE else known[: max(1, len(known) - 1)]
+    return ["x86-64", *(["x86-64-v3"] if "avx2" in flags else []), *(["x86-64-v4"] if "avx512vl" in flags else [])]
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
 from ..recording.simulation import Simulator
-from ..thresholds import EFFECT_ODDS, FORM_ERROR, MAX_SKEW, UNKNOWN_ODDS, UNKNOWN_SHARE
+from ..thresholds import EFFECT_ODDS, FORM_ERROR, UNKNOWN_ODDS, UNKNOWN_SHARE
 from ..unexplained.features import determined, directions, features, locations_of
 from ..unexplained.structure import CORE_INPUTS
 from .discrepancy import bench_errors, effect_discrepancy
@@ -153,10 +153,9 @@ class Linearization:
     def additions(self) -> list[Addition]:
         """Return what could be added to the explanation: effects that it lacks, and terms of the unknown component."""
         added = []
+        signals, tire = self.simulator.signals, self.simulator.tire
         for name, candidate in self.candidates.items():
-            if name not in self.explanation.effects and is_testable(
-                self.simulator.signals, self.simulator.tire, candidate
-            ):
+            if name not in self.explanation.effects and is_testable(signals, tire, candidate):
                 added += self._of_effect(name, candidate)
         if not self.explanation.terms:
             terms = unknown_terms(self.problem, self.solution)
@@ -202,8 +201,3 @@ def term_of(problem: LeastSquares, name: str, column: FloatArray) -> list[Term]:
         float(np.linalg.norm(problem.inverse_noise * one)) for one in (problem.simulator.signals.measured, column)
     )
     return [Term(name, column, UNKNOWN_SHARE * size / norm)] if norm > 0.0 else []
-
-
-def clipped_skew(seconds: float) -> float:
-    """Return a skew within the limits of a bench, s."""
-    return float(np.clip(seconds, -MAX_SKEW, MAX_SKEW))

@@ -57,12 +57,11 @@ class Answer:
         >>> {name: round(value, 3) for name, value in one.probabilities.items()}
         {'conicity': 0.5, 'plysteer': 0.5, 'UNKNOWN': 0.0}
         """
-        return {
-            name: min(
-                1.0, sum((one.probability for one in self.explanations if name in one.parts), 0.0)
-            )  # rounded sums
-            for name in (*self.candidates, UNKNOWN)
-        }
+        sums = dict.fromkeys((*self.candidates, UNKNOWN), 0.0)
+        for one in self.explanations:
+            for name in one.parts:
+                sums[name] += one.probability
+        return {name: min(value, 1.0) for name, value in sums.items()}  # sums are rounded
 
     @property
     def reported(self) -> tuple[RankedExplanation, ...]:

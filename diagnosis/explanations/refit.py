@@ -13,10 +13,10 @@ from tirefmu.estimation.noise_model import Whitening, noise_parts
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..recording.simulation import Simulator
-from ..thresholds import DISCREPANCIES, LIKELIHOOD_POWER, SEARCH_ROWS
+from ..thresholds import DISCREPANCIES, LIKELIHOOD_POWER, MAX_SKEW, SEARCH_ROWS
 from .discrepancy import model_discrepancy
 from .explanation import Explanation
-from .linearization import Addition, Linearization, clipped_skew
+from .linearization import Addition, Linearization
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -27,7 +27,7 @@ ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS, SKEW_STEP = 3, 8, 3, 2e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Shared:
     """What all compared explanations have in common.
 
     - `problem`: of the baseline model with the common noise and the discrepancy of the model.
@@ -55,27 +55,27 @@ class Refitted:
         return self.linear.explanation
 
 
-def refitted(comparison: Comparison, explanation: Explanation, start: FloatArray, simulator: Simulator) -> Refitted:
+def refitted(shared: Shared, explanation: Explanation, start: FloatArray, simulator: Simulator) -> Refitted:
     """Fit an explanation from initial values, shape (n_parameters,), with the skew of a simulator as the first one."""
-    problem = comparison.problem
+    problem = shared.problem
     if explanation.terms:
         names = tuple(f"{TERM}{i}" for i in range(len(explanation.terms)))
         columns = np.stack([term.column for term in explanation.terms], axis=-1)
         deviation = np.array([term.deviation for term in explanation.terms])
         problem = replace(problem, disturbances=problem.disturbances.extended(names, columns, deviation))
     problem = problem.over(simulator)
-    fitted = {*comparison.free, *(name for _, form in explanation.forms for name in form.free)}
+    fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
     thin = slice(None, None, max(1, len(simulator.signals.rows) // SEARCH_ROWS))
     coarse = problem.solve(start, free, rows=thin, iterations=COARSE_ITERATIONS)
-    best, estimate = _evaluated(comparison, explanation, problem, coarse.parameters, free)
+    best, estimate = _evaluated(shared, explanation, problem, coarse.parameters, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
         signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
-        step = clipped_skew(signals.skew + skew) - signals.skew
+        step = float(np.clip(signals.skew + skew, -MAX_SKEW, MAX_SKEW)) - signals.skew
         if abs(step) < SKEW_STEP:
             break
         delayed = problem.over(simulator.with_signals(signals.delayed(step)))
-        other, estimate = _evaluated(comparison, explanation, delayed, best.linear.solution.parameters, free)
+        other, estimate = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
         if other.evidence <= best.evidence:
             break
         best = other
@@ -83,16 +83,16 @@ def refitted(comparison: Comparison, explanation: Explanation, start: FloatArray
 
 
 def _evaluated(
-    comparison: Comparison, explanation: Explanation, problem: LeastSquares, start: FloatArray, free: Sequence[str]
+    shared: Shared, explanation: Explanation, problem: LeastSquares, start: FloatArray, free: Sequence[str]
 ) -> tuple[Refitted, FloatArray]:
     """Return a refit from all rows, and the estimates of all columns at it."""
     solution = problem.solve(start, free, iterations=ITERATIONS)
-    linear = Linearization(explanation, problem, solution, comparison.candidates)
+    linear = Linearization(explanation, problem, solution, shared.candidates)
     estimate, evidence = linear.equations().solved()
     return Refitted(linear, evidence), estimate
 
 
-def comparison_of(linear: Linearization, baseline: Solution, additions: Sequence[Addition]) -> Comparison:
+def shared_problem(linear: Linearization, baseline: Solution, additions: Sequence[Addition]) -> Shared:
     """Return the common noise and discrepancy.
 
     The noise is what no combination of all columns explains, so that no explanation has an advantage by it. The
@@ -109,7 +109,7 @@ def comparison_of(linear: Linearization, baseline: Solution, additions: Sequence
     noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions))
     tried = [noisy.with_deviation(np.append(known, np.full(len(names), deviation))) for deviation in DISCREPANCIES]
     evidences = [replace(linear, problem=one).equations().solved()[1] for one in tried]
-    return Comparison(tried[int(np.argmax(evidences))], baseline.free, linear.candidates)
+    return Shared(tried[int(np.argmax(evidences))], baseline.free, linear.candidates)
 
 
 def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> FloatArray:
@@ -135,12 +135,8 @@ def _with_noise(problem: LeastSquares, residual: FloatArray) -> LeastSquares:
     """Return a problem with the noise of a residual in units of its weights, the likelihood raised to its power."""
     signals, used = problem.simulator.signals, problem.inverse_noise > 0.0
     if not signals.timed:
-        size = np.array(
-            [
-                float(np.sqrt(np.mean(row[one] ** 2))) if one.any() else 1.0
-                for row, one in zip(residual, used, strict=True)
-            ]
-        )
+        rows = zip(residual, used, strict=True)
+        size = np.array([float(np.sqrt(np.mean(row[one] ** 2))) if one.any() else 1.0 for row, one in rows])
         return replace(problem, inverse_noise=np.sqrt(LIKELIHOOD_POWER) * problem.inverse_noise / size[:, None])
     t = signals.t[signals.rows]
     parts = [noise_parts(*rows, float(np.median(np.diff(t)))) for rows in zip(residual, used, strict=True)]

@@ -22,7 +22,7 @@ from .answer import Answer, answer_of
 from .evidence import Projected
 from .explanation import UNKNOWN, Explanation, Term
 from .linearization import Addition, Linearization, term_of
-from .refit import Comparison, Refitted, comparison_of, refitted
+from .refit import Refitted, Shared, refitted, shared_problem
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -47,11 +47,9 @@ def compared(
     -------
     Answer
     """
-    problem, baseline = (
-        replace(before.problem, disturbances=before.problem.disturbances.of_recording()),
-        before.solution,
-    )
-    simulator, parameters = problem.simulator, before.solution.parameters.copy()
+    baseline = before.solution
+    problem = replace(before.problem, disturbances=before.problem.disturbances.of_recording())
+    simulator, parameters = problem.simulator, baseline.parameters.copy()
     known = [name for name in simulator.names if name in search.problem.simulator.index]
     values = search.solution.parameters[[search.problem.simulator.index[name] for name in known]]
     parameters[[simulator.index[name] for name in known]] = values
@@ -70,10 +68,10 @@ def compared(
 def _ranked(linear: Linearization, baseline: Solution, progress: Callable[[str], None]) -> Answer:
     """Return the probabilities of the explanation of a linearization and of its rivals."""
     identified, additions = linear.explanation, linear.additions()
-    comparison = comparison_of(linear, baseline, additions)
+    shared = shared_problem(linear, baseline, additions)
     evidences: dict[tuple[str, ...], float] = {}
-    first = _compared(comparison, identified, linear.solution.parameters, evidences)
-    _add(comparison, first, additions, evidences, refits=0)
+    first = _compared(shared, identified, linear.solution.parameters, evidences)
+    _add(shared, first, additions, evidences, refits=0)
     absent = first.linear.simulator.tire.parameters()
     for part in identified.parts:
         progress(f"comparing {part} with other explanations")
@@ -81,30 +79,30 @@ def _ranked(linear: Linearization, baseline: Solution, progress: Callable[[str],
         freed = [name for one, form in identified.forms if one == part for name in form.free]
         indices = [first.linear.simulator.index[name] for name in freed]
         start[indices] = absent[indices]
-        less = _compared(comparison, identified.without(part), start, evidences, first)
-        _add(comparison, less, less.linear.additions(), evidences, refits=RIVALS)
+        less = _compared(shared, identified.without(part), start, evidences, first)
+        _add(shared, less, less.linear.additions(), evidences, refits=RIVALS)
     if len(identified.parts) > 1:
-        _compared(comparison, Explanation(), baseline.parameters, evidences, first)
+        _compared(shared, Explanation(), baseline.parameters, evidences, first)
     return answer_of(evidences, linear.candidates)
 
 
 def _compared(
-    comparison: Comparison, explanation: Explanation, start: FloatArray, evidences: dict[tuple[str, ...], float],
+    shared: Shared, explanation: Explanation, start: FloatArray, evidences: dict[tuple[str, ...], float],
     near: Refitted | None = None,
 ) -> Refitted:  # fmt: skip
     """Refit an explanation with the skew of another one first, and store its evidence."""
-    refit = refitted(comparison, explanation, start, (near.linear if near else comparison).problem.simulator)
-    evidences[explanation.parts] = refit.evidence + log_prior(explanation, comparison)
+    refit = refitted(shared, explanation, start, (near.linear if near else shared).problem.simulator)
+    evidences[explanation.parts] = refit.evidence + log_prior(explanation)
     return refit
 
 
-def log_prior(explanation: Explanation, comparison: Comparison) -> float:
+def log_prior(explanation: Explanation) -> float:
     """Return the logarithm of the prior odds of an explanation."""
     return len(explanation.forms) * float(np.log(EFFECT_ODDS)) + bool(explanation.terms) * float(np.log(UNKNOWN_ODDS))
 
 
 def _add(
-    comparison: Comparison, refit: Refitted, additions: Sequence[Addition], evidences: dict[tuple[str, ...], float], *,
+    shared: Shared, refit: Refitted, additions: Sequence[Addition], evidences: dict[tuple[str, ...], float], *,
     refits: int,
 ) -> None:  # fmt: skip
     """Store the evidence of an explanation with each addition; the best ones are refitted.
@@ -129,7 +127,7 @@ def _add(
             continue
         evidences[extended.parts] = base + totals[name]
         if number < refits or base + totals[name] > max(evidences.values()) + REFIT_MARGIN:
-            _refit(comparison, refit, best, estimate, extended, evidences, totals[name] - gain)
+            _refit(shared, refit, best, estimate, extended, evidences, totals[name] - gain)
 
 
 def _known(projected: Projected, additions: Sequence[Addition]) -> npt.NDArray[np.bool_]:
@@ -142,25 +140,24 @@ def _known(projected: Projected, additions: Sequence[Addition]) -> npt.NDArray[n
 
 
 def _refit(
-    comparison: Comparison, refit: Refitted, addition: Addition, estimate: FloatArray, extended: Explanation,
-    evidences: dict[tuple[str, ...], float], shared: float,
+    shared: Shared, refit: Refitted, addition: Addition, estimate: FloatArray, extended: Explanation,
+    evidences: dict[tuple[str, ...], float], other_forms: float,
 ) -> None:  # fmt: skip
     """Store the evidence of a refitted addition.
 
-    Coefficients of a grid are fitted, so that all of its points are one explanation.
+    Coefficients of a grid are fitted, so that all of its points are one explanation. `other_forms`: logarithm of the
+    evidence of all terms relative to that of the best one.
     """
     simulator, solution = refit.linear.simulator, refit.linear.solution
     if isinstance(addition.part, Term):
-        one = refitted(comparison, extended, solution.parameters, simulator)
-        evidences[extended.parts] = (
-            one.evidence + log_prior(refit.explanation, comparison) + addition.log_prior + shared
-        )
+        one = refitted(shared, extended, solution.parameters, simulator)
+        evidences[extended.parts] = one.evidence + log_prior(refit.explanation) + addition.log_prior + other_forms
         return
     tried = [
-        refitted(comparison, extended, start, simulator)
+        refitted(shared, extended, start, simulator)
         for start in starts(simulator, solution, addition.part, estimate * addition.deviation)
     ]
-    evidences[extended.parts] = max(one.evidence for one in tried) + log_prior(extended, comparison)
+    evidences[extended.parts] = max(one.evidence for one in tried) + log_prior(extended)
 
 
 def _with(explanation: Explanation, addition: Addition) -> Explanation:
