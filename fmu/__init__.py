@@ -15,21 +15,27 @@ if TYPE_CHECKING:
     from .packaging.export import export
     from .packaging.sti import export_sti
     from .packaging.system import export_parameters, export_system
+    from .proof.repetition import ProofResult, repeat_proof
+    from .proof.writing import add_proof
 
 #: The module of each name.
 _ON_DEMAND = {
     "Channel": "comparison.result",
     "CheckResult": "comparison.result",
+    "ProofResult": "proof.repetition",
     "WorstPoint": "comparison.result",
+    "add_proof": "proof.writing",
     "check": "comparison.check",
     "export": "packaging.export",
     "export_parameters": "packaging.system",
     "export_sti": "packaging.sti",
     "export_system": "packaging.system",
+    "repeat_proof": "proof.repetition",
 }
 
 __all__ = [
-    "Channel", "CheckResult", "WorstPoint", "check", "export", "export_parameters", "export_sti", "export_system",
+    "Channel", "CheckResult", "ProofResult", "WorstPoint", "add_proof", "check", "export", "export_parameters",
+    "export_sti", "export_system", "repeat_proof",
 ]  # fmt: skip
 
 __getattr__, __dir__ = on_demand(__name__, _ON_DEMAND)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from tirefmu.boundary.errors import TirefmuError
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
-    from tirefmu.fmu import CheckResult, check, export
+    from tirefmu.fmu import CheckResult, ProofResult, add_proof, check, export, repeat_proof
     from tirefmu.measurements import Recording, VirtualBench, read_recording
     from tirefmu.tires import Tire, published
     from tirefmu.tires import read_tir as load
@@ -33,10 +33,12 @@ _ON_DEMAND = {
     "CheckResult": "fmu",
     "Diagnosis": "diagnosis",
     "FitResult": "fitting",
+    "ProofResult": "fmu",
     "Recording": "measurements",
     "Tire": "tires",
     "TirefmuError": "boundary.errors",
     "VirtualBench": "measurements",
+    "add_proof": "fmu",
     "bootstrap": "batch.intervals",
     "check": "fmu",
     "diagnose": "diagnosis",
@@ -50,6 +52,7 @@ _ON_DEMAND = {
     "profile": "batch.intervals",
     "published": "tires",
     "read_recording": "measurements",
+    "repeat_proof": "fmu",
     "study": "batch.study",
 }
 
@@ -57,10 +60,12 @@ __all__ = [
     "CheckResult",
     "Diagnosis",
     "FitResult",
+    "ProofResult",
     "Recording",
     "Tire",
     "TirefmuError",
     "VirtualBench",
+    "add_proof",
     "bootstrap",
     "check",
     "diagnose",
@@ -74,6 +79,7 @@ __all__ = [
     "profile",
     "published",
     "read_recording",
+    "repeat_proof",
     "study",
 ]
 

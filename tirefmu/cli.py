@@ -141,7 +141,7 @@ def evaluate(
 
 @cli.command()
 @click.argument("fmu", type=FILE)
-@click.argument("table", type=FILE)
+@click.argument("table", type=FILE, required=False)
 @click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
 @WHERE
 @click.option(
@@ -155,16 +155,20 @@ def evaluate(
 @click.option("--report", type=FILE, help="HTML report: verdict, goodness of fit, errors over time and inputs.")
 @common
 def check(
-    fmu: Path, table: Path, signs: str | None, where: str | None, tolerance: float | None, timeout: float | None,
+    fmu: Path, table: Path | None, signs: str | None, where: str | None, tolerance: float | None, timeout: float | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Simulate FMU over TABLE and compare it with the data.
+    """Simulate FMU over TABLE and compare it with the data; without TABLE, repeat the proof inside FMU.
 
     fmpy simulates it; direct evaluation of its tire must agree. FMU runs in a separate process: a crash or a hang is
     reported as an error. It is native code with your permissions.
     """
     check_output_paths(json_file, report, folder=figures)
-    check_input_paths(fmu, table)
+    check_input_paths(fmu, *([table] if table else []))
+    if table is None:
+        if signs or where or tolerance is not None or figures or report:
+            raise TirefmuError("--signs, --where, --tolerance, --figures and --report need a TABLE")
+        return _repeated_proof(fmu, timeout, json_file, quiet)
     from tirefmu.fmu import check as run
     from tirefmu.fmu.comparison.large_check import check_large
     from tirefmu.measurements import incomplete_rows, recording_from
@@ -196,6 +200,20 @@ def check(
         with terminal.working("writing the report"):
             write_check(result, report, command=command_line())
         terminal.print(f"report: {report}")
+    return 0 if result.ok else 1
+
+
+def _repeated_proof(fmu: Path, timeout: float | None, json_file: Path | None, quiet: bool) -> int:
+    """Repeat the proof of an FMU and print the result; return the exit code."""
+    from tirefmu.fmu import repeat_proof
+
+    from .terminal import Terminal
+
+    terminal = Terminal(quiet)
+    with terminal.working(f"repeating the proof of {fmu.name}"):
+        result = repeat_proof(fmu, timeout=timeout)
+    write_json(json_file, result.to_json())
+    terminal.print(*str(result).split("\n"))
     return 0 if result.ok else 1
 
 

@@ -98,7 +98,7 @@ def check(
         description = read_description(fmu_path, folder)
         variables = {variable.name: variable for variable in description.modelVariables}
         present, measured, outputs = compared_columns(variables, given)
-        time = _time(table)
+        time = times_of(table)
         axes = axes_of_inputs(folder, fmu_path)
         tire = embedded_tire(folder, fmu_path, outputs)
         rows = convert_signs(table, "iso", axes)[present].to_numpy(dtype=np.float64)
@@ -151,7 +151,7 @@ def columns_of(variables: Mapping[str, Any], names: Iterable[str], causality: st
     return [name for name in names if name in variables and variables[name].causality == causality]
 
 
-def _time(table: pd.DataFrame) -> FloatArray:
+def times_of(table: pd.DataFrame) -> FloatArray:
     """Return the time of every row; equal steps for a table without times."""
     if "t" in table:
         return table["t"].to_numpy(dtype=np.float64)

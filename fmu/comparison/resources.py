@@ -17,16 +17,29 @@ LARGEST_INTERFACE = 1_000_000
 
 
 def axes_of_inputs(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
-    """Return the convention of the FMU's inputs and outputs.
+    """Return the convention of the inputs and outputs of an FMU with slip inputs.
 
-    `folder`: the unpacked FMU. `fmu_path`: the FMU, for messages. Returns one of "iso", "sae": from
-    resources/interface.json; ``iso`` without that file. Raises `FmuError` if the file is invalid, or the FMU has no
-    slip inputs.
+    `folder`: the unpacked FMU. `fmu_path`: the FMU, for messages. Returns one of "iso", "sae". Raises `FmuError` if
+    resources/interface.json is invalid, or the FMU has no slip inputs.
+    """
+    inputs, axes = declared_interface(folder, fmu_path)
+    if inputs != "slip":
+        raise FmuError(
+            f"{fmu_path}: its inputs are the motion of the wheel, but a recording has slips: export it with slip inputs"
+        )
+    return axes
+
+
+def declared_interface(folder: Path, fmu_path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Return the kind of inputs and the axes of an FMU, from resources/interface.json.
+
+    `folder`: the unpacked FMU. `fmu_path`: the FMU, for messages. Returns: ``slip`` and ``iso`` without that file.
+    Raises `FmuError` if the file is invalid.
     """
     path = folder / "resources" / "interface.json"
     source = f"{fmu_path}: resources/interface.json"
     if not path.is_file():
-        return "iso"
+        return "slip", "iso"
     try:
         interface = json.loads(read_bounded(path, LARGEST_INTERFACE))
     except OSError as error:
@@ -35,14 +48,10 @@ def axes_of_inputs(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
         raise FmuError(f"{source}: not JSON ({excerpt(error)})") from error
     if not isinstance(interface, dict):
         raise FmuError(f"{source}: not an object")
-    if interface.get("inputs", "slip") != "slip":
-        raise FmuError(
-            f"{fmu_path}: its inputs are the motion of the wheel, but a recording has slips: export it with slip inputs"
-        )
     axes = interface.get("axes", "iso")
     if axes not in ("iso", "sae"):
         raise FmuError(f"{source}: unknown axes '{excerpt(axes)}': known are iso and sae")
-    return str(axes)
+    return str(interface.get("inputs", "slip")), str(axes)
 
 
 def embedded_tire(folder: Path, fmu_path: str | os.PathLike[str], outputs: Iterable[str]) -> Tire | None:

@@ -24,7 +24,7 @@ NAMES = {
     "CheckResult": fmu, "diagnose": diagnosis, "Diagnosis": diagnosis, "read_recording": measurements,
     "Recording": measurements, "VirtualBench": measurements, "evaluate": evaluation, "draw": drawing,
     "fit_many": batch.fit_many, "study": batch.study, "bootstrap": batch.intervals, "profile": batch.intervals,
-    "diagnose_many": batch.diagnose_many,
+    "diagnose_many": batch.diagnose_many, "add_proof": fmu, "repeat_proof": fmu, "ProofResult": fmu,
 }  # fmt: skip
 
 

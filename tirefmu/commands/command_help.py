@@ -32,11 +32,12 @@ EXAMPLES = {
     ),
     "export": (
         "export my.tir -o my.fmu",
+        "export my.tir -o my.fmu --proof run.csv",
         "export my.tir -o my.fmu --inputs wheel --fmi 2 --platforms all",
         "export my.tir --kind sti -o libmy.so",
         "export front.tir front.tir rear.tir rear.tir --ssp car.ssp",
     ),
-    "check": ("check my.fmu run.csv", "check my.fmu run.csv --tolerance 0.05 --figures figures"),
+    "check": ("check my.fmu run.csv", "check my.fmu", "check my.fmu run.csv --tolerance 0.05 --figures figures"),
     "diagnose": (
         "diagnose run.csv --tire my.tir -o answer",
         "diagnose run.csv --model mf61 --nominal Fz0=1100,R0=0.2 -o answer",

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
 
 from tirefmu.boundary.errors import TirefmuError
 
-from ..arguments import FILE, RADIUS, check_input_paths, check_output_paths, common, grouped, write_json
+from ..arguments import FILE, RADIUS, SIGNS, WHERE, check_input_paths, check_output_paths, common, grouped, write_json
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,39 @@ class Interface:
     inputs: str
     axes: str
     quantities: bool
+
+
+@dataclass(frozen=True)
+class Proof:
+    """The table of a proof, how it is read, and the result of the fit; `table` may be "none"."""
+
+    table: str
+    fit: Path | None
+    signs: str | None
+    where: str | None
+
+    def __post_init__(self) -> None:
+        if self.path is None and (self.fit or self.signs or self.where):
+            raise TirefmuError("--fit, --signs and --where belong to a proof: give --proof TABLE")
+
+    @property
+    def path(self) -> Path | None:
+        """The path of the table; None without a proof."""
+        return None if self.table == "none" else Path(self.table)
+
+    def export(self, tire: Any, target: Path, **options: Any) -> Path:
+        """Write an FMU, with its proof if there is a table; either the complete file is written or none."""
+        from tirefmu.fmu import add_proof, export
+        from tirefmu.fmu.proof.verdict import read_verdict
+        from tirefmu.measurements import recording_from
+
+        if self.path is None:
+            return export(tire, target, **options)
+        recording = recording_from(self.path, signs=self.signs, where=self.where)
+        verdict = None if self.fit is None else read_verdict(self.fit)
+        with TemporaryDirectory(prefix="tirefmu-") as folder:
+            # The same file name: it determines the model identifier.
+            return add_proof(export(tire, Path(folder) / target.name, **options), recording, target, verdict=verdict)
 
 
 @click.command()
@@ -52,11 +86,22 @@ class Interface:
     show_default=True,
     help="host, all, or FMI 3 names separated by commas (x86_64-windows, ...); to compile for others needs ziglang.",
 )
+@click.option(
+    "--proof",
+    "table",
+    metavar="TABLE|none",
+    default="none",
+    show_default=True,
+    help="Put a proof into the FMU, which `check` repeats without data. It contains the inputs of TABLE.",
+)
+@click.option("--fit", type=FILE, help="With --proof: JSON of the fit, whose verdict becomes part of the proof.")
+@click.option("--signs", type=SIGNS, help="With --proof: convention of its table.")
+@WHERE
 @common
-@grouped(interface=Interface)
+@grouped(interface=Interface, proof=Proof)
 def export(
     tires: tuple[Path, ...], output: Path | None, ssp: Path | None, vehicle: Path | None, radius: float | None,
-    interface: Interface, kind: str, platforms: str, road: Path | None, arrays: bool, quiet: bool,
+    interface: Interface, proof: Proof, kind: str, platforms: str, road: Path | None, arrays: bool, quiet: bool,
     json_file: Path | None,
 ) -> int:  # fmt: skip
     """Export TIRE as an FMU.
@@ -75,11 +120,12 @@ def export(
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
     if (road or arrays) and (ssp or kind != "native"):
         raise TirefmuError("--road and --arrays are for one native FMU")
+    if proof.path and (ssp or arrays or kind not in ("native", "pythonfmu")):
+        raise TirefmuError("--proof is for one FMU with scalar inputs: omit --ssp, --arrays and other kinds")
     if vehicle and not ssp:
         raise TirefmuError("--vehicle is part of a system: give --ssp")
     check_output_paths(target, json_file)
-    check_input_paths(*tires, *(path for path in (road, vehicle) if path))
-    from tirefmu.fmu import export as export_fmu
+    check_input_paths(*tires, *(path for path in (road, vehicle, proof.path, proof.fit) if path))
     from tirefmu.fmu import export_parameters, export_sti, export_system
     from tirefmu.fmu.description.standstill import with_lengths
     from tirefmu.tires import tire_from
@@ -100,10 +146,8 @@ def export(
         elif kind == "sti":
             written = export_sti(loaded[0], target, platforms=platforms)
         else:
-            written = export_fmu(
-                loaded[0], target, **shared, quantities=interface.quantities, kind=kind, platforms=platforms, road=road,
-                arrays=arrays,
-            )  # fmt: skip
+            options = {**shared, "quantities": interface.quantities, "kind": kind, "platforms": platforms}
+            written = proof.export(loaded[0], target, **options, road=road, arrays=arrays)
     size = written.stat().st_size
     what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
     described = {} if kind == "sti" else {"fmi": version, "inputs": inputs}

@@ -60,6 +60,7 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "axes": Key("text", "--axes"),
         "platforms": Key("text", "--platforms"),
         "kind": Key("text", "--kind"),
+        "proof": Key("name or file", "--proof"),
     },
     "check": {"tolerance": Key("number", "--tolerance")},
     "diagnose": {
@@ -218,6 +219,7 @@ def project_text(
         'inputs = "slip"  # or "wheel", "hub", "hub-torque"',
         '# fmi = "3"',
         '# platforms = "all"',
+        '# proof = "none"  # or a table; by default the first one, whose inputs become part of the FMU',
         "",
         "[check]",
         "# tolerance = 0.05  # share of the largest value of a channel",

@@ -45,7 +45,7 @@ def steps_of(project: Project) -> list[Step]:
         _step(folder, "inspect", [*data, "-o", str(inspection)], tables, given, inspection),
         _step(folder, "fit", fit_options, tables, (*given, *project.files_of("fit")), report, tire),
         _step(folder, "explore", explore_options, (tire, *tables), (tire, fitted, *given), explorer),
-        _step(folder, "export", [*project.options("export"), "-o", str(fmu)], (tire,), (tire,), None, fmu),
+        _export(project, tire, fmu, fitted, given),
     ]
     for table, label in zip(tables, labels(tables), strict=True):
         page = folder / f"check_{label}.html"
@@ -58,6 +58,22 @@ def steps_of(project: Project) -> list[Step]:
         step = _step(folder, "diagnose", options, (table,), inputs, answer / "report.html", answer, label=label)
         steps.append(replace(step, time_limit=project.time_limit))
     return steps
+
+
+def _export(project: Project, tire: Path, fmu: Path, fitted: Path, given: tuple[Path, ...]) -> Step:
+    """Return the step that exports; a native FMU with slip inputs has a proof over the first table by default."""
+    options = project.options("export")
+    has_reference = (
+        project.get("export", "kind", "native") == "native" and project.get("export", "inputs", "slip") == "slip"
+    )
+    table = project.get("export", "proof")
+    if table is None and has_reference:
+        options += ["--proof", str(project.tables[0])]
+    inputs: tuple[Path, ...] = (tire,)
+    if "--proof" in options and table != "none":
+        options += ["--fit", str(fitted), *project.options("data")]
+        inputs = (tire, fitted, *given, *project.files_of("export"))
+    return _step(fmu.parent, "export", [*options, "-o", str(fmu)], (tire,), inputs, None, fmu)
 
 
 def _step(
