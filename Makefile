@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine proofs prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -70,6 +70,9 @@ real: $(VENV)/installed-dev  ## the diagnosis on the measured recordings in TIRE
 wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 compared with the Linux binary
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"
 	TIREFMU_WINE=1 $(BIN)/pytest tests/fmu/test_wine.py $(PYTEST_ARGS)
+
+proofs: $(VENV)/installed  ## 24 FMUs with a proof: repeated by FMPy alone, four changes of each detected
+	$(BIN)/python benchmarks/proofs.py $(PROOF_ARGS)
 
 prebuilt: $(VENV)/installed  ## FMU binaries of every model for every platform in fmu/prebuilt: export needs no compiler
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"
