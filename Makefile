@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine proofs prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -73,6 +73,9 @@ wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 compared w
 
 proofs: $(VENV)/installed  ## 24 FMUs with a proof: repeated by FMPy alone, four changes of each detected
 	$(BIN)/python benchmarks/proofs.py $(PROOF_ARGS)
+
+plugins: $(VENV)/installed-dev  ## packages with an effect, a model, a reader and a language; a diagnosis finds the effect
+	TIREFMU_PLUGINS=1 $(BIN)/pytest tests/plugins $(PYTEST_ARGS)
 
 prebuilt: $(VENV)/installed  ## FMU binaries of every model for every platform in fmu/prebuilt: export needs no compiler
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"

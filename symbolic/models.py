@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -14,7 +14,7 @@ from .added import AddedEffect, effect_text, library, texts_digest
 from .model import Model
 from .model.discovery import found_models
 
-#: Every model by name: those of this package's folders; see CONTRIBUTING.md, "Adding a model".
+#: Every model by name: those of this package's folders and of other packages; see ARCHITECTURE.md, "Where to add".
 MODELS: dict[str, Model] = found_models()
 
 #: Finds the stored structure of a model with effects.
@@ -53,15 +53,18 @@ def model_named(name: str, added: Sequence[AddedEffect] = (), find: FindStructur
     return _EXTENDED[key]
 
 
-def whole_library(model: Model) -> tuple[AddedEffect, ...]:
+def whole_library(model: Model, effects: Mapping[str, AddedEffect] | None = None) -> tuple[AddedEffect, ...]:
     """Return the effects of the library that a diagnosis can find in a model, including those with states.
 
     An installed wheel has the model with them (`generated/with_effects`).
 
+    `effects`: the library by name; None for `library`, which has the effects of other packages, too.
+
     >>> [effect.name for effect in whole_library(model_named("mf96")) if not effect.states]
     ['temp_friction', 'temp_stiffness', 'wear_drift']
     """
-    return tuple(effect for effect in library().values() if effect.detection and model.has_place_for(effect))
+    known = library() if effects is None else effects
+    return tuple(effect for effect in known.values() if effect.detection and model.has_place_for(effect))
 
 
 def _stored_with_library(name: str, added: Sequence[AddedEffect]) -> Traversable | None:

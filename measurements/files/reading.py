@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
+from importlib.metadata import EntryPoint
 from os import PathLike
 from pathlib import Path
 
-from tirefmu.boundary.errors import DataError, nearest, path_from
+from tirefmu.boundary.errors import DataError, TirefmuError, nearest, path_from
+from tirefmu.boundary.plugins import described, loaded, plugins
 from tirefmu.tires.signs import reversed_columns
 
 from ..quality.incomplete_rows import without_incomplete_rows
@@ -21,10 +24,25 @@ def _function(name: str) -> Callable[[Path, str], Recording]:
     return getattr(import_module(f".{module}", __package__), function)  # type: ignore[no-any-return]
 
 
-#: By extension: the reader and the default sign convention of the format.
+def _installed(entry: EntryPoint, path: Path, signs: str) -> Recording:
+    """Read a recording with the reader of another package, which is trusted code of the user's installation."""
+    reader = loaded(entry)
+    try:
+        recording = reader(path, signs)
+    except (TirefmuError, OSError):
+        raise
+    except Exception as error:  # code of another package
+        raise DataError(f"{path}: {described(entry)} failed ({type(error).__name__}: {error})") from error
+    if not isinstance(recording, Recording):
+        raise DataError(f"{path}: {described(entry)} returned no Recording")
+    return recording
+
+
+#: By extension: the reader and the default sign convention of the format. Entry points of the group
+#: ``tirefmu.readers`` of other packages name further ones, with ``iso`` as default; they are imported at first use.
 READERS: dict[str, tuple[Callable[[Path, str], Recording], str]] = {
-    extension: (_function(declared.reader), declared.signs) for extension, declared in FORMATS.items()
-}
+    entry.name: (partial(_installed, entry), "iso") for entry in plugins("readers")
+} | {extension: (_function(declared.reader), declared.signs) for extension, declared in FORMATS.items()}
 
 
 def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Recording:

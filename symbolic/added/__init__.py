@@ -12,19 +12,31 @@ from functools import lru_cache
 
 from .effect import AddedEffect
 from .file import effect_text, read_effect
-from .folder import declared_effects
+from .folder import declared_effects, installed_effects
 
-__all__ = ["AddedEffect", "effect_text", "library", "read_effect", "texts_digest"]
+__all__ = ["AddedEffect", "effect_text", "library", "packaged_library", "read_effect", "texts_digest"]
 
 
 @lru_cache(maxsize=1)
 def library() -> dict[str, AddedEffect]:
-    """Return the effects of the library by name. Every tire can have them without declaring them.
+    """Return the effects of the library by name, and those of other installed packages.
+
+    Every tire can have them without declaring them.
 
     Examples
     --------
     >>> library()["temp_friction"].acts_on
     ('friction_x', 'friction_y')
+    """
+    return packaged_library() | installed_effects()
+
+
+@lru_cache(maxsize=1)
+def packaged_library() -> dict[str, AddedEffect]:
+    """Return the effects of the library that are part of this package; every installation has them.
+
+    >>> "temp_friction" in packaged_library()
+    True
     """
     return {name: effect for name, effect in declared_effects().items() if isinstance(effect, AddedEffect)}
 

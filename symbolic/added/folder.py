@@ -1,9 +1,12 @@
-"""The folder of the effect files of the package; every TOML file in it is an effect."""
+"""The folders of effect files, of this package and of others; every TOML file in them is an effect."""
 
 from __future__ import annotations
 
 from importlib.resources import files
 from importlib.resources.abc import Traversable
+
+from tirefmu.boundary.errors import EffectError
+from tirefmu.boundary.plugins import described, loaded, plugins
 
 from ..declarations import Effect
 from .effect import AddedEffect
@@ -30,5 +33,32 @@ def declared_effects() -> dict[str, Effect | AddedEffect]:
     >>> declared_effects()["turn_slip"].physics
     'turn slip reduces the forces and generates a moment'
     """
-    texts = {file.name: file.read_text(encoding="utf-8") for file in FOLDER.iterdir() if file.name.endswith(".toml")}
+    return _effects_in(FOLDER)
+
+
+def installed_effects() -> dict[str, AddedEffect]:
+    """Return the effects of other installed packages by name.
+
+    Entry points of the group ``tirefmu.effects`` name packages; their TOML files are the effects.
+
+    Raises `EffectError` if a file is not that of an effect with [[acts]], or two effects have one name.
+    """
+    installed: dict[str, AddedEffect] = {}
+    for entry in plugins("effects"):
+        loaded(entry)
+        try:
+            effects = _effects_in(files(entry.module))
+        except EffectError as error:
+            raise EffectError(f"{described(entry)}: {error}") from error
+        for name, effect in effects.items():
+            if not isinstance(effect, AddedEffect):
+                raise EffectError(f"{described(entry)}: effect {name} has no [[acts]]")
+            if name in installed or (FOLDER / f"{name}.toml").is_file():
+                raise EffectError(f"{described(entry)}: there is another effect {name}")
+            installed[name] = effect
+    return installed
+
+
+def _effects_in(folder: Traversable) -> dict[str, Effect | AddedEffect]:
+    texts = {file.name: file.read_text(encoding="utf-8") for file in folder.iterdir() if file.name.endswith(".toml")}
     return {name.removesuffix(".toml"): read_declared(texts[name], name) for name in sorted(texts)}

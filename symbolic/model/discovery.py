@@ -1,4 +1,4 @@
-"""The models of the package: every folder of `tirefmu.symbolic` that has `MODELS`."""
+"""The models: those of every folder of `tirefmu.symbolic` that has `MODELS`, and of other installed packages."""
 
 from __future__ import annotations
 
@@ -6,22 +6,35 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from tirefmu.boundary.errors import ModelError
+from tirefmu.boundary.plugins import described, loaded, plugins
 
 from .definition import Model
 
 
 def found_models() -> dict[str, Model]:
-    """Return the models of all folders that have them, by name and in the order of their names.
+    """Return the models of this package and of others, by name and in the order of their names.
 
-    Raises `ModelError` if two have one name or one FITTYP.
+    Entry points of the group ``tirefmu.models`` name tuples of models. Raises `ModelError` if one is no model, or two
+    have one name or one FITTYP.
     """
+    models = packaged_models()
+    for entry in plugins("models"):
+        for model in loaded(entry):
+            if not isinstance(model, Model):
+                raise ModelError(f"{described(entry)}: {type(model).__name__} is no Model")
+            register(model, models)
+    return dict(sorted(models.items()))
+
+
+def packaged_models() -> dict[str, Model]:
+    """Return the models of this package's folders, by name."""
     package = __name__.rsplit(".", 2)[0]  # tirefmu.symbolic
     folders = [found.name for found in iter_modules(import_module(package).__path__) if found.ispkg]
     models: dict[str, Model] = {}
     for folder in folders:
         for model in getattr(import_module(f"{package}.{folder}"), "MODELS", ()):
             register(model, models)
-    return dict(sorted(models.items()))
+    return models
 
 
 def register(model: Model, models: dict[str, Model]) -> None:

@@ -14,8 +14,9 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-from ..added import texts_digest
+from ..added import packaged_library, texts_digest
 from ..model import Model
+from ..model.discovery import packaged_models
 from ..model.verification import verify
 from ..models import MODELS, WITH_EFFECTS, whole_library
 from .batch import KERNELS, batch_sources
@@ -37,7 +38,7 @@ def render(everything: bool = False) -> dict[str, str]:
     See render_model : the files of one model.
     """
     files = law_files() | kinematic_files()
-    models = [_from_lines(model) for model in MODELS.values()]
+    models = [_from_lines(MODELS[name]) for name in sorted(packaged_models())]
     extended = [_with_library(model) for model in models] if everything else []
     for model in models:
         printed, derivatives = render_model(model), set(jacobian_files(model.name))
@@ -56,7 +57,7 @@ def _from_lines(model: Model) -> Model:
 
 @lru_cache(maxsize=16)
 def _with_library(model: Model) -> Model:
-    return model.extended(whole_library(model))
+    return model.extended(whole_library(model, packaged_library()))
 
 
 @lru_cache(maxsize=16)

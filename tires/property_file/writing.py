@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tirefmu.boundary.errors import TirError, path_from
 from tirefmu.boundary.escaping import visible
-from tirefmu.symbolic.added import effect_text, library
+from tirefmu.symbolic.added import effect_text, packaged_library
 
 from ..definition import RANGES, TireDefinition
 from .names import (
@@ -114,7 +114,7 @@ def _only_here(tire: TireDefinition) -> list[str]:
         own["EFFECTS"] = f"'{','.join(name for name in tire.symbolic_model.effects if name in tire.has)}'"
     # An absent effect may rescale a coefficient for other readers; its own value is stored here with every digit.
     own |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
-    own_files = [effect for effect in tire.added if library().get(effect.name) != effect]
+    own_files = [effect for effect in tire.added if packaged_library().get(effect.name) != effect]
     ranges = {key: tire.ranges[name] for name, key in OWN_RANGES.items() if name in tire.ranges}
     assumed = {key: text for _, key, text in assumed_lines(not_given(tire), tire.symbolic_model)}
     return [

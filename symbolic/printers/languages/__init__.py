@@ -7,12 +7,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.boundary.plugins import loaded, plugins
 
 if TYPE_CHECKING:
     from .program import Program
 
+#: The languages of other packages: entry points of the group ``tirefmu.languages``.
+_INSTALLED = {entry.name: entry for entry in plugins("languages")}
 #: Every language and the function that prints it: module and name.
-LANGUAGES = {
+LANGUAGES = {name: entry.value for name, entry in _INSTALLED.items()} | {
     "numpy": "python_arrays.numpy_files",
     "c": "c99.files",
     "cpp": "cpp.files",
@@ -34,6 +37,10 @@ def printer(language: str) -> Callable[[Program], dict[str, str]]:
     """
     if language not in LANGUAGES:
         raise UnknownName("language", language, LANGUAGES)
-    module, function = LANGUAGES[language].split(".")
-    files: Callable[[Program], dict[str, str]] = getattr(import_module(f".{module}", __name__), function)
+    files: Callable[[Program], dict[str, str]]
+    if ":" in LANGUAGES[language]:
+        files = loaded(_INSTALLED[language])
+    else:
+        module, function = LANGUAGES[language].split(".")
+        files = getattr(import_module(f".{module}", __name__), function)
     return files

@@ -1,0 +1,1 @@
+"""Effects for tirefmu: every TOML file of this package is one."""
