@@ -158,7 +158,9 @@ def check(
     fmu: Path, table: Path | None, signs: str | None, where: str | None, tolerance: float | None, timeout: float | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Simulate FMU over TABLE and compare it with the data; without TABLE, repeat the proof inside FMU.
+    """Simulate FMU over TABLE and compare it with the data.
+
+    Without TABLE, the proof inside FMU is repeated.
 
     fmpy simulates it; direct evaluation of its tire must agree. FMU runs in a separate process: a crash or a hang is
     reported as an error. It is native code with your permissions.

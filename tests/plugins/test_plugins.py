@@ -13,6 +13,7 @@ import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
 KINDS = ("effect", "language", "model", "reader")
+HEAVY = pytest.mark.skipif("TIREFMU_PLUGINS" not in os.environ, reason="make plugins: prints and compiles MF6.1")
 ROWS = '{"alpha": 0.1, "Fz": 900, "V": 20}\n{"alpha": -0.05, "Fz": 800, "V": 30}\n'
 
 
@@ -66,6 +67,7 @@ def test_a_model_of_a_package_is_evaluated_exported_and_checked(installed, tmp_p
     assert (repeated.returncode, "proof repeated" in repeated.stdout) == (0, True), repeated.stderr
 
 
+@HEAVY
 def test_a_tire_with_the_effect_of_a_package_needs_the_package_no_more(installed, tmp_path):
     golden = Path(__file__).parents[1] / "golden" / "MagicFormula61_Parameters.tir"
     program = f"""
@@ -88,9 +90,7 @@ print(json.dumps([tire.forces(**row)["Fy"].item(), base.forces(**row)["Fy"].item
     assert (info.returncode, "speed_stiffness" in info.stdout) == (0, True), info.stderr
 
 
-@pytest.mark.skipif(
-    "TIREFMU_PLUGINS" not in os.environ, reason="make plugins: a diagnosis with the effect of a package"
-)
+@HEAVY
 def test_a_diagnosis_finds_the_effect_of_a_package(installed, tmp_path):
     golden = Path(__file__).parents[1] / "golden" / "MagicFormula61_Parameters.tir"
     program = f"""
