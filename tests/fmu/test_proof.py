@@ -114,7 +114,7 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_changed_file_is_detected_and_its_code_is_not_run(proved, change, tmp_path, monkeypatch, capsys):
+def test_a_changed_file_is_detected_and_its_code_is_not_run(proved, change, tmp_path):
     files = contents(proved[PROVED[0]])
     changed = CHANGES[change](files)
     assert changed != files
@@ -122,7 +122,8 @@ def test_a_changed_file_is_detected_and_its_code_is_not_run(proved, change, tmp_
     result = repeat_proof(fmu)
     assert not result.ok
     assert (len(result.changed), result.rows) == (1, 0)
-    assert script(fmu, tmp_path).returncode == 1
+    if change in ("a bit of the binary", "a file less"):  # a process each; make proofs runs it for more
+        assert script(fmu, tmp_path).returncode == 1
     assert main(["check", str(fmu), "--json", str(tmp_path / "check.json")]) == 1
     assert json.loads((tmp_path / "check.json").read_text())["changed"] == list(result.changed)
 
