@@ -143,15 +143,12 @@ def test_another_table_with_right_digests_is_detected_by_the_simulation(proved, 
     assert script(fmu, tmp_path).returncode == 1
 
 
-def test_the_layout_is_that_of_fmi_ls_ref(proved, golden):
-    schema = etree.parse(golden / "fmi3LayeredStandardReferenceManifest.xsd")
-    folder = Path(fmpy.__file__).parent / "schema" / "fmi3"
-    for element in schema.getroot().xpath("//*[@schemaLocation]"):
-        element.set("schemaLocation", (folder / Path(element.get("schemaLocation")).name).as_uri())
+def test_the_files_of_the_manifest_are_in_the_fmu(proved):
     for key in PROVED:
         files = contents(proved[key])
         manifest = etree.fromstring(files[ROOT + "fmi-ls-manifest.xml"])
-        etree.XMLSchema(schema).assertValid(manifest)
+        assert {child.tag for child in manifest} == {"Related"}
+        assert all({"source", "type"} <= set(related.keys()) for related in manifest.iter("Related"))
         for related in manifest.iter("Related"):
             assert str(Path("/", ROOT, related.get("source")).resolve().relative_to("/")) in files
         assert b'href="fmi-ls-ref.html"' in files["documentation/index.html"]
