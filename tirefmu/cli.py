@@ -30,10 +30,10 @@ from .arguments import (
     common,
     write_json,
 )
+from .commands.bench_commands import example, plan
 from .commands.command_help import SectionedGroup, add_examples
 from .commands.compare_command import compare
 from .commands.diagnose_command import diagnose
-from .commands.example_command import example
 from .commands.explore_command import explore
 from .commands.export_command import export
 from .commands.fit_command import fit
@@ -333,6 +333,7 @@ for command in (
     inspect,
     lint,
     models,
+    plan,
     published,
     run,
     study,

@@ -64,6 +64,41 @@ def tire_from(tire: TireLike, parameter: str = "tire", *, radius: float | None =
     return published(name)
 
 
+def tires_from(tire: TireLike, parameter: str = "tire") -> list[Tire]:
+    """Return a tire as a list, or the tires of all .tir files in a folder.
+
+    Parameters
+    ----------
+    tire : Tire, str or path-like
+        As for `tire_from`, or a folder.
+    parameter : str
+        Name of the caller's parameter, for the message.
+
+    Returns
+    -------
+    list of Tire
+        In the order of the file names.
+
+    Raises
+    ------
+    TireError
+        If a folder has no .tir file.
+    UnknownName, TirError, WrongType
+        As `tire_from`.
+
+    Examples
+    --------
+    >>> [tire.model for tire in tires_from("trento_hoosier")]
+    ['mf96']
+    """
+    if isinstance(tire, (str, os.PathLike)) and Path(tire).is_dir():
+        paths = sorted(path for path in Path(tire).iterdir() if path.suffix.lower() == ".tir")
+        if not paths:
+            raise TireError(f"{os.fspath(tire)}: no .tir file in this folder")
+        return [read_tir(path) for path in paths]
+    return [tire_from(tire, parameter)]
+
+
 def _refuse_radius(radius: float | None, name: str) -> None:
     if radius is not None:
         raise TireError(f"{name} has a radius: R0 is for a .tir file without one")

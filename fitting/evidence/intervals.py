@@ -28,17 +28,28 @@ def standard_errors(
     `covariance`: of coefficients by name, in their units and the signs of the tire. All others are known. Returns shape
     (n,): in the unit of the quantity. Raises `UnknownName` if the model has no such output or quantity.
     """
+    values, slopes, names = sensitivities(tire, name, inputs)
+    shared = [i for i, each in enumerate(names) if each in covariance.index]
+    jacobian, determined = slopes[shared], [names[i] for i in shared]
+    own = covariance.loc[determined, determined].to_numpy()
+    variance = np.einsum("in,ij,jn->n", jacobian, own, jacobian)
+    return values, np.sqrt(np.maximum(variance, 0.0))
+
+
+def sensitivities(tire: Tire, name: str, inputs: FloatArray) -> tuple[FloatArray, FloatArray, list[str]]:
+    """Return the values of a force or named quantity at rows, and its derivatives by coefficients.
+
+    `name`, `inputs`: as in `standard_errors`. Returns shapes (n,) and (k, n), and the names of the k coefficients on
+    which it depends; further parameters, such as options, may be among them. Raises `UnknownName` if the model has no
+    such output or quantity.
+    """
     function, reached = _with_derivatives(tire.symbolic_model, name)
     n = inputs.shape[1]
     rows, parameters = tire.effective_inputs(inputs), tire.parameters()
     values, slopes = function.map(n)(rows, np.repeat(parameters[:, None], n, axis=1))
     names = [list(tire.symbolic_model.parameters)[column] for column in reached]
-    shared = [i for i, each in enumerate(names) if each in covariance.index]
-    factors = np.array([tire.rescaled.get(names[i], 1.0) for i in shared])
-    jacobian = np.array(slopes).reshape(len(reached), n)[shared] * factors[:, None]
-    own = covariance.loc[[names[i] for i in shared], [names[i] for i in shared]].to_numpy()
-    variance = np.einsum("in,ij,jn->n", jacobian, own, jacobian)
-    return np.array(values).ravel(), np.sqrt(np.maximum(variance, 0.0))
+    factors = np.array([tire.rescaled.get(one, 1.0) for one in names])
+    return np.array(values).ravel(), np.array(slopes).reshape(len(reached), n) * factors[:, None], names
 
 
 @lru_cache(maxsize=64)

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires import tire_from
+from tirefmu.tires import Tire, tire_from
 from tirefmu.tires.signs import convert_signs
 
 from ..channels import CHANNELS, OUTPUTS
@@ -70,7 +70,8 @@ class VirtualBench:
     def run(self, program: Program) -> Recording:
         """Run a test program and return the recording.
 
-        The tire is evaluated at the exact inputs. Recorded inputs and outputs are noisy.
+        The tire is evaluated at the exact inputs; effects with memory act over the time of the program. Recorded inputs
+        and outputs are noisy.
 
         Parameters
         ----------
@@ -117,7 +118,10 @@ class VirtualBench:
         """
         imposed = convert_signs(program.table, "iso", self.tire.signs)
         inputs = {name: imposed[name].to_numpy(dtype=np.float64) for name in self.tire.inputs if name in imposed}
-        forces = self.tire.forces(**inputs)
+        if isinstance(self.tire, Tire) and (self.tire.states or self.tire.lags):
+            forces = self.tire.evaluate(imposed, signs=self.tire.signs)
+        else:
+            forces = self.tire.forces(**inputs)
         outputs = {
             name: np.broadcast_to(np.asarray(forces[name], dtype=np.float64), len(imposed))
             for name in OUTPUTS

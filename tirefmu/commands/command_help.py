@@ -6,7 +6,7 @@ import click
 
 #: Commands under their headings.
 SECTIONS = {
-    "From a recording to a tire": ("inspect", "fit", "explore", "export", "check", "diagnose"),
+    "From a recording to a tire": ("inspect", "fit", "explore", "export", "check", "diagnose", "plan"),
     "All steps, many tires": ("init", "run", "fit-many", "study"),
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
@@ -42,6 +42,11 @@ EXAMPLES = {
         "diagnose run.csv --tire my.tir -o answer",
         "diagnose run.csv --model mf61 --nominal Fz0=1100,R0=0.2 -o answer",
     ),
+    "plan": (
+        "plan --example",
+        "plan similar.tir --bench bench.toml --minutes 20 -o program",
+        "plan similar.tir --bench bench.toml --for friction --compare today.csv -o program",
+    ),
     "explore": (
         "explore my.tir -o tire.html",
         "explore my.tir run.csv --fit fit.json -o tire.html",
@@ -60,6 +65,7 @@ EXAMPLES = {
         "example -o run.csv",
         "example -o small.csv --sample-rate 10 --tire my.tir",
         "example --program unicamp -o points.csv",
+        "example --tire my.tir --program program/program.csv --bench bench.toml -o measured.csv",
     ),
     "init": ("init cornering.mat drivebrake.mat --model mf61 --nominal Fz0=1100,R0=0.2", "init"),
     "run": ("run", "run tirefmu.toml --force"),
