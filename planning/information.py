@@ -159,12 +159,21 @@ class _Evaluated:
     deviations: FloatArray
 
 
+def thinned(rows: int, points: int) -> npt.NDArray[np.intp]:
+    """Return the indices of at most `points` rows, at equal distances.
+
+    >>> thinned(100, 3).tolist()
+    [0, 50, 99]
+    """
+    return np.unique(np.linspace(0, rows - 1, points).round().astype(np.intp))
+
+
 def _evaluated(experiment: Experiment, tables: Sequence[pd.DataFrame], points: int) -> Iterator[_Evaluated]:
     """Yield the rows of some tables, `points` of each, for every tire."""
-    thinned = [table.iloc[np.unique(np.linspace(0, len(table) - 1, points).round().astype(int))] for table in tables]
-    inputs = np.concatenate([experiment.inputs_of(table) for table in thinned], axis=1)
-    ends = np.cumsum([len(table) for table in thinned])[:-1]
-    counts = np.array([len(table) / len(some) for table, some in zip(tables, thinned, strict=True)])
+    some = [table.iloc[thinned(len(table), points)] for table in tables]
+    inputs = np.concatenate([experiment.inputs_of(table) for table in some], axis=1)
+    ends = np.cumsum([len(table) for table in some])[:-1]
+    counts = np.array([len(table) / len(part) for table, part in zip(tables, some, strict=True)])
     factors = np.array([experiment.correlation_factor(table["t"].to_numpy(float)) for table in tables])
     for tire in experiment.tires:
         forces, by_coefficients, by_inputs = experiment.derivatives(tire, inputs)
@@ -174,19 +183,23 @@ def _evaluated(experiment: Experiment, tables: Sequence[pd.DataFrame], points: i
         yield _Evaluated(ends, counts, factors, forces, by_coefficients, unit, deviations)
 
 
-def fisher(experiment: Experiment, tables: Sequence[pd.DataFrame]) -> FloatArray:
-    """Return the Fisher information of the rows of each table by tire, shape (m, t, p + k, p + k).
+def fisher(
+    experiment: Experiment, tables: Sequence[pd.DataFrame], responses: Sequence[FloatArray] = (), points: int = POINTS
+) -> FloatArray:
+    """Return the Fisher information of the rows of each table by tire, shape (m, t, p + e + k, p + e + k).
 
     The noise has its covariance among channels. Offsets of the k sources, in their standard deviations, are estimated
-    with the coefficients; drift has an independent value in each table.
+    with the coefficients; drift has an independent value in each table. `responses`: of each tire, e further columns at
+    the rows of `thinned`, shape (n, c, e). `points`: rows of a table at which derivatives are evaluated.
     """
     found = []
     spread = experiment.spread.values()
     offset, drift = (np.array([getattr(part, name) for part in spread]) for name in ("offset", "drift"))
-    for rows in _evaluated(experiment, tables, POINTS):
+    for number, rows in enumerate(_evaluated(experiment, tables, points)):
         noise = np.einsum("nck,kn,ndk->ncd", rows.unit, rows.deviations**2, rows.unit)
         noise += 1e-9 * np.einsum("ncc->nc", noise).max() * np.eye(noise.shape[-1])  # of channels without noise
-        columns = np.concatenate([rows.by_coefficients, rows.unit * offset, rows.unit * drift], axis=2)
+        more = responses[number : number + 1]
+        columns = np.concatenate([rows.by_coefficients, *more, rows.unit * offset, rows.unit * drift], axis=2)
         whitened = np.linalg.solve(np.linalg.cholesky(noise), columns)
         with one_blas_thread():
             parts = [part.reshape(-1, part.shape[-1]) for part in np.split(whitened, rows.ends)]

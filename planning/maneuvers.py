@@ -17,8 +17,8 @@ from .bench_file import INPUTS, SWEPT, Bench, Limits
 AMPLITUDES, RATES, HELD_SLIPS = (1.0, 0.4), (1.0, 0.5, 0.25), (-0.5, -0.2, 0.2, 0.5, 1.0)
 #: Shortest half of a sweep, s: what is faster has too few rows on a slow bench.
 SHORTEST = 1.0
-#: Seconds of a step and of a hold, and the shares of the range to which a step goes.
-STEP, HOLD, STEPS = 3.0, 12.0, (-0.7, -0.25, 0.25, 0.7)
+#: Seconds of a step and of a hold, and the shares of the range to which they go.
+HELD_FOR, STEPS = (3.0, 12.0), (-0.25, 0.25, 0.7)
 
 
 @dataclass(frozen=True)
@@ -112,22 +112,19 @@ def library(bench: Bench, tire: Tire) -> list[Maneuver]:
 def library_with_memory(bench: Bench, tire: Tire) -> list[Maneuver]:
     """Return maneuvers that separate effects, also those with memory.
 
-    Sweeps with both starting sides and several rates, steps, long holds, loads that swing at a constant slip.
+    At the lowest, the middle and the highest load: sweeps with both starting sides and two rates, pure and at another
+    inclination, pressure or slip; steps, long holds, and a load that swings at a constant slip.
     """
     nominal = held_levels(bench, tire)
+    few = replace(bench, limits={name: replace(one, levels=3) for name, one in bench.limits.items()})
     maneuvers: list[Maneuver] = []
-    for levels in _levels(bench, tire):
+    for levels in _levels(few, tire):
+        other = [name for name in ("gamma", "p", "V") if levels.get(name) != nominal.get(name)]
         for swept in SWEPT:
-            if swept not in bench.limits or bench.limits[swept].rate <= 0.0 or swept not in tire.inputs:
-                continue
-            limits = bench.limits[swept]
-            for sweep in _sweeps(bench, swept, levels, held_slips=(0.5,)):
-                maneuvers += [sweep, replace(sweep, first=sweep.second, second=sweep.first)]
-            if all(levels[name] == nominal[name] for name in ("gamma", "p", "V") if name in levels):
-                held = _others(levels, swept)
-                values = [share * (limits.high if share > 0.0 else -limits.low) for share in STEPS]
-                maneuvers += [Maneuver("step", swept, value, value, STEP, held) for value in values if value]
-                maneuvers += [Maneuver("step", swept, value, value, HOLD, held) for value in values[::3] if value]
+            if swept in bench.limits and bench.limits[swept].rate > 0.0 and swept in tire.inputs:
+                maneuvers += _separating(bench.limits[swept], swept, levels, pure=not other)
+                if not other and (crossing := _crossing(bench, swept, levels)):
+                    maneuvers.append(crossing)
     load = bench.limits.get("Fz")
     if load is not None and load.high > load.low:
         rate = (load.high - load.low) / max(load.change, 0.5)
@@ -135,6 +132,29 @@ def library_with_memory(bench: Bench, tire: Tire) -> list[Maneuver]:
             held = _others({**nominal, swept: share * bench.limits[swept].high}, "Fz")
             maneuvers.append(Maneuver("swing", "Fz", load.low, load.high, rate, held))
     return list(dict.fromkeys(maneuvers))
+
+
+def _separating(limits: Limits, swept: str, levels: Mapping[str, float], *, pure: bool) -> list[Maneuver]:
+    """Return maneuvers of a slip at levels; steps and slow sweeps in pure slip at nominal levels only."""
+    held, width = _others(levels, swept), limits.high - limits.low
+    fast, slow = (_possible_rate(share * limits.rate, limits, width) for share in (1.0, 0.25))
+    sweep = Maneuver("sweep", swept, limits.high, limits.low, fast, held)
+    if not pure:
+        return [sweep]
+    turned = replace(sweep, first=sweep.second, second=sweep.first)
+    values = [share * (limits.high if share > 0.0 else -limits.low) for share in STEPS]
+    steps = [Maneuver("step", swept, value, value, seconds, held) for value in values if value for seconds in HELD_FOR]
+    return [sweep, turned, replace(sweep, rate=slow), *steps]
+
+
+def _crossing(bench: Bench, swept: str, levels: Mapping[str, float]) -> Maneuver | None:
+    """Return the sweep of a slip at half of the other slip."""
+    limits = bench.limits[swept]
+    (other,) = (name for name in SWEPT if name != swept)
+    if other not in bench.limits or not bench.limits[other].high:
+        return None
+    held = _others({**levels, other: 0.5 * bench.limits[other].high}, swept)
+    return Maneuver("sweep", swept, limits.high, limits.low, limits.rate, held)
 
 
 def neighbors(maneuver: Maneuver, bench: Bench, tire: Tire) -> Iterator[Maneuver]:
@@ -167,9 +187,7 @@ def _levels(bench: Bench, tire: Tire) -> Iterator[dict[str, float]]:
                 yield {**nominal, "Fz": load, name: level}
 
 
-def _sweeps(
-    bench: Bench, swept: str, levels: Mapping[str, float], held_slips: tuple[float, ...] = HELD_SLIPS
-) -> Iterator[Maneuver]:
+def _sweeps(bench: Bench, swept: str, levels: Mapping[str, float]) -> Iterator[Maneuver]:
     """Yield the pure sweeps of a slip at levels, and those at a constant other slip."""
     limits = bench.limits[swept]
     (other,) = (name for name in SWEPT if name != swept)
@@ -179,7 +197,7 @@ def _sweeps(
         yield Maneuver("sweep", swept, high, low, rate, _others(levels, swept))
     if other in bench.limits:
         width = bench.limits[other]
-        for share in held_slips:
+        for share in HELD_SLIPS:
             slip = share * (width.high if share > 0.0 else -width.low)
             if slip:
                 held = _others({**levels, other: slip}, swept)

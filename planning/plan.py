@@ -92,6 +92,21 @@ class Prediction:
         return {n: float(d) for n, d in zip(self.experiment.free, deviation, strict=True) if d > SIZE_SHARE}
 
 
+@dataclass(frozen=True)
+class Separation:
+    """How well a program separates an effect from another one.
+
+    - `effect`, `rival`: if the tire has the effect, and the rival is fitted instead.
+    - `evidence`: expected logarithm of the likelihood ratio, for the form of the effect that is hardest to separate.
+    - `alone`: the same against a tire whose coefficients are known and that lacks the effect, for the strongest form.
+    """
+
+    effect: str
+    rival: str
+    evidence: float
+    alone: float
+
+
 @dataclass(frozen=True, eq=False)
 class PlanResult:
     """A planned program.
@@ -100,30 +115,30 @@ class PlanResult:
     ----------
     program : TestProgram
         The steps in their order.
-    prediction : Prediction
-        What it determines.
+    prediction : Prediction, optional
+        What it determines; none for a program that separates effects.
     today : Prediction, optional
         The same of the program to which it is compared.
     undetermined : dict of str to str
         Coefficients that remain undetermined, and why.
     aims : tuple of str
-    instructions : tuple of str
-        What a bench program alone cannot do, such as turning the tire on the rim.
+    separations : tuple of Separation
+        How well the program separates effects.
     """
 
     program: TestProgram
-    prediction: Prediction
     aims: tuple[str, ...]
+    prediction: Prediction | None = None
     today: Prediction | None = None
     undetermined: Mapping[str, str] = field(default_factory=dict)
-    instructions: tuple[str, ...] = ()
+    separations: tuple[Separation, ...] = ()
 
     def equal_after(self) -> float | None:
         """Return the bench time after which every interval is as wide as that of today's program or narrower, s.
 
         A difference of `EQUAL` counts as equal: offsets of the bench limit some intervals of all programs.
         """
-        if self.today is None:
+        if self.today is None or self.prediction is None:
             return None
         for seconds, widths in self.prediction.over_time():
             if all(widths[name] <= (1.0 + EQUAL) * self.today.widths[name] for name in widths):
@@ -134,14 +149,16 @@ class PlanResult:
         """Return the contents of plan.json."""
         return {
             "ok": True, "seconds": self.program.seconds, "steps": len(self.program.steps), "aims": list(self.aims),
-            "intervals": self.prediction.widths,
-            "over_time": [{"seconds": s, "intervals": w} for s, w in self.prediction.over_time()],
+            "intervals": self.prediction.widths if self.prediction else {},
+            "over_time": [
+                {"seconds": s, "intervals": w} for s, w in (self.prediction.over_time() if self.prediction else ())
+            ],
             "undetermined": dict(self.undetermined),
             "compared": None if self.today is None else {
                 "name": self.today.name, "seconds": self.today.seconds, "intervals": self.today.widths,
                 "equal_after": self.equal_after(),
             },
-            "instructions": list(self.instructions),
+            "separations": [vars(one) for one in self.separations],
         }  # fmt: skip
 
 
@@ -218,7 +235,7 @@ def plan(
     tables = [step.maneuver.table(bench.sample_rate) for step in program.steps]
     known = information(experiment, tables, channel_weights(experiment, tables))
     prediction = Prediction("plan", program.seconds, program.times, known, experiment, wanted)
-    return PlanResult(program, prediction, tuple(aims), current, _reasons(prediction, program))
+    return PlanResult(program, tuple(aims), prediction, current, _reasons(prediction, program))
 
 
 def _tires(tire: TireLike | Sequence[TireLike]) -> tuple[Any, ...]:

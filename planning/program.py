@@ -132,10 +132,12 @@ def change_time(first: Maneuver, second: Maneuver, bench: Bench) -> float:
     return max(bench.limits[name].change for name in (*changed, second.swept))
 
 
-def ordered(maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Bench) -> TestProgram:
-    """Return the program with the shortest changes: the nearest maneuver follows; starting sides alternate.
+def ordered(
+    maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Bench, *, alternate: bool = True
+) -> TestProgram:
+    """Return the program with the shortest changes: the nearest maneuver follows.
 
-    The first sweep is repeated at intervals of the bench and at the end.
+    The first sweep is repeated at intervals of the bench and at the end. `alternate`: whether starting sides alternate.
     """
     left, order = list(range(len(maneuvers))), list[int]()
     while left:
@@ -147,10 +149,10 @@ def ordered(maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Ben
         ))  # fmt: skip
         left.remove(nearest)
         order.append(nearest)
-    return _timed([maneuvers[i] for i in order], [energies[i] for i in order], bench)
+    return _timed([maneuvers[i] for i in order], [energies[i] for i in order], bench, alternate)
 
 
-def _timed(maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Bench) -> TestProgram:
+def _timed(maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Bench, alternate: bool) -> TestProgram:
     steps: list[Step] = []
     end, repeated, cooling = bench.warm_up, bench.warm_up, 0.0
 
@@ -165,7 +167,7 @@ def _timed(maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Benc
         if bench.repeat_every and end - repeated >= bench.repeat_every:
             add(maneuvers[0], energies[0], "repeat")
             repeated = end
-        turned = number % 2 and maneuver.kind == "sweep"
+        turned = alternate and number % 2 and maneuver.kind == "sweep"
         add(replace(maneuver, first=maneuver.second, second=maneuver.first) if turned else maneuver, energy)
     if bench.repeat_every and len(maneuvers) > 1:
         add(maneuvers[0], energies[0], "repeat")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -82,8 +81,9 @@ def meaning(name: str) -> str:
 def figures(result: PlanResult) -> list[Figure]:
     """Return the program over time, and the intervals over bench time."""
     program = Figure("program", "Program", tuple((panel,) for panel in _input_panels(result.program.rows)))
-    intervals = Figure("intervals", "Predicted intervals", ((_widths_panel(result.prediction, result.today),),))
-    return [program, intervals]
+    if result.prediction is None:
+        return [program]
+    return [program, Figure("intervals", "Predicted intervals", ((_widths_panel(result.prediction, result.today),),))]
 
 
 def _input_panels(rows: pd.DataFrame) -> list[Panel]:
@@ -122,8 +122,11 @@ def _percent(width: float) -> str:
     return f"{100.0 * width:.3g} %"
 
 
-def interval_rows(result: PlanResult) -> tuple[Sequence[str], list[list[str]]]:
-    """Return header and rows of the table of intervals."""
+def result_rows(result: PlanResult) -> tuple[list[str], list[list[str]]]:
+    """Return header and rows of the table of intervals, or of separations."""
+    if result.prediction is None:
+        rows = [[one.effect, one.rival, f"{one.evidence:.3g}"] for one in result.separations]
+        return ["effect", "fitted instead", "expected evidence (nats)"], rows
     header = ["quantity", "95 % interval, planned"] + ([result.today.name] if result.today is not None else [])
     rows = []
     for name, width in result.prediction.widths.items():

@@ -3,17 +3,41 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import command_text
 
-from ..arguments import FILE, check_input_paths, check_output_paths, command_line, common, names, write_json
+from ..arguments import FILE, check_input_paths, check_output_paths, command_line, common, grouped, names, write_json
+
+if TYPE_CHECKING:
+    from tirefmu.planning.plan import PlanResult, Progress
+
+    from ..progress import Stages
+    from ..terminal import Terminal
 
 #: The published tire of each program.
 TIRES = {"trento": "trento_hoosier", "unicamp": "unicamp_small_tire"}
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What a program is for: at most one of three, by `plan`'s options."""
+
+    aims: tuple[str, ...] | None
+    between: tuple[str, str] | None
+    after: Path | None
+
+    def __post_init__(self) -> None:
+        if sum(bool(value) for value in vars(self).values()) > 1:
+            raise TirefmuError("--for, --between and --after exclude each other")
+        if self.between is not None and len(self.between) != 2:
+            raise TirefmuError("--between needs two effects, such as slip_history,heat_friction")
 
 
 @click.command()
@@ -22,13 +46,21 @@ TIRES = {"trento": "trento_hoosier", "unicamp": "unicamp_small_tire"}
 @click.option("-o", "--output", type=FILE, help="Folder to write.")
 @click.option("--for", "aims", callback=names, metavar="AIM,...",
               help="all, forces, friction, stiffness, or coefficients such as PKY1,PDY1  [default: all]")  # fmt: skip
-@click.option("--minutes", type=click.FloatRange(min=0.0, min_open=True), default=20.0, show_default=True,
-              help="Bench time with warm-up and pauses.")  # fmt: skip
+@click.option("--between", callback=names, metavar="EFFECT,EFFECT", help="Tell two effects apart.")
+@click.option("--after", type=FILE, metavar="ANSWER",
+              help="Tell the effects apart that a diagnosis could not: the folder of its result; without TIRE its "
+                   "baseline model.")  # fmt: skip
+@click.option(
+    "--minutes",
+    type=click.FloatRange(min=0.0, min_open=True),
+    help="Bench time with warm-up and pauses  [default: 20; to tell effects apart 2, with a warm tire]",
+)
 @click.option("--compare", type=FILE, metavar="TABLE", help="Today's program, inputs over time, to compare with.")
 @click.option("--example", is_flag=True, help="Print a commented bench file.")
 @common
+@grouped(aim=Aim)
 def plan(
-    tire: Path | None, bench: Path | None, output: Path | None, aims: tuple[str, ...] | None, minutes: float,
+    tire: Path | None, bench: Path | None, output: Path | None, aim: Aim, minutes: float | None,
     compare: Path | None, example: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Plan a test program for TIRE.
@@ -41,14 +73,22 @@ def plan(
     if example:
         sys.stdout.write(example_text())
         return 0
-    if tire is None or bench is None or output is None:
-        raise TirefmuError("plan needs TIRE, --bench and -o (--example prints a bench file)")
     check_output_paths(json_file, folder=output)
     check_input_paths(*(path for path in (tire, bench, compare) if path is not None))
+    pairs = [aim.between] if aim.between else []
+    if aim.after is not None:
+        from tirefmu.planning.separation import pairs_of
+
+        base, pairs = pairs_of(aim.after)
+        tire = base if tire is None else tire
+    if tire is None or bench is None or output is None:
+        raise TirefmuError("plan needs TIRE, --bench and -o (--example prints a bench file)")
+    if pairs and compare:
+        raise TirefmuError("--compare is for intervals, not for --between and --after")
     limits = read_bench(bench)
     from tirefmu.measurements import recording_from
     from tirefmu.planning.plan import plan as run
-    from tirefmu.planning.report import interval_rows, write_plan
+    from tirefmu.planning.report import write_plan
     from tirefmu.tires.tire_argument import tires_from
 
     from ..terminal import Terminal
@@ -56,22 +96,32 @@ def plan(
     terminal = Terminal(quiet)
     today = recording_from(compare) if compare else None
     with terminal.stages([]) as stages:
-        latest = ""
+        if pairs:
+            from tirefmu.planning.separation import plan_between
 
-        def report(what: str, share: float) -> None:
-            nonlocal latest
-            if what != latest:
-                stages.begin(what)
-                latest = what
-            stages.report(f"{100.0 * share:.0f} % of the bench time" if share else "")
-
-        result = run(tires_from(tire), limits, aims=aims or ("all",), minutes=minutes, today=today, progress=report)
+            result = plan_between(tire, limits, pairs, minutes=minutes or 2.0, progress=_reporting(stages))
+        else:
+            tires = tires_from(tire)
+            result = run(
+                tires[0] if len(tires) == 1 else tires, limits, aims=aim.aims or ("all",), minutes=minutes or 20.0,
+                today=today, progress=_reporting(stages),
+            )  # fmt: skip
     options = ("--tire", tire, "--program", output / "program.csv", "--bench", bench, "-o", "measured.csv")
-    next_command = command_text("example", *options) if tire.suffix or not tire.is_dir() else ""
+    next_command = "" if tire.is_dir() else command_text("example", *options)
     written = write_plan(result, output, command=command_line(), next_command=next_command)
     write_json(json_file, {**result.to_json(), "files": [str(path) for path in written]})
+    _print(terminal, result, written)
+    if next_command:
+        terminal.print(f"on the virtual bench: {next_command}")
+    return 0
+
+
+def _print(terminal: Terminal, result: PlanResult, written: Sequence[Path]) -> None:
+    """Print the size of a program, its table, and what it does not determine."""
+    from tirefmu.planning.report import result_rows
+
     terminal.print(f"program: {len(result.program.steps)} steps, {result.program.seconds / 60.0:.1f} min: {written[0]}")
-    terminal.table("", interval_rows(result))
+    terminal.table("", result_rows(result))
     if result.today is not None:
         equal, whole = result.equal_after(), result.today.seconds / 60.0
         text = f"equal intervals after {equal / 60.0:.1f} min" if equal else "at least one interval is wider"
@@ -79,9 +129,20 @@ def plan(
     for name, reason in result.undetermined.items():
         terminal.print(f"not determined: {name}: {reason}")
     terminal.print(f"report: {written[-1]}")
-    if next_command:
-        terminal.print(f"on the virtual bench: {next_command}")
-    return 0
+
+
+def _reporting(stages: Stages) -> Progress:
+    """Return what reports the activity and its share to the terminal."""
+    latest = ""
+
+    def report(what: str, share: float) -> None:
+        nonlocal latest
+        if what != latest:
+            stages.begin(what)
+            latest = what
+        stages.report(f"{100.0 * share:.0f} % of the bench time" if share else "")
+
+    return report
 
 
 @click.command()

@@ -46,6 +46,8 @@ EXAMPLES = {
         "plan --example",
         "plan similar.tir --bench bench.toml --minutes 20 -o program",
         "plan similar.tir --bench bench.toml --for friction --compare today.csv -o program",
+        "plan my.tir --bench bench.toml --between slip_history,heat_friction -o program",
+        "plan --bench bench.toml --after answer -o program",
     ),
     "explore": (
         "explore my.tir -o tire.html",
