@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery real wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery planning family real wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -63,6 +63,12 @@ awkward: $(VENV)/installed-dev  ## docs/awkward_inputs.md: message and exit code
 
 recovery: $(VENV)/installed-dev  ## recovery of known coefficients: 100 fits per model, 50 starts; RECOVERY_ARGS=--quick for a short run
 	$(BIN)/python benchmarks/recovery.py $(RECOVERY_ARGS)
+
+planning: $(VENV)/installed-dev  ## planned programs: bench time, predicted and achieved intervals, three tires
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/planning.py $(PLANNING_ARGS)
+
+family: $(VENV)/installed-dev  ## fits with a family, leaving one of 30 made tires out: coverage, combined slip
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/family.py $(FAMILY_ARGS)
 
 real: $(VENV)/installed-dev  ## the diagnosis on the measured recordings in TIREFMU_DATA, judged on hold-out sweeps
 	$(BIN)/python benchmarks/real_discovery.py $(REAL_ARGS)

@@ -20,7 +20,8 @@ from .constraints.physical import operating_range
 from .constraints.verification import VerifiedConstraints
 from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
-from .evidence.uncertainty import uncertainty_of_stages
+from .evidence.uncertainty import QUANTILE, uncertainty_of_stages
+from .family import OUTSIDE
 from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
 from .problem.recipe import Freed, Stage
@@ -33,6 +34,7 @@ from .results.goodness_of_fit import channel_fits
 from .results.records import FitRecord, FittedCoefficient, StageFit
 from .results.solved_stage import FitSolution, SolvedStage
 from .setup import Setup
+from .solvers.convergence import noise_of
 from .solvers.interruption import Interruption
 from .solvers.restarts import best_end
 from .stage_solution import StageSolver
@@ -55,6 +57,7 @@ class FitRun:
         self._targets = StiffnessTargets(plan.options.stiffness_weight)
         self._given = plan.start is not None  # generic values do not replace those of a start tire
         self._assumed = setup.assumed  # coefficients with assumed values, unless the fit determines them
+        self._family = plan.family
         self._read = setup.read  # initial values read from the data; all others are generic
         self._model, self._tire, self._plan = plan.symbolic_model, tire, plan.recipe
         self._fit_data, self._data = data, data.fitted
@@ -227,6 +230,8 @@ class FitRun:
     def _determined(self, bounds: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
         """Return the coefficients that the rows determine; reset the others from generic values to their defaults."""
         seen = influence(self._tire, rows.sample(1000), list(bounds))
+        if self._family and stage.weights == "noise":
+            seen |= bounds.keys() & set(self._family.names)
         for name, freed in bounds.items():
             before = self._freed.get(name)
             if before is None or name in seen or not before.determined:
@@ -277,6 +282,9 @@ class FitRun:
                 problem.weights = effective_weights(problem, start)
             if stage.rows is None:
                 self._targets.add(problem, start, self._data)
+            if self._family:
+                rows_in_effect = noise_of(problem, start)[1]
+                problem.prior = self._family.prior(problem.free, scale, 1.0 / max(rows_in_effect, 1.0))
         problem.limits = limits_of(problem, start)
         return problem
 
@@ -336,6 +344,8 @@ class FitRun:
             (int(self._data["recording"].max()) + 1, len(self._tire.outputs)),
         )
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
+        if self._family:
+            coefficients, tire = self._compared_with_family(coefficients, tire)
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
@@ -349,6 +359,26 @@ class FitRun:
             tuple(self._notes), self._fit_data.findings, directions, self._fit_data.excluded_rows,
             covariance=covariance, solution=FitSolution(residuals, complete, tuple(solved)),
         )  # fmt: skip
+
+    def _compared_with_family(
+        self, coefficients: tuple[FittedCoefficient, ...], tire: Tire
+    ) -> tuple[tuple[FittedCoefficient, ...], Tire]:
+        """Mark what comes from the family, and note whether the tire belongs to it."""
+        family = self._family
+        assert family is not None
+        deviations = {c.name: c.interval / QUANTILE for c in coefficients if np.isfinite(c.interval)}
+        inherited = family.from_family(deviations)
+        probability = family.membership(self._tire, deviations)
+        kind = "outside" if probability < OUTSIDE else "within"
+        self._notes.append(f"{kind} the family of {family.count} tires: as far from its mean with probability "
+                           f"{probability:.2g}")  # fmt: skip
+        self._notes.append(f"from the family, not from the data: {', '.join(inherited) or 'no coefficient'}")
+        unknown = sorted({c.name for c in coefficients}.intersection(family.unknown) - deviations.keys())
+        if unknown:
+            self._notes.append(f"neither the data nor the family determine: {', '.join(unknown)}")
+        about = {**tire.about, "family": f"{family.count} tires, {kind}", "from_family": " ".join(inherited)}
+        marked = tuple(replace(c, from_family=c.name in inherited) for c in coefficients)
+        return marked, replace(tire, about=about)
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:
         """Return the record of a stage from which it can be solved again."""

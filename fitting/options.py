@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import inf
 
 from tirefmu.boundary.errors import FitError
+from tirefmu.tires import TireLike
 
 #: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
 STIFFNESS_WEIGHT = 10.0
@@ -47,6 +48,9 @@ class FitOptions:
     stiffness_weight : float
         Weight of the slip stiffness that is read from the data at each load, as a number of independent rows; 0: it is
         not fitted (`docs/stiffness.md`).
+    family : path or Tire, optional
+        A folder of .tir files of similar tires, a tire or the name of a published tire: the prior of the coefficients
+        (`tirefmu.fitting.family`). Its mean is the start tire unless one is given.
     constraints, without_constraints : collection of str
         Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
@@ -63,6 +67,7 @@ class FitOptions:
     screening: bool = True
     rows: str = "condition"
     stiffness_weight: float = STIFFNESS_WEIGHT
+    family: TireLike | None = None
     constraints: Collection[str] = ()
     without_constraints: Collection[str] = ()
 
@@ -71,3 +76,5 @@ class FitOptions:
             raise FitError(f"stiffness weight {self.stiffness_weight:g} is not a number of rows")
         if self.method != "ipopt" and self.loss != "squares":
             raise FitError(f"loss {self.loss} is for method ipopt: {self.method} minimizes squares")
+        if self.method != "ipopt" and self.family is not None:
+            raise FitError(f"a family is for method ipopt, not for {self.method}")

@@ -22,6 +22,7 @@ from tirefmu.tires.tire import Tire
 from .constraints.physical import Constraint, chosen_constraints
 from .data.fit_data import FitData, prepare
 from .data.initial_values import starting_values
+from .family import Family
 from .options import FitOptions
 from .problem.loss import Loss, loss_named
 from .problem.recipe import Recipe, load_recipe
@@ -39,6 +40,7 @@ class Plan:
     - `start`: the start tire.
     - `features`: whether initial values are read from the data.
     - `constraints`: constraints to enforce, by output.
+    - `family`: the prior of the coefficients.
     """
 
     options: FitOptions
@@ -49,6 +51,7 @@ class Plan:
     constraints: Mapping[str, Sequence[Constraint]]
     solver: Solver
     loss: Loss
+    family: Family | None = None
 
     @classmethod
     def of(cls, model_name: str | None, start: TireLike | None, options: FitOptions) -> Plan:
@@ -65,12 +68,17 @@ class Plan:
         model = model_with(
             model.name, with_library(model.name, tuple(requested), tire.added if tire is not None else ())
         )
-        recipe = load_recipe(options.recipe, model.name)
+        family = None
+        if options.family is not None:
+            given = {NOMINAL[name]: value for name, value in (options.nominal or {}).items()}
+            family = Family.of(options.family, model, given)
+            tire = family.tire if tire is None else tire
+        recipe = load_recipe(options.recipe or ("family" if family else None), model.name)
         constraints = chosen_constraints(model.name, options.constraints, options.without_constraints)
         solver = solver_for(options.method, options.iterations, options.seed)
         if recipe.scales and tire is None:
             raise FitError(f"recipe {recipe.name} scales a given tire: a start tire is required (--start)")
-        return cls(options, model, tire, features, recipe, constraints, solver, loss_named(options.loss))
+        return cls(options, model, tire, features, recipe, constraints, solver, loss_named(options.loss), family)
 
 
 @dataclass(frozen=True)

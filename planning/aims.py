@@ -28,6 +28,8 @@ AIMS = ("all", "forces", *ROLES)
 SLIPS, LOADS = 9, 3
 #: The slip over which a channel is an aim.
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha"}
+#: Scale, N, N m or 1, below which a quantity is 0 for a tire.
+SMALLEST = 1e-6
 #: Standard normal quantile of a two-sided 95 % interval.
 QUANTILE = 1.959964
 
@@ -81,7 +83,7 @@ def targets(experiment: Experiment, bench: Bench, aims: Sequence[str] = ("all",)
             found.append(_coefficient(experiment, aim))
         elif aim not in AIMS:
             raise UnknownName("aim", aim, (*AIMS, *experiment.free))
-    return tuple(target for target in found if target.rows.any())
+    return tuple(target for target in found if target.rows.any() and target.scales.min() > SMALLEST)
 
 
 def _swept(bench: Bench, role: str) -> bool:

@@ -97,9 +97,10 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
     remarkable |= {profile.name for profile in result.profiles}
     every = every or bool(result.bootstrap)
     for c in result.coefficients:
-        if not (every or c.at_bound or not c.determined or c.name in remarkable):
+        if not (every or c.at_bound or c.from_family or not c.determined or c.name in remarkable):
             continue
-        remark = "at bound" if c.at_bound else "" if c.determined else "not determined"
+        remark = "at bound" if c.at_bound else "from the family" if c.from_family else ""
+        remark = remark if c.determined or c.at_bound else "not determined"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
         resampled = [bootstrap_text(result, c.name)] * bool(result.bootstrap)
         resampled += [profile_text(result, c.name)] * bool(result.profiles)

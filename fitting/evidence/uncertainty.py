@@ -194,6 +194,9 @@ def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, F
         square = np.outer(slope, slope)
         curvature += square
         middle += square * (weight * target.error**2 + 2.0 * noise_of_rows[target.group, target.output])
+    if problem.prior:
+        curvature += problem.prior.curvature
+        middle += problem.prior.weight * problem.prior.curvature
     return curvature, middle, effective
 
 
@@ -202,7 +205,9 @@ def _of_recording(problem: Problem, group: int) -> Problem:
 
     It has the Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
     """
-    return replace(problem, rows=problem.rows.of_recording(group), loss=LOSSES["squares"], limits=None, targets=())
+    return replace(
+        problem, rows=problem.rows.of_recording(group), loss=LOSSES["squares"], limits=None, targets=(), prior=None
+    )
 
 
 def _add_scores(

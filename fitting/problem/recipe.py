@@ -27,7 +27,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS, model_named
 
 #: The recipes that come with the package.
-RECIPES = ("progressive", "joint", "trento", "scaling")
+RECIPES = ("progressive", "joint", "trento", "scaling", "family")
 #: The keys of a recipe and of a stage, with the types of their values.
 RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "scales": bool, "stage": list}
 STAGE_KEYS: dict[str, type] = {

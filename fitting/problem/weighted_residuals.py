@@ -22,6 +22,7 @@ from tirefmu.tires.code import CHUNK, Code, WeightedRows, fastest_code, forces_o
 from tirefmu.tires.tire import Tire
 
 from .loss import LOSSES, Loss
+from .prior import Prior
 from .rows import BLOCK, Rows
 from .slope_targets import SlopeTarget, slope_jacobian, slope_residuals
 
@@ -60,6 +61,7 @@ class Problem:
       the square.
     - `targets`: slopes at zero slip that are residuals, too.
     - `target_weight`: weight of a squared residual of a target, in its deviations.
+    - `prior`: of the scaled values.
     - `columns`, shape (n_free,): index of each free coefficient in the parameter vector of the generated code.
     - `reach`, shape (n_free,): derivative of that parameter by the scaled value.
     """
@@ -73,6 +75,7 @@ class Problem:
     limits: FloatArray | None = None
     targets: tuple[SlopeTarget, ...] = ()
     target_weight: float = 0.0
+    prior: Prior | None = None
     columns: npt.NDArray[np.int64] = field(init=False)
     reach: FloatArray = field(init=False)
     _code: Code = field(init=False)
@@ -109,7 +112,8 @@ class Problem:
     def cost(self, x: FloatArray) -> float:
         """Return half the weighted sum of squares, or of the loss."""
         residual = self._target_residual(self.parameters(x))
-        return self._cost_of_rows(x) + 0.5 * float(residual @ residual)
+        prior = self.prior.cost(x) if self.prior else 0.0
+        return self._cost_of_rows(x) + 0.5 * float(residual @ residual) + prior
 
     def costs(self, population: FloatArray, limits: FloatArray) -> FloatArray:
         """Return the costs of many points; the computation of a point stops when it exceeds its limit.
@@ -145,6 +149,9 @@ class Problem:
             jacobian = self.target_jacobian(x)
             gradient += jacobian.T @ self._target_residual(self.parameters(x))
             matrix += jacobian.T @ jacobian
+        if self.prior:
+            gradient += self.prior.gradient(x)
+            matrix += self.prior.curvature
         return self.cost(x), gradient, matrix
 
     def target_jacobian(self, x: FloatArray) -> FloatArray:

@@ -22,6 +22,7 @@ class FittedCoefficient:
     - `stage`: the last stage that freed and determined it.
     - `interval`: half the width of its 95 % interval under time-correlated noise; infinite if the data determine it
       only together with others, NaN at a bound, or if no stage with all its rows freed it.
+    - `from_family`: the data hardly determine the value, it comes from the family (`FitOptions.family`).
     """
 
     name: str
@@ -34,6 +35,7 @@ class FittedCoefficient:
     determined: bool
     stage: str
     interval: float = nan
+    from_family: bool = False
 
     def mirrored(self) -> FittedCoefficient:
         """Return the same with the opposite sign."""

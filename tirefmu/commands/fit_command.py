@@ -56,6 +56,8 @@ class Checks:
 )
 @click.option("--effects", callback=names, help="Exactly these effects in addition to the core, or 'none'.")
 @click.option("--without", callback=names, default="none", help="All effects except these.")
+@click.option("--family", type=FILE, metavar="FOLDER|NAME",
+              help="Prior of the coefficients: .tir files of similar tires, or a published tire.")  # fmt: skip
 @click.option("--recipe", help="progressive, joint, trento, scaling (of --start), one of the model's own, or a TOML "
                                "file  [default: the model's]")  # fmt: skip
 @click.option("--method", default="ipopt", show_default=True,

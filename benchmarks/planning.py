@@ -1,0 +1,99 @@
+"""Planned programs on the virtual bench: bench time, predicted and achieved intervals, for tires of three sizes.
+
+For each tire the program of the Trento report, with the loads of the tire, is compared with a plan of half of its bench
+time. Achieved intervals are the scatter of fits of noisy recordings. Run by `make planning`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from math import radians
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.demo import bench_tire
+from tirefmu.fitting import fit
+from tirefmu.measurements import Noise, Program, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, recording_from
+from tirefmu.planning.bench_file import Bench, Limits
+from tirefmu.planning.plan import plan
+from tirefmu.tires import Tire, published, read_tir
+from tirefmu.tires.evaluation import quantities
+
+GOLDEN = "tests/golden/MagicFormula61_Parameters.tir"
+
+
+def trento_like(loads: tuple[float, float]) -> Program:
+    """Return the sweeps of `trento_program` with its loads mapped to the range of another tire."""
+    shares = np.array([0.0, 0.244, 0.533, 0.756, 1.0])  # of 220, 440, 700, 900, 1120 N
+    levels = (loads[0] + shares * (loads[1] - loads[0])).tolist()
+    cambers = [radians(angle) for angle in range(5)]
+    lateral = alpha_sweeps(levels, cambers, sample_rate=50.0)
+    slips = [radians(angle) for angle in (0, 3, 6)]
+    drive_brake = kappa_sweeps([levels[0], *levels[2:]], slips, cambers[::2], sample_rate=50.0)
+    return concatenate([lateral, drive_brake], name="today")
+
+
+def bench_of(loads: tuple[float, float]) -> Bench:
+    """Return a bench with the ranges, rates and pauses of that program."""
+    limits = {
+        "Fz": Limits(*loads, 5.0, levels=5), "alpha": Limits(-radians(12), radians(12), 5.0, radians(8)),
+        "kappa": Limits(-0.3, 0.3, 5.0, 0.4), "gamma": Limits(0.0, radians(4), 5.0, levels=3),
+    }  # fmt: skip
+    return Bench(limits, Noise().scaled(loads[1] / 3000.0))
+
+
+def achieved(tire: Tire, bench: Bench, program: Program, prediction: object, seeds: int) -> dict[str, float]:
+    """Return 1.96 times the standard deviation of fits, relative to the scales of the targets."""
+    errors: dict[str, list[np.ndarray]] = {target.name: [] for target in prediction.targets}
+    for seed in range(seeds):
+        recording = VirtualBench(tire, bench.noise, seed=seed).run(program)
+        fitted = fit([recording], start=tire, rows="equal", stiffness_weight=0.0).tire.in_signs("adapted-sae")
+        for target in prediction.targets:
+            inputs = dict(zip(tire.inputs, target.inputs, strict=True))
+            name = target.name
+            if name in tire.outputs:
+                values = fitted.forces(**inputs)[name]
+            else:
+                values = quantities(fitted, inputs)[tire.symbolic_model.quantity(name)]
+            error = (values - target.values[0]) / target.scales[0]
+            errors[name].append(error)
+    return {name: 1.96 * float(np.sqrt(np.mean(np.var(values, axis=0, ddof=1)))) for name, values in errors.items()}
+
+
+def compared(name: str, tire: Tire, loads: tuple[float, float], seeds: int) -> None:
+    """Print time, predicted and achieved intervals of both programs for a tire."""
+    tire, bench, today = replace(tire.in_signs("adapted-sae"), name=name), bench_of(loads), trento_like(loads)
+    minutes = float(np.ptp(today.table["t"])) / 120.0
+    result = plan(tire, bench, minutes=minutes, today=recording_from(today.table))
+    rows = []
+    parts = {"today": (today, result.today), "plan": (result.program.virtual, result.prediction)}
+    for label, (program, prediction) in parts.items():
+        real = achieved(tire, bench, program, prediction, seeds) if seeds else {}
+        for target in prediction.targets:
+            alone = 100.0 * np.sqrt(np.mean(target.widths(prediction.covariances)[0] ** 2))
+            rows.append([label, target.name, alone, 100.0 * real.get(target.name, np.nan)])
+    table = pd.DataFrame(rows, columns=["program", "target", "predicted", "achieved"])
+    table = table.pivot(index="target", columns="program", values=["predicted", "achieved"])
+    print(f"{name}: {2.0 * minutes:.1f} min today, {result.program.seconds / 60.0:.1f} min planned")
+    print(table.round(3).to_string(), flush=True)
+
+
+def main() -> None:
+    """Compare the programs for the tires of three sizes."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=20, help="Fits of each program; 0: predictions only.")
+    parser.add_argument("--only", help="One of race, small, car.")
+    arguments = parser.parse_args()
+    tires = {
+        "race": (bench_tire(), (220.0, 1120.0)), "small": (published("unicamp_small_tire"), (60.0, 160.0)),
+        "car": (read_tir(GOLDEN), (2000.0, 8000.0)),
+    }  # fmt: skip
+    for name, (tire, loads) in tires.items():
+        if arguments.only in (None, name):
+            compared(name, tire, loads, arguments.seeds)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,195 @@
+"""A family of tires as a prior of the coefficients of a new one: what the data do not determine comes from it.
+
+The coefficients of a tire of the family, in adapted SAE, are normally distributed around a linear function of its size,
+load and pressure (logarithms of UNLOADED_RADIUS, FNOMIN, NOMPRES). The covariance has the conjugate prior of a
+hierarchical normal model with `ASSUMED_TIRES` tires of independent coefficients; a family of one or two tires therefore
+has the assumed spread. The prediction for a new tire is Student's t, used as a normal distribution of the same scale in
+the fit, and with its tails in the test of membership (Gelman et al., Bayesian Data Analysis, 3rd ed. 2013, chapters 3
+and 14).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import f as f_distribution
+
+from tirefmu.boundary.errors import FitError
+from tirefmu.symbolic.model import Model
+from tirefmu.tires import TireLike
+from tirefmu.tires.tire import Tire
+from tirefmu.tires.tire_argument import tires_from
+
+from .evidence.intervals import sensitivities
+from .problem.influence import typical_size
+from .problem.prior import Prior
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Inputs of the linear function, coefficients by name.
+COVARIATES = ("UNLOADED_RADIUS", "FNOMIN", "NOMPRES")
+#: Assumed spread of a coefficient: share of its mean magnitude, and of its typical size. Judgement: tires of a kind
+#: differ by a quarter; a coefficient that is 0 in all of them is near 0.
+SHARE, SIZE_SHARE = 0.25, 0.02
+#: Tires that the assumed spread counts for.
+ASSUMED_TIRES = 4
+#: A family says nothing about tires whose load or radius is beyond its own by more than this factor.
+MAX_RATIO = 2.0
+#: Probability of a tire of the family below which a tire is said to be outside of it.
+OUTSIDE = 0.01
+#: Quantities of which the family has a distribution, by role.
+ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y")
+#: A coefficient comes from the family if the data reduce its variance by less than this share.
+FROM_DATA = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """The distribution of the coefficients of a tire of a family.
+
+    - `names`: the coefficients.
+    - `mean`, shape (n,), `covariance`, shape (n, n): of the new tire, in adapted SAE.
+    - `freedom`: degrees of freedom of the covariance.
+    - `count`: number of tires.
+    - `unknown`: coefficients that none of the tires has.
+    - `tire`: with the mean values and the nominal values of the new tire.
+    """
+
+    names: tuple[str, ...]
+    mean: FloatArray
+    covariance: FloatArray
+    freedom: int
+    count: int
+    unknown: tuple[str, ...]
+    tire: Tire
+
+    @classmethod
+    def of(cls, source: TireLike, model: Model, nominal: Mapping[str, float]) -> Family:
+        """Return the family for a new tire.
+
+        `source`: a folder of .tir files, or a tire. `nominal`: coefficients of the new tire among `COVARIATES`, by
+        default geometric means of the family. Raises `FitError` if a tire has another model, or load or radius of the
+        new tire is far from those of the family.
+        """
+        tires = [tire.in_signs("adapted-sae") for tire in tires_from(source, "family")]
+        for tire in tires:
+            if tire.model != model.name:
+                raise FitError(f"family: {tire.name or 'a tire'} is {tire.model}, not {model.name}")
+        _check_nominal(tires, nominal)
+        names = _varied(model)
+        values = np.array([[tire.values[name] for name in names] for tire in tires])
+        declared = [model.coefficients[name] for name in names]
+        sizes = np.array([typical_size(one.lower, one.upper, 0.0) for one in declared])
+        assumed = np.diag((SHARE * np.abs(values.mean(axis=0)) + SIZE_SHARE * sizes) ** 2)
+        levels = {**_means(tires), **nominal}
+        places, new = _places(tires, levels)
+        hat = places.T @ places + np.eye(places.shape[1])  # slopes have the spread of the tires as a prior
+        slopes = np.linalg.solve(hat, places.T @ (values - values.mean(axis=0)))
+        residual = values - values.mean(axis=0) - places @ slopes
+        freedom = ASSUMED_TIRES + len(tires) - 1
+        covariance = (ASSUMED_TIRES * assumed + residual.T @ residual) / freedom
+        covariance *= 1.0 + 1.0 / len(tires) + float(new @ np.linalg.solve(hat, new))
+        mean = np.clip(values.mean(axis=0) + new @ slopes, [d.lower for d in declared], [d.upper for d in declared])
+        first = tires[0]
+        given = {**first.values, **dict(zip(names, mean.tolist(), strict=True)), **levels}
+        effects = frozenset[str]().union(*(tire.has for tire in tires))
+        tire = Tire(model.name, given, effects=effects, signs="adapted-sae", added=first.added)
+        unknown = tuple(n for n in names if all(n in one.defaulted or n not in _live(one) for one in tires))
+        return cls(names, mean, covariance, freedom, len(tires), unknown, tire)
+
+    def prior(self, free: Sequence[str], scale: FloatArray, weight: float) -> Prior:
+        """Return the prior of free coefficients; one that the family does not have is free."""
+        index = {name: i for i, name in enumerate(self.names)}
+        known = [i for i, name in enumerate(free) if name in index]
+        rows = np.array([index[free[i]] for i in known], dtype=int)
+        center, precision = np.zeros(len(free)), np.zeros((len(free), len(free)))
+        center[known] = self.mean[rows] / scale[known]
+        scaled = self.covariance[np.ix_(rows, rows)] / np.outer(scale[known], scale[known])
+        precision[np.ix_(known, known)] = np.linalg.inv(scaled)
+        return Prior(center, precision, weight)
+
+    def membership(self, tire: Tire, posterior: Mapping[str, float]) -> float:
+        """Return the probability that a tire of the family is as far from its mean as a fitted tire, or farther.
+
+        `tire`: in adapted SAE. `posterior`: standard deviations of the fitted coefficients. The smaller of two
+        probabilities, doubled: of friction and slip stiffness at nominal load, and of all coefficients, of which those
+        count that the data determine.
+        """
+        return min(1.0, 2.0 * min(self._of_quantities(tire, posterior), self._of_coefficients(tire, posterior)))
+
+    def _of_coefficients(self, tire: Tire, posterior: Mapping[str, float]) -> float:
+        rows = [i for i, name in enumerate(self.names) if name in posterior]
+        if not rows:
+            return 1.0
+        prior = self.covariance[np.ix_(rows, rows)]
+        away = np.array([tire.values[self.names[i]] for i in rows]) - self.mean[rows]
+        kept = np.clip(np.array([posterior[self.names[i]] ** 2 for i in rows]) / np.diag(prior), 0.0, 1.0)
+        return self._tail(away, prior, float(np.sum(1.0 - kept)))
+
+    def _of_quantities(self, tire: Tire, posterior: Mapping[str, float]) -> float:
+        inputs = np.array([[tire.nominal(name)] for name in tire.inputs])
+        away, rows = [], []
+        for role in ROLES:
+            if role not in tire.symbolic_model.roles or tire.symbolic_model.leading(role) not in posterior:
+                continue
+            quantity = tire.symbolic_model.quantity(role)
+            expected, slopes, names = sensitivities(self.tire, quantity, inputs)
+            away.append(float(sensitivities(tire, quantity, inputs)[0][0] - expected[0]))
+            index = {name: i for i, name in enumerate(names)}
+            rows.append([float(slopes[index[n], 0]) if n in index else 0.0 for n in self.names])
+        if not rows:
+            return 1.0
+        derivatives = np.array(rows)
+        return self._tail(np.array(away), derivatives @ self.covariance @ derivatives.T, float(len(rows)))
+
+    def _tail(self, away: FloatArray, covariance: FloatArray, count: float) -> float:
+        distance = float(away @ np.linalg.solve(covariance, away))
+        return float(f_distribution.sf(distance / max(count, 1.0), max(count, 1.0), self.freedom))
+
+    def from_family(self, posterior: Mapping[str, float]) -> tuple[str, ...]:
+        """Return the coefficients that the data hardly determine; those that were not freed among them."""
+        prior = dict(zip(self.names, np.sqrt(np.diag(self.covariance)), strict=True))
+        shares = {name: 1.0 - (posterior.get(name, deviation) / deviation) ** 2 for name, deviation in prior.items()}
+        return tuple(name for name, share in shares.items() if share < FROM_DATA and name not in self.unknown)
+
+
+def _live(tire: Tire) -> frozenset[str]:
+    return frozenset(tire.symbolic_model.live(tire.has))
+
+
+def _varied(model: Model) -> tuple[str, ...]:
+    """Return the coefficients of a model that differ among tires: those with bounds that a fit frees."""
+    return tuple(
+        n for n, one in model.coefficients.items() if one.fitted and isfinite(one.lower) and isfinite(one.upper)
+    )
+
+
+def _means(tires: Sequence[Tire]) -> dict[str, float]:
+    """Return the geometric means of the covariates of some tires."""
+    names = [name for name in COVARIATES if all(tire.values.get(name, 0.0) > 0.0 for tire in tires)]
+    return {name: float(np.exp(np.mean([np.log(tire.values[name]) for tire in tires]))) for name in names}
+
+
+def _places(tires: Sequence[Tire], levels: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+    """Return the covariates of the tires and of the new one, from the mean of the family, shapes (m, k) and (k,)."""
+    means = _means(tires)
+    names = [name for name in means if len({tire.values[name] for tire in tires}) > 1]
+    logs = np.log([[tire.values[name] / means[name] for name in names] for tire in tires])
+    logs = logs.reshape(len(tires), len(names))
+    new = np.log([levels[name] / means[name] for name in names])
+    spread = np.sqrt(np.mean(logs**2, axis=0))
+    return logs / spread, new / spread
+
+
+def _check_nominal(tires: Sequence[Tire], nominal: Mapping[str, float]) -> None:
+    for name, what, unit in (("FNOMIN", "nominal load", "N"), ("UNLOADED_RADIUS", "radius", "m")):
+        values = [tire.values[name] for tire in tires]
+        if name in nominal and not min(values) / MAX_RATIO <= nominal[name] <= max(values) * MAX_RATIO:
+            raise FitError(
+                f"family: the {what} {nominal[name]:g} {unit} is far from that of its tires, {min(values):g} to "
+                f"{max(values):g} {unit}: the tire is outside the family"
+            )
