@@ -7,7 +7,7 @@ time. Achieved intervals are the scatter of fits of noisy recordings. Run by `ma
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import radians
 
 import numpy as np
@@ -24,24 +24,38 @@ from tirefmu.tires.evaluation import quantities
 GOLDEN = "tests/golden/MagicFormula61_Parameters.tir"
 
 
-def trento_like(loads: tuple[float, float]) -> Program:
-    """Return the sweeps of `trento_program` with its loads mapped to the range of another tire."""
+@dataclass(frozen=True)
+class Case:
+    """A tire and the ranges of its test: loads, N, the largest slip angle, deg, and the largest kappa."""
+
+    tire: Tire
+    loads: tuple[float, float]
+    angle: float = 12.0
+    slip: float = 0.3
+
+
+def trento_like(case: Case) -> Program:
+    """Return the sweeps of `trento_program` with its loads and slips mapped to the ranges of another tire."""
+    loads = case.loads
     shares = np.array([0.0, 0.244, 0.533, 0.756, 1.0])  # of 220, 440, 700, 900, 1120 N
     levels = (loads[0] + shares * (loads[1] - loads[0])).tolist()
     cambers = [radians(angle) for angle in range(5)]
-    lateral = alpha_sweeps(levels, cambers, sample_rate=50.0)
+    lateral = alpha_sweeps(levels, cambers, amplitude=radians(case.angle), sample_rate=50.0)
     slips = [radians(angle) for angle in (0, 3, 6)]
-    drive_brake = kappa_sweeps([levels[0], *levels[2:]], slips, cambers[::2], sample_rate=50.0)
+    drive_brake = kappa_sweeps(
+        [levels[0], *levels[2:]], slips, cambers[::2], lowest=-case.slip, highest=case.slip, sample_rate=50.0
+    )
     return concatenate([lateral, drive_brake], name="today")
 
 
-def bench_of(loads: tuple[float, float]) -> Bench:
+def bench_of(case: Case) -> Bench:
     """Return a bench with the ranges, rates and pauses of that program."""
+    angle = radians(case.angle)
     limits = {
-        "Fz": Limits(*loads, 5.0, levels=5), "alpha": Limits(-radians(12), radians(12), 5.0, radians(8)),
-        "kappa": Limits(-0.3, 0.3, 5.0, 0.4), "gamma": Limits(0.0, radians(4), 5.0, levels=3),
+        "Fz": Limits(*case.loads, 5.0, levels=5), "alpha": Limits(-angle, angle, 5.0, radians(8)),
+        "kappa": Limits(-case.slip, case.slip, 5.0, 0.4), "gamma": Limits(0.0, radians(4), 5.0, levels=3),
     }  # fmt: skip
-    return Bench(limits, Noise().scaled(loads[1] / 3000.0))
+    return Bench(limits, Noise().scaled(case.loads[1] / 3000.0))
 
 
 def achieved(tire: Tire, bench: Bench, program: Program, prediction: object, seeds: int) -> dict[str, float]:
@@ -62,9 +76,9 @@ def achieved(tire: Tire, bench: Bench, program: Program, prediction: object, see
     return {name: 1.96 * float(np.sqrt(np.mean(np.var(values, axis=0, ddof=1)))) for name, values in errors.items()}
 
 
-def compared(name: str, tire: Tire, loads: tuple[float, float], seeds: int) -> None:
+def compared(name: str, case: Case, seeds: int) -> None:
     """Print time, predicted and achieved intervals of both programs for a tire."""
-    tire, bench, today = replace(tire.in_signs("adapted-sae"), name=name), bench_of(loads), trento_like(loads)
+    tire, bench, today = replace(case.tire.in_signs("adapted-sae"), name=name), bench_of(case), trento_like(case)
     minutes = float(np.ptp(today.table["t"])) / 120.0
     result = plan(tire, bench, minutes=minutes, today=recording_from(today.table))
     rows = []
@@ -86,13 +100,14 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=20, help="Fits of each program; 0: predictions only.")
     parser.add_argument("--only", help="One of race, small, car.")
     arguments = parser.parse_args()
-    tires = {
-        "race": (bench_tire(), (220.0, 1120.0)), "small": (published("unicamp_small_tire"), (60.0, 160.0)),
-        "car": (read_tir(GOLDEN), (2000.0, 8000.0)),
-    }  # fmt: skip
-    for name, (tire, loads) in tires.items():
+    cases = {
+        "race": Case(bench_tire(), (220.0, 1120.0)),
+        "small": Case(published("unicamp_small_tire"), (60.0, 160.0), 20.0, 1.0),
+        "car": Case(read_tir(GOLDEN), (2000.0, 8000.0)),
+    }
+    for name, case in cases.items():
         if arguments.only in (None, name):
-            compared(name, tire, loads, arguments.seeds)
+            compared(name, case, arguments.seeds)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ and 14).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
@@ -25,8 +25,10 @@ from tirefmu.tires.tire import Tire
 from tirefmu.tires.tire_argument import tires_from
 
 from .evidence.intervals import sensitivities
+from .evidence.uncertainty import QUANTILE
 from .problem.influence import typical_size
 from .problem.prior import Prior
+from .results.records import FittedCoefficient
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -111,6 +113,26 @@ class Family:
         scaled = self.covariance[np.ix_(rows, rows)] / np.outer(scale[known], scale[known])
         precision[np.ix_(known, known)] = np.linalg.inv(scaled)
         return Prior(center, precision, weight)
+
+    def marked(
+        self, coefficients: tuple[FittedCoefficient, ...], tire: Tire
+    ) -> tuple[tuple[FittedCoefficient, ...], Tire, list[str]]:
+        """Return fitted coefficients and tire with marks of what comes from the family, and notes about it.
+
+        `tire`: in adapted SAE.
+        """
+        deviations = {c.name: c.interval / QUANTILE for c in coefficients if isfinite(c.interval)}
+        inherited, probability = self.from_family(deviations), self.membership(tire, deviations)
+        kind = "outside" if probability < OUTSIDE else "within"
+        notes = [
+            f"{kind} the family of {self.count} tires: as far from its mean with probability {probability:.2g}",
+            f"from the family, not from the data: {', '.join(inherited) or 'no coefficient'}",
+        ]
+        if unknown := sorted({c.name for c in coefficients}.intersection(self.unknown) - deviations.keys()):
+            notes.append(f"neither the data nor the family determine: {', '.join(unknown)}")
+        about = {**tire.about, "family": f"{self.count} tires, {kind}", "from_family": " ".join(inherited)}
+        marked = tuple(replace(c, from_family=c.name in inherited) for c in coefficients)
+        return marked, replace(tire, about=about), notes
 
     def membership(self, tire: Tire, posterior: Mapping[str, float]) -> float:
         """Return the probability that a tire of the family is as far from its mean as a fitted tire, or farther.

@@ -20,8 +20,7 @@ from .constraints.physical import operating_range
 from .constraints.verification import VerifiedConstraints
 from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
-from .evidence.uncertainty import QUANTILE, uncertainty_of_stages
-from .family import OUTSIDE
+from .evidence.uncertainty import uncertainty_of_stages
 from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
 from .problem.recipe import Freed, Stage
@@ -345,7 +344,8 @@ class FitRun:
         )
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
         if self._family:
-            coefficients, tire = self._compared_with_family(coefficients, tire)
+            coefficients, tire, notes = self._family.marked(coefficients, tire)
+            self._notes += notes
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
@@ -359,26 +359,6 @@ class FitRun:
             tuple(self._notes), self._fit_data.findings, directions, self._fit_data.excluded_rows,
             covariance=covariance, solution=FitSolution(residuals, complete, tuple(solved)),
         )  # fmt: skip
-
-    def _compared_with_family(
-        self, coefficients: tuple[FittedCoefficient, ...], tire: Tire
-    ) -> tuple[tuple[FittedCoefficient, ...], Tire]:
-        """Mark what comes from the family, and note whether the tire belongs to it."""
-        family = self._family
-        assert family is not None
-        deviations = {c.name: c.interval / QUANTILE for c in coefficients if np.isfinite(c.interval)}
-        inherited = family.from_family(deviations)
-        probability = family.membership(self._tire, deviations)
-        kind = "outside" if probability < OUTSIDE else "within"
-        self._notes.append(f"{kind} the family of {family.count} tires: as far from its mean with probability "
-                           f"{probability:.2g}")  # fmt: skip
-        self._notes.append(f"from the family, not from the data: {', '.join(inherited) or 'no coefficient'}")
-        unknown = sorted({c.name for c in coefficients}.intersection(family.unknown) - deviations.keys())
-        if unknown:
-            self._notes.append(f"neither the data nor the family determine: {', '.join(unknown)}")
-        about = {**tire.about, "family": f"{family.count} tires, {kind}", "from_family": " ".join(inherited)}
-        marked = tuple(replace(c, from_family=c.name in inherited) for c in coefficients)
-        return marked, replace(tire, about=about)
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:
         """Return the record of a stage from which it can be solved again."""
