@@ -150,9 +150,9 @@ def _reporting(stages: Stages) -> Progress:
               help="CSV or Parquet file to write, in SI units and ISO signs.")  # fmt: skip
 @click.option("--program", default="trento", show_default=True,
               help="trento: sweeps of the Trento report; unicamp: the 297 points of the UNICAMP paper; or a table of "
-                   "inputs over time, such as the program.csv of tirefmu plan.")  # fmt: skip
+                   "inputs over time, such as program.csv of the command plan.")  # fmt: skip
 @click.option("--tire", type=FILE, help="The tire on the bench (default: that of the report or paper).")
-@click.option("--bench", type=FILE, help="Bench file of tirefmu plan, for the noise (default: an FSAE TTC bench).")
+@click.option("--bench", type=FILE, help="Bench file of the command plan, for the noise (default: an FSAE TTC bench).")
 @click.option("--sample-rate", type=click.FloatRange(min=1.0, max=1000.0), default=50.0, show_default=True,
               help="Samples per second of a sweep; a small number gives a small file.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Of the noise.")
