@@ -37,13 +37,14 @@ class Case:
 def trento_like(case: Case) -> Program:
     """Return the sweeps of `trento_program` with its loads and slips mapped to the ranges of another tire."""
     loads = case.loads
+    held = {name: case.tire.nominal(name) for name in ("p", "V") if name in case.tire.inputs}
     shares = np.array([0.0, 0.244, 0.533, 0.756, 1.0])  # of 220, 440, 700, 900, 1120 N
     levels = (loads[0] + shares * (loads[1] - loads[0])).tolist()
     cambers = [radians(angle) for angle in range(5)]
-    lateral = alpha_sweeps(levels, cambers, amplitude=radians(case.angle), sample_rate=50.0)
+    lateral = alpha_sweeps(levels, cambers, amplitude=radians(case.angle), sample_rate=50.0, held=held)
     slips = [radians(angle) for angle in (0, 3, 6)]
     drive_brake = kappa_sweeps(
-        [levels[0], *levels[2:]], slips, cambers[::2], lowest=-case.slip, highest=case.slip, sample_rate=50.0
+        [levels[0], *levels[2:]], slips, cambers[::2], lowest=-case.slip, highest=case.slip, sample_rate=50.0, held=held
     )
     return concatenate([lateral, drive_brake], name="today")
 
