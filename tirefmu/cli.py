@@ -33,6 +33,7 @@ from .arguments import (
 from .commands.command_help import SectionedGroup, add_examples
 from .commands.compare_command import compare
 from .commands.diagnose_command import diagnose
+from .commands.drive_command import drive
 from .commands.example_command import example
 from .commands.explore_command import explore
 from .commands.export_command import export
@@ -322,6 +323,7 @@ for command in (
     compare,
     convert,
     diagnose,
+    drive,
     effects,
     example,
     explore,

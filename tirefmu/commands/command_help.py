@@ -6,7 +6,7 @@ import click
 
 #: Commands under their headings.
 SECTIONS = {
-    "From a recording to a tire": ("inspect", "fit", "explore", "export", "check", "diagnose"),
+    "From a recording to a tire": ("inspect", "fit", "explore", "export", "check", "diagnose", "drive"),
     "All steps, many tires": ("init", "run", "fit-many", "study"),
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
@@ -41,6 +41,10 @@ EXAMPLES = {
     "diagnose": (
         "diagnose run.csv --tire my.tir -o answer",
         "diagnose run.csv --model mf61 --nominal Fz0=1100,R0=0.2 -o answer",
+    ),
+    "drive": (
+        "drive --example car.toml",
+        "drive log.csv --vehicle car.toml --tire front.tir --rear rear.tir -o answer",
     ),
     "explore": (
         "explore my.tir -o tire.html",
