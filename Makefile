@@ -3,14 +3,14 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning
+PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery compare-methods awkward recovery planning family real wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery drives compare-methods awkward recovery planning family real wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -53,6 +53,9 @@ workers: $(VENV)/installed-dev  ## two Dask workers, one of them killed midway: 
 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
+
+drives: $(VENV)/installed-dev  ## made drives with a known truth: errors and coverage of the factors, see docs/drive.md
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/drives.py $(DRIVES_ARGS)
 
 compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process reach on the memory suite: a table of docs/discovery.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[comparison-methods]"

@@ -12,6 +12,7 @@ from tirefmu.boundary.errors import DataError, UnknownName
 PSI = 6894.757293168361  # Pa, from the pound-force and the inch
 POUND = 4.4482216152605  # N, exact
 FOOT = 0.3048  # m, exact
+GRAVITY = 9.80665  # m/s^2, exact
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ UNITS: dict[str, Unit] = {
     "kn": Unit("force", 1e3),
     "dan": Unit("force", 10.0),
     **dict.fromkeys(("lb", "lbs", "lbf"), Unit("force", POUND)),
-    "kgf": Unit("force", 9.80665),
+    "kgf": Unit("force", GRAVITY),
     "nm": Unit("moment"),
     "knm": Unit("moment", 1e3),
     **dict.fromkeys(("ftlb", "lbft", "ftlbf", "lbfft", "ftlbs"), Unit("moment", POUND * FOOT)),
@@ -63,6 +64,9 @@ UNITS: dict[str, Unit] = {
     **dict.fromkeys(("1/m", "rad/m"), Unit("curvature")),
     "rpm": Unit("rotation", np.pi / 30.0),
     "rad/s": Unit("rotation"),
+    **dict.fromkeys(("deg/s", "dps"), Unit("rotation", np.pi / 180.0)),
+    **dict.fromkeys(("m/s2", "m/s^2"), Unit("acceleration")),
+    "g": Unit("acceleration", GRAVITY),
 }
 _IGNORED = str.maketrans("", "", " -.*_\u00b0\u00b7")
 

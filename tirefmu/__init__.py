@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from tirefmu.batch.study import study
     from tirefmu.boundary.errors import TirefmuError
     from tirefmu.diagnosis import Diagnosis, diagnose
+    from tirefmu.driving.drive import drive
+    from tirefmu.driving.result import Drive
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, ProofResult, add_proof, check, export, repeat_proof
     from tirefmu.measurements import Recording, VirtualBench, read_recording
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 _ON_DEMAND = {
     "CheckResult": "fmu",
     "Diagnosis": "diagnosis",
+    "Drive": "driving.result",
     "FitResult": "fitting",
     "ProofResult": "fmu",
     "Recording": "measurements",
@@ -43,6 +46,7 @@ _ON_DEMAND = {
     "check": "fmu",
     "diagnose": "diagnosis",
     "diagnose_many": "batch.diagnose_many",
+    "drive": "driving.drive",
     "draw": "tires.drawing.files",
     "evaluate": "evaluation",
     "export": "fmu",
@@ -59,6 +63,7 @@ _ON_DEMAND = {
 __all__ = [
     "CheckResult",
     "Diagnosis",
+    "Drive",
     "FitResult",
     "ProofResult",
     "Recording",
@@ -71,6 +76,7 @@ __all__ = [
     "diagnose",
     "diagnose_many",
     "draw",
+    "drive",
     "evaluate",
     "export",
     "fit",

@@ -34,6 +34,7 @@ from .commands.bench_commands import example, plan
 from .commands.command_help import SectionedGroup, add_examples
 from .commands.compare_command import compare
 from .commands.diagnose_command import diagnose
+from .commands.drive_command import drive
 from .commands.explore_command import explore
 from .commands.export_command import export
 from .commands.fit_command import fit
@@ -322,6 +323,7 @@ for command in (
     compare,
     convert,
     diagnose,
+    drive,
     effects,
     example,
     explore,

@@ -119,7 +119,7 @@ def converted_channels(
     for number, column in enumerate(columns):
         cells = table.iloc[:, number].rename(column.name)
         if column.name in CHANNELS:
-            values = _numbers(cells, source, location)
+            values = numbers(cells, source, location)
             if column.unit is not None:
                 values = in_si(values, column.unit, channel(column.name).quantity, f"{source}: column {column.name}")
             cells = pd.Series(values, name=column.name)
@@ -149,7 +149,7 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, location: 
             raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows){limit}")
 
 
-def _numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> NDArray[np.float64]:
+def numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> NDArray[np.float64]:
     """Return the cells as floats, or report the first one that is not a number."""
     if pd.api.types.is_bool_dtype(cells):
         cells = cells.astype(str)  # a truth value is not a number

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import warnings
-from collections.abc import Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from itertools import islice
@@ -46,6 +46,16 @@ def read_csv_table(path: Path, signs: str) -> Recording:
     columns = [column for number, column in enumerate(columns) if number not in empty]
     table, about = channels_in_si(table, columns, source, lambda row: f"line {_line(path, skipped, row)}")
     return Recording(table, signs, path.name, about)
+
+
+def csv_cells(path: Path) -> tuple[list[str], pd.DataFrame, Callable[[int], str]]:
+    """Return the headers of a CSV file, its columns, and a function from a row's number to "line 12" for messages.
+
+    Raises `DataError` if it is not a table.
+    """
+    with _opened(path) as file:
+        skipped, header, separator = _header(file, path)
+    return header, _body(path, skipped, len(header), separator, {}), lambda row: f"line {_line(path, skipped, row)}"
 
 
 def _header(file: TextIO, path: Path) -> tuple[int, list[str], str]:

@@ -24,10 +24,15 @@ def read_parquet_table(path: Path, signs: str) -> Recording:
     file, or a channel cannot be used. The message counts rows from 1.
     """
     source = str(path)
-    table = _loaded("parquet", path)
+    table = parquet_cells(path)
     columns = parse_header([str(name) for name in table.columns], source)
     table, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
     return Recording(table, signs, path.name, about)
+
+
+def parquet_cells(path: Path) -> pd.DataFrame:
+    """Return the table of a Parquet file; raises `DataError` if it is none or pyarrow is not installed."""
+    return _loaded("parquet", path)  # type: ignore[no-any-return]
 
 
 def parquet_header(path: Path) -> tuple[list[Column], int]:

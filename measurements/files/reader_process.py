@@ -49,6 +49,20 @@ def _load_newer(path: str, kind: str) -> dict[str, Any]:
     return loaded
 
 
+def load_mdf(path: str) -> list[tuple[str, str, Any, Any]]:
+    """Return name, unit, times and samples of each channel of numbers of an MDF file."""
+    try:
+        from asammdf import MDF
+    except ImportError:
+        raise MissingPackage("MDF") from None
+    with MDF(path) as file:
+        return [
+            (str(signal.name), str(signal.unit or ""), signal.timestamps, signal.samples.astype(float))
+            for signal in file.iter_channels()
+            if signal.samples.ndim == 1 and signal.samples.dtype.kind in "fiu"
+        ]
+
+
 def load_parquet(path: str) -> Any:
     """Return the table of a Parquet file."""
     import pandas as pd
@@ -113,6 +127,7 @@ def _declared_size(path: str) -> int:
 
 LOADERS: dict[str, Callable[..., Any]] = {
     "matlab": load_matlab,
+    "mdf": load_mdf,
     "parquet": load_parquet,
     "parquet header": load_parquet_header,
     "parquet part": load_parquet_part,

@@ -43,6 +43,18 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
     return bench_recording(path, vectors, units, signs, about, lambda row: f"row {row + 1}")
 
 
+def matlab_vectors(path: Path) -> dict[str, NDArray[np.float64]]:
+    """Return the vectors of numbers of a MATLAB file: its variables, and the fields of its structs and tables.
+
+    Raises `DataError` if the file is not a MATLAB file, or mat-io is not installed and the file needs it.
+    """
+    fields = _load(path)
+    members = dict(fields)
+    for value in fields.values():
+        members |= _struct(value)
+    return {name: values for name, value in members.items() if (values := _vector(value)) is not None}
+
+
 def _load(path: Path) -> Mapping[str, Any]:
     """Return the variables of the file."""
     try:

@@ -25,6 +25,7 @@ from .laws import law_files
 from .operations import c_operations
 from .python import origin, python_modules
 from .routines import routines
+from .two_track import two_track_files
 from .wheel.kinematics import kinematic_files
 from .wheel.rolling_radius import c_rolling_radius
 
@@ -37,7 +38,7 @@ def render(everything: bool = False) -> dict[str, str]:
 
     See render_model : the files of one model.
     """
-    files = law_files() | kinematic_files()
+    files = law_files() | kinematic_files() | two_track_files()
     models = [_from_lines(MODELS[name]) for name in sorted(packaged_models())]
     extended = [_with_library(model) for model in models] if everything else []
     for model in models:

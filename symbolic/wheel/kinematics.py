@@ -12,43 +12,17 @@ C; C code also has their tangents.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from sympy import Expr, Symbol, atan, sqrt
 
 from ..declarations import Quantity
-from ..notation import Chapter, Equation
+from ..line_function import LineFunction
+from ..notation import Chapter
 from . import quantities as hub
 
 Vector = tuple[Expr, Expr, Expr]
 
 eq = Chapter("Wheel kinematics")
-
-
-@dataclass(frozen=True)
-class KinematicFunction:
-    """A function with several results, which are lines of the chapter.
-
-    >>> [result.name for result in FUNCTIONS[0].results][:5]
-    ['V_x', 'V_y', 'wheel_speed', 'psi_dot', 'gamma']
-    """
-
-    name: str
-    summary: str
-    arguments: tuple[Quantity, ...]
-    results: tuple[Quantity, ...]
-
-    @property
-    def lines(self) -> tuple[Equation, ...]:
-        """The lines that the results need, in their order."""
-        given = {argument.name for argument in self.arguments}
-        needed = {result.name for result in self.results}
-        found: list[Equation] = []
-        for line in reversed(eq.equations):
-            if line.symbol.name in needed - given:
-                needed |= {symbol.name for symbol in line.expression.free_symbols}
-                found.append(line)
-        return tuple(reversed(found))
 
 
 def dot(a: Sequence[Expr], b: Sequence[Expr]) -> Expr:
@@ -139,15 +113,17 @@ for i in range(3):
 
 #: The functions, in the order in which they are printed.
 FUNCTIONS = (
-    KinematicFunction(
+    LineFunction(
         "wheel_motion",
         "Motion of the wheel at its contact point from the motion of the carrier and the road.",
+        eq,
         (*hub.CARRIER, *hub.ROAD, hub.SPIN),
         (*hub.MOTION, hub.LOADED_RADIUS, hub.RADIUS_RATE, *hub.CONTACT_POINT),
     ),
-    KinematicFunction(
+    LineFunction(
         "hub_wrench",
         "Forces and moments at the wheel centre from those at the contact point.",
+        eq,
         (*hub.ROTATION, *hub.NORMAL, hub.LOADED_RADIUS, *hub.CONTACT_FORCES),
         (*hub.WRENCH, *hub.GLOBAL_WRENCH),
     ),

@@ -9,8 +9,8 @@ import shlex
 import click
 import pytest
 
+from tirefmu.catalogue import effects
 from tirefmu.cli import cli
-from tirefmu.commands.catalogue import effects
 from tirefmu.commands.command_help import EXAMPLES, SECTIONS
 from tirefmu.measurements import read_recording
 from tirefmu.symbolic.added import library

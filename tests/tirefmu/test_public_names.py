@@ -13,7 +13,9 @@ import tirefmu.batch.diagnose_many
 import tirefmu.batch.fit_many
 import tirefmu.batch.intervals
 import tirefmu.batch.study
-from tirefmu import batch, diagnosis, evaluation, fitting, fmu, measurements, tires
+import tirefmu.driving.drive
+import tirefmu.driving.result
+from tirefmu import batch, diagnosis, driving, evaluation, fitting, fmu, measurements, tires
 from tirefmu.symbolic.models import MODELS, model_named, whole_library
 from tirefmu.tires.code.printed import printed_folder
 from tirefmu.tires.drawing import files as drawing
@@ -25,6 +27,7 @@ NAMES = {
     "Recording": measurements, "VirtualBench": measurements, "evaluate": evaluation, "draw": drawing,
     "fit_many": batch.fit_many, "study": batch.study, "bootstrap": batch.intervals, "profile": batch.intervals,
     "diagnose_many": batch.diagnose_many, "add_proof": fmu, "repeat_proof": fmu, "ProofResult": fmu,
+    "drive": driving.drive, "Drive": driving.result,
 }  # fmt: skip
 
 

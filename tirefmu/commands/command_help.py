@@ -6,7 +6,7 @@ import click
 
 #: Commands under their headings.
 SECTIONS = {
-    "From a recording to a tire": ("inspect", "fit", "explore", "export", "check", "diagnose", "plan"),
+    "From a recording to a tire": ("inspect", "fit", "explore", "export", "check", "diagnose", "plan", "drive"),
     "All steps, many tires": ("init", "run", "fit-many", "study"),
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
@@ -48,6 +48,10 @@ EXAMPLES = {
         "plan similar.tir --bench bench.toml --for friction --compare today.csv -o program",
         "plan my.tir --bench bench.toml --between slip_history,heat_friction -o program",
         "plan --bench bench.toml --after answer -o program",
+    ),
+    "drive": (
+        "drive --example car.toml",
+        "drive log.csv --vehicle car.toml --tire front.tir --rear rear.tir -o answer",
     ),
     "explore": (
         "explore my.tir -o tire.html",

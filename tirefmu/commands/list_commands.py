@@ -21,8 +21,8 @@ def effects(name: str | None, model: str | None, quiet: bool, json_file: Path | 
     (part of it on request), library (an addition to any model).
     """
     check_output_paths(json_file)
+    from ..catalogue import effects as found_effects
     from ..terminal import Terminal
-    from .catalogue import effects as found_effects
 
     found = found_effects(name, model)
     write_json(json_file, {"ok": True, "effects": found})
@@ -70,8 +70,8 @@ def models(quiet: bool, json_file: Path | None) -> int:
     Inputs, outputs, number of coefficients, recipes of a fit.
     """
     check_output_paths(json_file)
+    from ..catalogue import models as found_models
     from ..terminal import Terminal
-    from .catalogue import models as found_models
 
     found = found_models()
     write_json(json_file, {"ok": True, "models": found})
@@ -88,8 +88,8 @@ def models(quiet: bool, json_file: Path | None) -> int:
 def published(quiet: bool, json_file: Path | None) -> int:
     """List the published tires. Every command takes their names in place of a file."""
     check_output_paths(json_file)
+    from ..catalogue import published_tires
     from ..terminal import Terminal
-    from .catalogue import published_tires
 
     found = published_tires()
     write_json(json_file, {"ok": True, "published": found})

@@ -51,9 +51,9 @@ def init(
     from tirefmu.estimation.nominal_values import NOMINAL
     from tirefmu.symbolic.models import model_named
 
+    from ..catalogue import effects as found_effects
     from ..project.project_file import project_text
     from ..terminal import Terminal
-    from .catalogue import effects as found_effects
 
     chosen = model or DEFAULT_MODEL
     model_named(chosen)  # raises for an unknown one

@@ -20,6 +20,8 @@ from .printed import packaged_file, printed_folder
 state_laws: Any = import_module("tirefmu.generated.numpy.state_laws")
 #: The functions of wheel kinematics, equal for all models.
 wheel_kinematics: Any = import_module("tirefmu.generated.numpy.wheel_kinematics")
+#: The functions of the two-track vehicle.
+two_track: Any = import_module("tirefmu.generated.numpy.two_track")
 
 
 def numpy_module(model: Model) -> ModuleType:

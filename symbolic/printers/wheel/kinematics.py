@@ -7,7 +7,8 @@ from textwrap import fill, indent
 from tirefmu.boundary.escaping import python_comment
 
 from ...declarations import Quantity
-from ...wheel.kinematics import FUNCTIONS, KinematicFunction
+from ...line_function import LineFunction
+from ...wheel.kinematics import FUNCTIONS
 from ..definitions import calling_math, comment, definitions
 from ..expressions import PlainCPrinter
 from ..python import IMPORTS
@@ -23,19 +24,20 @@ def kinematic_files() -> dict[str, str]:
     >>> sorted(kinematic_files())
     ['c/wheel_kinematics.h', 'numpy/wheel_kinematics.py']
     """
-    return {"c/wheel_kinematics.h": _c_header(), "numpy/wheel_kinematics.py": _python_module()}
+    return {"c/wheel_kinematics.h": _c_header(), "numpy/wheel_kinematics.py": python_module(TITLE, HEADER, FUNCTIONS)}
 
 
 def _names(quantities: tuple[Quantity, ...]) -> str:
     return ", ".join(quantity.name for quantity in quantities)
 
 
-def _python_module() -> str:
-    head = f'"""{TITLE}, in NumPy.\n\n{HEADER}\n"""\n\n{IMPORTS}'
-    return "\n\n\n".join([head, *map(_python_function, FUNCTIONS)]) + "\n"
+def python_module(title: str, header: str, functions: tuple[LineFunction, ...]) -> str:
+    """Return a module of functions; `header` names the source."""
+    head = f'"""{title}, in NumPy.\n\n{header}\n"""\n\n{IMPORTS}'
+    return "\n\n\n".join([head, *map(_python_function, functions)]) + "\n"
 
 
-def _python_function(function: KinematicFunction) -> str:
+def _python_function(function: LineFunction) -> str:
     arguments = fill(_names(function.arguments), 110)
     results = fill(_names(function.results), 110)
     lines = [f'"""{python_comment(function.summary)}"""']
@@ -62,7 +64,7 @@ def _c_header() -> str:
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _c_sizes(function: KinematicFunction) -> str:
+def _c_sizes(function: LineFunction) -> str:
     """Return the indices of arguments and results."""
     prefix = function.name.upper()
     entries = [f"{prefix}_{quantity.name}" for quantity in function.arguments] + [f"{prefix}_ARGUMENTS"]
@@ -70,13 +72,13 @@ def _c_sizes(function: KinematicFunction) -> str:
     return "\n".join(f"enum {{\n{indent(fill(', '.join(listed), 110), '    ')}\n}};" for listed in (entries, results))
 
 
-def _c_arguments(function: KinematicFunction) -> list[str]:
+def _c_arguments(function: LineFunction) -> list[str]:
     """Return the lines that read the arguments in use."""
     used = {symbol.name for line in function.lines for symbol in line.expression.free_symbols}
     return [f"const double {q.name} = x[{i}];" for i, q in enumerate(function.arguments) if q.name in used]
 
 
-def _c_values(function: KinematicFunction) -> str:
+def _c_values(function: LineFunction) -> str:
     printer = PlainCPrinter()
     lines = _c_arguments(function)
     lines += [f"const double {line.symbol} = {printer.doprint(line.expression)};" for line in function.lines]
@@ -85,7 +87,7 @@ def _c_values(function: KinematicFunction) -> str:
     return _c_function(function.summary, head, lines)
 
 
-def _c_tangents(function: KinematicFunction) -> str:
+def _c_tangents(function: LineFunction) -> str:
     """Return the forward mode: each line is followed by its change."""
     printer = PlainCPrinter()
     lines = _c_arguments(function)

@@ -1,0 +1,122 @@
+"""Made drives with a known truth: how close `tirefmu drive` comes, and how often its intervals contain the truth.
+
+    python benchmarks/drives.py [--drives N] [--json FILE]
+
+The drives are those of an independent program (tests/driving/road.py): five kinds, 60 s at 100 Hz, noise and offsets of
+a consumer IMU, errors of the car and delays. Two of three are driven to the peak. Further drives have the tires of the
+file and a right car (nothing to find), or the tires of the file and a wrong car (no tire to find).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "driving"))
+import road
+
+import tirefmu
+from tirefmu.driving.inputs.car import Car
+
+AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
+#: What is wrong in the car file of the last drives, relative to the true car or absolute.
+WRONG = ({"yaw_inertia": 1.45}, {"cg_to_front": 1.12}, {"ratio": 1.06}, {"wheelbase": 1.02}, {"offset": 0.02})
+
+
+def answered(log: pd.DataFrame, car: Car, number: int, kind: str) -> dict[str, Any]:
+    """Return the answer as JSON and its CPU time."""
+    start = time.process_time()
+    answer = tirefmu.drive(log, vehicle=car, tire=road.file_tire()).to_json()
+    seconds = time.process_time() - start
+    print(f"{number} {kind}: {seconds:.1f} s, {answer['verdict'][0]}", file=sys.stderr)
+    return {**answer, "seconds": seconds, "kind": kind}
+
+
+def spins(rows: dict[str, Any], i: int) -> bool:
+    """Return whether the car spins: that is no drive."""
+    return not np.isfinite(rows["vy"][:, i]).all() or bool(np.abs(rows["vy"][:, i]).max() > 6.0)
+
+
+def recovery(n: int) -> dict[str, Any]:
+    """Return errors and coverage of the factors over drives with changed tires and an uncertain car."""
+    rng = np.random.default_rng(36)
+    truths = [road.drawn_truth(rng) for _ in range(n)]
+    kinds, hard = [road.KINDS[i % 5] for i in range(n)], [i // 5 % 3 < 2 for i in range(n)]
+    logs, rows = road.made_drives(truths, kinds, hard, seed=7)
+    car = Car.from_content(road.car_content(), "car")
+    errors: dict[str, list[float]] = {name: [] for name in NAMES}
+    inside: dict[str, list[bool]] = {name: [] for name in NAMES}
+    early, seconds, spun = 0, [], 0
+    for i, (truth, log) in enumerate(zip(truths, logs, strict=True)):
+        if spins(rows, i):
+            spun += 1
+            continue
+        answer = answered(log, car, i, kinds[i])
+        seconds.append(answer["seconds"])
+        for axle in AXLES:
+            reached = road.used_share(rows, truth, i, axle)
+            for name in NAMES:
+                factor = answer["factors"][axle][name]
+                if not factor["determined"]:
+                    continue
+                early += name == "LMUY" and reached < 0.85
+                errors[name].append(abs(factor["value"] / truth.factors[axle][name] - 1.0))
+                inside[name].append(factor["low"] <= truth.factors[axle][name] <= factor["high"])
+    return {
+        "drives": n - spun, "spun": spun,
+        "median_error": {name: float(np.median(values)) for name, values in errors.items()},
+        "coverage": {name: float(np.mean(values)) for name, values in inside.items()},
+        "determined": {name: len(values) for name, values in inside.items()},
+        "determined_before_the_peak": early, "seconds": float(np.median(seconds)),
+    }  # fmt: skip
+
+
+def false_findings(wrong_car: bool) -> dict[str, Any]:
+    """Return how many of ten drives with the tires of the file have a finding, with a right or with a wrong car."""
+    same = {axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in AXLES}
+    truths = [road.Truth(same, {}) for _ in range(10)]
+    kinds = [road.KINDS[i % 5] for i in range(10)]
+    logs, rows = road.made_drives(truths, kinds, [True] * 10, seed=11, seconds=40.0)
+    of_tire, of_car, spun = 0, 0, 0
+    for i, log in enumerate(logs):
+        if spins(rows, i):
+            spun += 1
+            continue
+        content = road.car_content()
+        for name, factor in WRONG[i // 2].items() if wrong_car else ():
+            section = "steering" if name in ("ratio", "offset") else "body"
+            content[section][name] = content[section].get(name, 0.0) * factor if name != "offset" else factor
+        answer = answered(log, Car.from_content(content, "car"), i, kinds[i])
+        of_tire += bool(answer["found"])
+        of_car += bool(answer["car"]["found"])
+    return {"drives": 10 - spun, "with_a_tire_finding": of_tire, "with_a_car_finding": of_car}
+
+
+def main() -> int:
+    """Print the results as JSON."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--drives", type=int, default=60)
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    result: dict[str, Any] = {}
+    for name, part in (
+        ("recovery", lambda: recovery(options.drives)),
+        ("nothing_to_find", lambda: false_findings(False)),
+        ("wrong_car", lambda: false_findings(True)),
+    ):
+        result[name] = part()
+        print(json.dumps({name: result[name]}, indent=2), flush=True)
+    if options.json:
+        options.json.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

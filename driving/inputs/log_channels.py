@@ -1,0 +1,56 @@
+"""The channels of a log: one declaration per channel, in SI units and the axes of ISO 8855."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class LogChannel:
+    """A channel of a log.
+
+    - `name`, `meaning`: of the contract.
+    - `unit`, `quantity`: SI unit and physical quantity; a header may declare another unit.
+    - `aliases`: other common names, for suggestions. They are never accepted silently.
+    - `limit`: magnitude beyond which a value can only be in another unit.
+    - `precision`: the smallest plausible standard deviation of the noise.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    quantity: str
+    aliases: tuple[str, ...] = ()
+    limit: float = 1e9
+    precision: float = 0.0
+
+
+_CHANNELS = (
+    LogChannel("t", "time", "s", "time", ("time", "timestamp"), 1e11),
+    LogChannel("steer", "steering: as the ratio or the map of the car reads it, positive to the left", "rad", "angle",
+               ("steering", "steering_angle", "delta", "swa", "steering_wheel_angle"), 20.0),
+    LogChannel("speed", "forward speed", "m/s", "speed", ("v", "vx", "v_x", "velocity", "vel"), 150.0, 0.005),
+    *(
+        LogChannel(f"omega_{corner}", f"spin of the wheel {corner}", "rad/s", "rotation", (f"wheel_speed_{corner}",),
+                   2000.0, 0.01)
+        for corner in ("fl", "fr", "rl", "rr")
+    ),
+    LogChannel("yaw_rate", "yaw rate, positive to the left", "rad/s", "rotation", ("r", "yawrate", "psi_dot", "gyro_z"),
+               12.0, 2e-4),
+    LogChannel("ax", "longitudinal acceleration, positive forward", "m/s^2", "acceleration",
+               ("a_x", "acc_x", "accel_x", "long_acc"), 80.0, 2e-3),
+    LogChannel("ay", "lateral acceleration, positive to the left", "m/s^2", "acceleration",
+               ("a_y", "acc_y", "accel_y", "lat_acc"), 80.0, 2e-3),
+    LogChannel("beta", "sideslip angle at the reference point, positive to the left", "rad", "angle",
+               ("sideslip", "slip_angle", "side_slip"), 1.6, 2e-4),
+    LogChannel("vy", "lateral speed at the reference point, positive to the left", "m/s", "speed",
+               ("v_y", "lateral_speed", "lateral_velocity"), 50.0, 2e-3),
+    LogChannel("x", "position of the reference point, global x", "m", "length", ("pos_x", "position_x", "east"), 1e7,
+               1e-4),
+    LogChannel("y", "position of the reference point, global y", "m", "length", ("pos_y", "position_y", "north"), 1e7,
+               1e-4),
+    LogChannel("heading", "heading, from the global x axis to the left", "rad", "angle", ("yaw", "psi", "yaw_angle"),
+               1e4, 1e-4),
+)  # fmt: skip
+LOG_CHANNELS: dict[str, LogChannel] = {declared.name: declared for declared in _CHANNELS}
+WHEEL_SPEEDS = {"front": ("omega_fl", "omega_fr"), "rear": ("omega_rl", "omega_rr")}

@@ -1,0 +1,239 @@
+"""One interval of the grid as a CasADi function: residuals of sensors and of the balance of forces, with derivatives.
+
+The implicit midpoint rule joins the nodes: rates are differences over the interval, which are the exact means of the
+rates, as the logged channels are means of samples. Residuals are divided by their standard deviations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from tirefmu.measurements.units import GRAVITY
+from tirefmu.symbolic.vehicle import quantities as vehicle
+from tirefmu.symbolic.vehicle.quantities import CORNERS
+from tirefmu.tires import Tire
+from tirefmu.tires.code.casadi_code import ARRAYS, casadi_expression
+from tirefmu.tires.code.modules import two_track
+
+from .inputs.car import Car
+from .inputs.grid import MEASURED
+from .unknowns import AXLES, FACTORS, Unknowns
+
+MOTION = ("v_x", "v_y", "yaw_rate")
+POSE = ("x", "y", "heading")
+#: Residuals of the balance of forces, each divided by a static load.
+BALANCE = ("e_front", "e_rear")
+#: Further results of an interval for each axle: the inputs of a wheel that is the mean of both, its forces, W axes, and
+#: the side force of the tire alone. Fy is the tire's and half of what the motion requires beyond it.
+OUTPUTS = tuple(f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fx", "Fy", "Fy_tire") for axle in AXLES)
+#: Intervals that are evaluated at a time.
+CHUNK = 500
+#: Error of the integration of a pose, m/s and rad/s.
+POSE_ERROR = 3e-3
+#: Force per mass within which driving changes into braking, m/s^2.
+COASTING = 0.2
+#: Names of the arguments of `two_track` that describe the car, and the entries that they are.
+BODY = {
+    "m": "mass", "I_z": "yaw_inertia", "l_f": "cg_to_front", "l_r": "cg_to_rear", "w_f": "track_front",
+    "w_r": "track_rear", "h": "cg_height", "roll_front": "front_roll_share", "drag": "drag",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Interval:
+    """The function of an interval.
+
+    - `states`: names of the states of a node.
+    - `residuals`: names; `MEASURED` are first, `BALANCE` last.
+    - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
+      (`estimate.interval_data`), and unknowns followed by deviations of the balance and the delay and lag of the
+      steering in the data. They give the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
+    """
+
+    states: tuple[str, ...]
+    residuals: tuple[str, ...]
+    residual_chunk: Any
+    output_chunk: Any
+
+
+def interval_of(
+    car: Car, tires: Mapping[str, Tire], unknowns: Unknowns, *, pose: bool, spins: bool, step: float
+) -> Interval:
+    """Return the function of the intervals of a drive.
+
+    `pose`, `spins`: whether position and heading, and wheel speeds are logged. `step`: s.
+    """
+    states, n = MOTION + POSE * pose, len(MEASURED)
+    left, right = ca.SX.sym("left", len(states)), ca.SX.sym("right", len(states))
+    data, z = ca.SX.sym("data", 2 * n + 8), ca.SX.sym("z", len(unknowns))
+    deviations, used = ca.SX.sym("deviations", len(BALANCE)), ca.SX.sym("used", 2)
+    p = _entries(car, unknowns, z)
+    middle, rate = ca.vertsplit((left + right) / 2), ca.vertsplit((right - left) / step)
+    more = p["delay"] - used[0], p["lag"] - used[1]
+    ends = [data[2 * n + i] + data[2 * n + 2 + i] * more[0] + data[2 * n + 4 + i] * more[1] for i in (0, 1)]
+    scale = car.values["ratio"] / p["ratio"]
+    steer, turning = p["offset"] + scale * (ends[0] + ends[1]) / 2, scale * (ends[1] - ends[0]) / step
+    wheels = _wheels(middle, rate, steer, turning, p, tires)
+    pulls = _pulls(middle, rate, steer, car, p)
+    rims = [data[2 * n + 6 + i] for i in (0, 1)]
+    kappa = _kappa_of_spins(rims, wheels) if spins else _kappa_of_pulls(pulls, p, tires)
+    factors = {axle: {name: _factor(unknowns, axle, name, z) for name in FACTORS} for axle in AXLES}
+    forces = {axle: _forces(tires[axle], axle, wheels, kappa[i], factors[axle]) for i, axle in enumerate(AXLES)}
+    body, motion = [p[entry] for entry in BODY.values()], (*middle[:3], *rate[:3])
+    # A differential gives both wheels of an axle the same torque: their longitudinal forces are equal.
+    order = [*(pull / 2 for pull in pulls for _ in "lr"), *(forces[axle][1][side] for axle in AXLES for side in (0, 1))]
+    balance = dict(zip(_RESULTS, two_track.balance(*motion, steer, *body, *order, xp=ARRAYS), strict=True))
+    weight = GRAVITY * p["mass"]
+    rear = weight * p["cg_to_front"] / p["wheelbase"]
+    measured = _readings(p, middle, rate, pose)
+    parts = {name: (data[i] - measured.get(name, 0)) * data[n + i] for i, name in enumerate(MEASURED)}
+    parts |= _kinematics(middle, rate) if pose else {}
+    loads = {"e_front": weight - rear, "e_rear": rear}
+    parts |= {name: balance[name] / loads[name] / deviations[i] for i, name in enumerate(BALANCE)}
+    residual = ca.vertcat(*parts.values())
+    required_forces = [balance[f"e_{axle}"] / ca.cos(steer if axle == "front" else 0) / 2 for axle in AXLES]
+    outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces))
+    arguments = [left, right, data, ca.vertcat(z, deviations, used)]
+    chunks = []
+    for results in (residual, outputs):
+        by = ca.densify(ca.jacobian(results, ca.vertcat(left, right, z)))
+        chunks.append(ca.Function("interval", arguments, [results, ca.vec(by)], {"cse": True}).map(CHUNK))
+    return Interval(states, tuple(parts), *chunks)
+
+
+_RESULTS = tuple(quantity.name for quantity in vehicle.BALANCE)
+
+
+def _entries(car: Car, unknowns: Unknowns, z: Any) -> dict[str, Any]:
+    """Return the entries of the car, those that are unknown as functions of z, and what follows from them."""
+    p: dict[str, Any] = dict(car.values)
+    for i, name in enumerate(unknowns.car):
+        p[name] = unknowns.entry(i, z[i], ca.exp)
+    p["cg_to_rear"] = p["wheelbase"] - p["cg_to_front"]
+    return p
+
+
+def _wheels(
+    middle: list[Any], rate: list[Any], steer: Any, turning: Any, p: Mapping[str, Any], tires: Mapping[str, Tire]
+) -> dict[str, Any]:
+    """Return slip angle, speed and load of each wheel; slip angles lag by the relaxation length of the tire."""
+    symbols = [ca.SX.sym(f"s{i}") for i in range(4)]
+    body = [p[entry] for entry in BODY.values()]
+    names = [f"{name}_{corner}" for name in ("alpha", "V", "Fz") for corner in CORNERS]
+    values = (*middle[:3], *rate[:3], steer)
+    wheels = dict(zip(names, two_track.wheels(*values, *body, xp=ARRAYS), strict=True))
+    of_symbols = two_track.wheels(*symbols[:3], *rate[:3], symbols[3], *body, xp=ARRAYS)[: len(CORNERS)]
+    point, change = ca.vertcat(*middle[:3], steer), ca.vertcat(*rate[:3], turning)
+    slopes = ca.substitute(ca.jacobian(ca.vertcat(*of_symbols), ca.vertcat(*symbols)), ca.vertcat(*symbols), point)
+    for i, corner in enumerate(CORNERS):
+        length = relaxation_length(tires[AXLES[i // 2]])
+        wheels[f"alpha_{corner}"] -= length / wheels[f"V_{corner}"] * (slopes[i, :] @ change)
+    return wheels
+
+
+def relaxation_length(tire: Tire) -> float:
+    """Return the lateral relaxation length at the nominal load, m; 0 for a tire without relaxation."""
+    quantity = tire.symbolic_model.quantity("relaxation_y")
+    if not tire.lags or not quantity:
+        return 0.0
+    import pandas as pd
+
+    return float(tire.evaluate(pd.DataFrame({"alpha": [0.0]}), steady=True)[quantity].iloc[0])
+
+
+def _forces(
+    tire: Tire, axle: str, wheels: Mapping[str, Any], kappa: Any, factors: Mapping[str, Any]
+) -> tuple[list[Any], list[Any], list[Any]]:
+    """Return Fx and Fy of the left and of the right wheel, and of a wheel that is the mean of both."""
+    model = tire.symbolic_model
+    parameters = ca.SX(ca.DM(tire.parameters()))
+    for name in FACTORS:
+        parameters[list(model.coefficients).index(name)] *= factors[name]
+    results = []
+    pair = [{name: wheels[f"{name}_{axle[0]}{side}"] for name in ("alpha", "V", "Fz")} for side in "lr"]
+    for state in (*pair, {name: (pair[0][name] + pair[1][name]) / 2 for name in pair[0]}):
+        given = {**state, "kappa": kappa}
+        inputs = ca.vertcat(*(given[name] if name in given else tire.nominal(name) for name in tire.inputs))
+        results.append(casadi_expression(model, "forces", inputs, parameters, straight=True)[:2])
+    return [each[0] for each in results], [each[1] for each in results], pair
+
+
+def _readings(p: Mapping[str, Any], middle: list[Any], rate: list[Any], pose: bool) -> dict[str, Any]:
+    """Return what the sensors measure."""
+    motion = (*middle[:3], *rate[:3])
+    ax, ay, _, _ = two_track.sensor(*motion, p["x"], p["y"], p["roll_gradient"], xp=ARRAYS)
+    delay = p["motion_delay"]
+    late = [value - delay * slope for value, slope in zip(middle, rate, strict=True)]
+    *_, vx, vy = two_track.sensor(*late[:3], *rate[:3], p["reference_x"], p["reference_y"], 0.0, xp=ARRAYS)
+    readings = {
+        "yaw_rate": middle[2] + p["yaw_rate_offset"],
+        "ax": ax + p["ax_offset"],
+        "ay": ay + p["ay_offset"],
+        "speed": vx,
+        "beta": ca.atan(vy / vx) + p["heading_offset"],
+        "vy": vy + vx * p["heading_offset"],
+    }
+    if pose:
+        x, y, heading = late[3:]
+        along, left = p["reference_x"], p["reference_y"]
+        readings["x"] = x + along * ca.cos(heading) - left * ca.sin(heading)
+        readings["y"] = y + along * ca.sin(heading) + left * ca.cos(heading)
+        readings["heading"] = heading + p["heading_offset"]
+    return readings
+
+
+def _factor(unknowns: Unknowns, axle: str, name: str, z: Any) -> Any:
+    i = unknowns.factor(axle, name)
+    return ca.exp(unknowns.spread[i] * z[i])
+
+
+def _pulls(middle: list[Any], rate: list[Any], steer: Any, car: Car, p: Mapping[str, Any]) -> list[Any]:
+    """Return the longitudinal force of each axle: the driven axle drives, the brakes act on both."""
+    # The side force of a steered axle has a component against the motion.
+    cornering = (rate[1] + middle[0] * middle[2]) * p["cg_to_rear"] / p["wheelbase"] * ca.sin(steer)
+    required = rate[0] - middle[1] * middle[2] + p["drag"] / p["mass"] * middle[0] ** 2 + cornering
+    force = p["mass"] * required
+    driving = {"front": 1.0, "rear": 0.0, "all": 0.5}[car.driven]
+    share = p["brake_front"] + (driving - p["brake_front"]) * (1 + ca.tanh(required / COASTING)) / 2
+    return [share * force, (1 - share) * force]
+
+
+def _kappa_of_spins(rims: list[Any], wheels: Mapping[str, Any]) -> list[Any]:
+    """Return the longitudinal slip of each axle from the speed of its rims (spin times rolling radius)."""
+    return [rims[i] / ((wheels[f"V_{axle[0]}l"] + wheels[f"V_{axle[0]}r"]) / 2) - 1 for i, axle in enumerate(AXLES)]
+
+
+def _kappa_of_pulls(pulls: list[Any], p: Mapping[str, Any], tires: Mapping[str, Tire]) -> list[Any]:
+    """Return the longitudinal slip of each axle that gives its longitudinal force, to first order in the slip."""
+    rear = p["cg_to_front"] / p["wheelbase"] * GRAVITY * p["mass"]
+    loads = (GRAVITY * p["mass"] - rear, rear)
+    return [pulls[i] / (loads[i] * slip_stiffness(tires[axle])) for i, axle in enumerate(AXLES)]
+
+
+def slip_stiffness(tire: Tire) -> float:
+    """Return the slope of Fx over kappa per load, at the nominal load."""
+    ends = tire.forces(kappa=[-1e-3, 1e-3], Fz=tire.nominal("Fz"), code="numpy")["Fx"]
+    return float(ends[1] - ends[0]) / 2e-3 / tire.nominal("Fz")
+
+
+def _kinematics(middle: list[Any], rate: list[Any]) -> dict[str, Any]:
+    vx, vy, yaw_rate, heading = (*middle[:3], middle[5])
+    return {
+        "x_rate": (rate[3] - vx * ca.cos(heading) + vy * ca.sin(heading)) / POSE_ERROR,
+        "y_rate": (rate[4] - vx * ca.sin(heading) - vy * ca.cos(heading)) / POSE_ERROR,
+        "heading_rate": (rate[5] - yaw_rate) / POSE_ERROR,
+    }
+
+
+def _outputs(wheels: Mapping[str, Any], forces: Mapping[str, Any], kappa: list[Any], required: list[Any]) -> list[Any]:
+    means = {
+        name: [(wheels[f"{name}_{axle[0]}l"] + wheels[f"{name}_{axle[0]}r"]) / 2 for axle in AXLES]
+        for name in ("alpha", "V", "Fz")
+    }
+    Fx, Fy = ([forces[axle][channel][2] for axle in AXLES] for channel in (0, 1))
+    whole = [Fy[i] + required[i] for i in (0, 1)]
+    return [*means["alpha"], *kappa, *means["V"], *means["Fz"], *Fx, *whole, *Fy]

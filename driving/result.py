@@ -1,0 +1,148 @@
+"""The answer to a drive: numbers for machines, tires and tables as files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.boundary.errors import TirefmuError, path_from
+from tirefmu.measurements import Recording, write_table
+from tirefmu.tires import Tire
+
+from .estimate import Estimate
+from .factors import Factor
+from .inputs.car import Car
+from .inputs.grid import Grid
+from .inputs.log import Log
+from .simulation import Simulation
+from .unknowns import AXLES, Unknowns
+from .verdict import Verdict, worst_car_deviation
+
+#: An entry of the car this many standard deviations from its file: the log is not one of this car, no tire is written.
+OTHER_CAR = 8.0
+
+
+@dataclass(frozen=True, repr=False)
+class Drive:
+    """The answer to a drive.
+
+    Parameters
+    ----------
+    log, car, grid, unknowns, estimate
+        What was estimated from what.
+    tires, scaled : mapping of str to Tire
+        The tires of the axles "front" and "rear" as given, and with the determined factors.
+    factors : mapping of str to mapping of str to Factor
+        By axle and name.
+    wheels : pandas.DataFrame
+        The forces at the wheels, ISO-W signs: `tirefmu.driving.wheels.wheel_table`.
+    before, after : Simulation
+        The vehicle as given, and with the estimated car on the scaled tires.
+    verdict : Verdict
+        Findings and sentences.
+    """
+
+    log: Log
+    car: Car
+    grid: Grid
+    unknowns: Unknowns
+    estimate: Estimate
+    tires: Mapping[str, Tire]
+    scaled: Mapping[str, Tire]
+    factors: Mapping[str, Mapping[str, Factor]]
+    wheels: pd.DataFrame
+    before: Simulation
+    after: Simulation
+    verdict: Verdict
+
+    @property
+    def ok(self) -> bool:
+        """Whether the numbers can be used: the estimate converged, and the log is one of this car."""
+        return self.estimate.converged and worst_car_deviation(self.estimate, self.unknowns) < OTHER_CAR
+
+    def __repr__(self) -> str:
+        """Return the verdict."""
+        return "\n".join(
+            [f"Drive {self.log.source}: {len(self.grid.t)} intervals of {self.grid.step:g} s", *self.verdict.lines]
+        )
+
+    def recording(self) -> Recording:
+        """Return the forces at the wheels as a recording, which `fit`, `inspect`, `diagnose` and `draw` accept."""
+        return Recording(self.wheels, "iso", f"drive {Path(self.log.source).name}")
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the answer as numbers and texts."""
+        deviation = np.sqrt(np.diag(self.estimate.covariance))
+        values = self.unknowns.car_values(self.estimate.z)
+        entries = {
+            name: {
+                "value": values[name], "uncertainty": float(self.unknowns.spread[i] * deviation[i]),
+                "given": self.car.values[name], "given_uncertainty": self.car.uncertainties[name],
+            }
+            for i, name in enumerate(self.unknowns.car)
+        }  # fmt: skip
+        return {
+            "ok": self.ok,
+            "verdict": list(self.verdict.lines),
+            "log": self.log.source,
+            "duration": len(self.grid.t) * self.grid.step,
+            "factors": {
+                axle: {name: asdict(factor) for name, factor in of.items()} for axle, of in self.factors.items()
+            },
+            "found": [asdict(finding) for finding in self.verdict.tires],
+            "unknown": bool(self.verdict.unknown),
+            "unexplained": {axle: float(self.estimate.deviations[i]) for i, axle in enumerate(AXLES)},
+            "car": {"found": [asdict(finding) for finding in self.verdict.car], "entries": entries},
+            "correlations": self._correlations(),
+            "simulation": {"before": dict(self.before.rms), "after": dict(self.after.rms)},
+            "converged": self.estimate.converged,
+        }
+
+    def _correlations(self) -> dict[str, dict[str, float]]:
+        """Return the correlation of each determined factor with the entries of the car, where it exceeds 0.3."""
+        deviation = np.sqrt(np.diag(self.estimate.covariance))
+        correlation = self.estimate.covariance / np.outer(deviation, deviation)
+        strong: dict[str, dict[str, float]] = {}
+        for axle, name in self.unknowns.factors:
+            if self.factors[axle][name].determined:
+                row = correlation[self.unknowns.factor(axle, name)]
+                pairs = zip(self.unknowns.car, row.tolist(), strict=False)
+                strong[f"{name} {axle}"] = {entry: value for entry, value in pairs if abs(value) > 0.3}
+        return strong
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write the recording and, if the numbers can be used, the tires into a folder.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Created if it does not exist.
+
+        Returns
+        -------
+        list of Path
+            ``wheels.csv``, then ``front.tir`` and ``rear.tir``.
+
+        Raises
+        ------
+        TirefmuError
+            If a file cannot be written.
+        """
+        folder = path_from(folder, "folder")
+        written = [folder / "wheels.csv"]
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            write_table(self.wheels, written[0])
+            for axle in AXLES if self.ok else ():
+                path = folder / f"{axle}.tir"
+                note = "; ".join(line for line in self.verdict.lines if line.startswith(axle))
+                replace(self.scaled[axle], about={**self.scaled[axle].about, "drive": note}).save(path)
+                written.append(path)
+        except OSError as error:
+            raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
+        return written

@@ -1,0 +1,1 @@
+"""The vehicle between a log and its tires: a two-track model in the plane with load transfer."""

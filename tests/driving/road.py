@@ -1,0 +1,250 @@
+"""A car on a road in plain NumPy: an independent program whose drives have a known truth.
+
+Four wheels that spin, a body that moves in the plane, loads by static transfer, Magic Formula tires written out here
+with similarity for combined slip. None of the equations of tirefmu is used. Several drives run side by side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+G = 9.80665
+#: Coefficients by .tir name; the tire of the file is without factors.
+TIRE = {
+    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.31, "PCX1": 1.6, "PDX1": 1.1, "PEX1": -0.2, "PKX1": 22.0,
+    "PCY1": 1.35, "PDY1": 1.0, "PDY2": -0.12, "PEY1": -0.6, "PKY1": -22.0, "PKY2": 1.8,
+}  # fmt: skip
+CAR = {
+    "mass": 1250.0, "wheelbase": 2.5, "cg_to_front": 1.2, "cg_height": 0.52, "track_front": 1.5, "track_rear": 1.48,
+    "yaw_inertia": 1700.0, "front_roll_share": 0.56, "ratio": 15.0, "radius_front": 0.3, "radius_rear": 0.3,
+}  # fmt: skip
+WHEEL_INERTIA, STEP = 1.0, 0.002
+KINDS = ("slalom", "sweep", "step", "laps", "brake")
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What is true in a drive: factors by axle, numbers of the car that differ, delay of the steering log, s."""
+
+    factors: dict[str, dict[str, float]]
+    car: dict[str, float]
+    steer_log_delay: float = 0.0
+    effect: str = ""
+
+
+def magic(slip, C, D, K, E):
+    """Return the Magic Formula of a slip from shape, peak, slope and curvature."""
+    x = K / (C * D) * slip
+    return D * np.sin(C * np.arctan(x - E * (x - np.arctan(x))))
+
+
+def tire_forces(kappa, alpha, Fz, factors):
+    """Return Fx and Fy in W axes; combined slip as in MF6.1 with r_Bx1 = r_By1 = 8, r_Cx1 = r_Cy1 = 1."""
+    load = np.maximum(Fz, 1.0)
+    dfz = load / TIRE["FNOMIN"] - 1.0
+    Dx = TIRE["PDX1"] * load * factors["LMUX"]
+    Dy = (TIRE["PDY1"] + TIRE["PDY2"] * dfz) * load * factors["LMUY"]
+    Kx = TIRE["PKX1"] * load * factors["LKX"]
+    Ky = (
+        TIRE["PKY1"] * TIRE["FNOMIN"] * np.sin(2.0 * np.arctan(load / (TIRE["PKY2"] * TIRE["FNOMIN"]))) * factors["LKY"]
+    )
+    Fx = magic(kappa, TIRE["PCX1"], Dx, Kx, TIRE["PEX1"])
+    Fy = magic(np.tan(alpha), TIRE["PCY1"], Dy, Ky, TIRE["PEY1"])
+    weight_x = np.cos(np.arctan(8.0 * np.tan(alpha)))
+    weight_y = np.cos(np.arctan(8.0 * kappa))
+    return Fx * weight_x, Fy * weight_y
+
+
+def demands(kind, t, rng, hard):
+    """Return the steering wheel angle (rad) and the wanted speed (m/s) over time of one drive."""
+    a = rng.uniform(0.85, 1.15)
+    if kind == "slalom":
+        return (0.9 if hard else 0.35) * a * np.sin(2 * np.pi * 0.45 * a * t), 16.0 + 2.0 * np.sin(0.2 * t)
+    if kind == "sweep":
+        return (1.0 if hard else 0.4) * a * np.sin(2 * np.pi * (0.15 * t + 0.011 * t**2)), 17.0 + 0.0 * t
+    if kind == "step":
+        level = np.array([0.0, 1.0, 0.0, -1.0, 0.0, 1.4, 0.0, -1.4])[(t / 3.5).astype(int) % 8]
+        smooth = np.convolve(np.pad(level, 150, mode="edge"), np.ones(301) / 301, mode="valid")
+        return (1.1 if hard else 0.4) * a * smooth, 17.0 + 1.5 * np.sin(0.11 * t)
+    if kind == "laps":
+        turn = np.tanh(4.0 * np.sin(2 * np.pi * t / 15.0)) + 0.5 * np.sin(2 * np.pi * t / 6.1)
+        return (1.1 if hard else 0.3) * a * turn, 14.0 + 3.0 * np.cos(4 * np.pi * t / 15.0)
+    turn = np.sin(2 * np.pi * t / 12.0)
+    fall = np.clip((t % 6.0) - 3.5, 0.0, 1.5)
+    return (1.1 if hard else 0.35) * a * np.tanh(3.0 * turn), 19.0 - 3.0 * fall
+
+
+class Road:
+    """Simulate drives side by side. `steer`, `speed`, shape (n_steps, n): demands; `truths`: of each drive."""
+
+    def __init__(self, truths, tire=tire_forces):
+        self.tire = tire
+        self.car = {key: np.array([{**CAR, **truth.car}[key] for truth in truths]) for key in CAR}
+        self.factors = {
+            name: np.stack(
+                [np.array([truth.factors[axle][name] for truth in truths]) for axle in ("front",) * 2 + ("rear",) * 2]
+            )
+            for name in ("LMUX", "LMUY", "LKX", "LKY")
+        }
+
+    def rates(self, state, wheel, torque):
+        """Return the rates of vx, vy, r and four spins, and the accelerations."""
+        c = self.car
+        vx, vy, r, spins = state[0], state[1], state[2], state[3:7]
+        lf, lr = c["cg_to_front"], c["wheelbase"] - c["cg_to_front"]
+        X = np.stack([lf, lf, -lr, -lr])
+        Y = np.stack([c["track_front"], -c["track_front"], c["track_rear"], -c["track_rear"]]) / 2
+        R = np.stack([c["radius_front"]] * 2 + [c["radius_rear"]] * 2)
+        angle = np.stack([wheel, wheel, 0 * wheel, 0 * wheel])
+        u, w = vx - r * Y, vy + r * X
+        along, side = u * np.cos(angle) + w * np.sin(angle), w * np.cos(angle) - u * np.sin(angle)
+        alpha, kappa = np.arctan(side / along), (spins * R - along) / along
+        ax, ay = self.last
+        for _ in range(2):
+            shift = c["mass"] * ax * c["cg_height"] / c["wheelbase"] / 2
+            share = c["front_roll_share"]
+            roll_f = c["mass"] * ay * c["cg_height"] * share / c["track_front"]
+            roll_r = c["mass"] * ay * c["cg_height"] * (1 - share) / c["track_rear"]
+            front, rear = c["mass"] * G * lr / c["wheelbase"] / 2, c["mass"] * G * lf / c["wheelbase"] / 2
+            Fz = np.stack(
+                [front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r]
+            )
+            Fx, Fy = self.tire(kappa, alpha, Fz, self.factors)
+            bx, by = Fx * np.cos(angle) - Fy * np.sin(angle), Fx * np.sin(angle) + Fy * np.cos(angle)
+            ax, ay = bx.sum(0) / c["mass"], by.sum(0) / c["mass"]
+        turning = (X * by - Y * bx).sum(0) / c["yaw_inertia"]
+        return np.stack([ax + r * vy, ay - r * vx, turning, *((torque - Fx * R) / WHEEL_INERTIA)]), (ax, ay), turning
+
+    def run(self, steer, speed):
+        """Return the motion at every step: dict of arrays, shape (n_steps, n)."""
+        n_steps, n = steer.shape
+        state = np.zeros((7, n))
+        state[0] = speed[0]
+        state[3:] = speed[0] / 0.3
+        self.last = (np.zeros(n), np.zeros(n))
+        rows = {
+            name: np.empty((n_steps, n))
+            for name in ("vx", "vy", "yaw_rate", "ax", "ay", "turning", "fl", "fr", "rl", "rr")
+        }
+        for i in range(n_steps):
+            wheel, later = (steer[min(i + k, n_steps - 1)] / self.car["ratio"] for k in (0, 1))
+            middle = (wheel + later) / 2
+            force = np.clip(
+                2.0 * self.car["mass"] * (speed[i] - state[0]), -0.35 * G * self.car["mass"], 0.3 * G * self.car["mass"]
+            )
+            share = np.where(force < 0.0, 0.72, 0.0)
+            torque = np.stack([force * share / 2] * 2 + [force * (1 - share) / 2] * 2) * 0.3
+            k1, self.last, turning = self.rates(state, wheel, torque)
+            for name, values in zip(rows, (*state[:3], *self.last, turning, *state[3:]), strict=True):
+                rows[name][i] = values
+            k2, *_ = self.rates(state + STEP / 2 * k1, middle, torque)
+            k3, *_ = self.rates(state + STEP / 2 * k2, middle, torque)
+            k4, *_ = self.rates(state + STEP * k3, later, torque)
+            state = state + STEP / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        return rows
+
+
+def logs(rows, steer, truths, rng, imu=(0.15, -0.1)):
+    """Return the logs at 100 Hz with the noise of a consumer IMU, offsets, lever arm and delays."""
+    every = round(0.01 / STEP)
+    t = STEP * np.arange(len(steer))
+    made = []
+    for i, truth in enumerate(truths):
+        part = {name: values[:, i] for name, values in rows.items()}
+        ax = part["ax"] - part["turning"] * imu[1] - part["yaw_rate"] ** 2 * imu[0]
+        ay = part["ay"] + part["turning"] * imu[0] - part["yaw_rate"] ** 2 * imu[1]
+        m = len(t[::every])
+        noise = rng.standard_normal((9, m))
+        table = {
+            "t": t[::every],
+            "steer": np.interp(t[::every] - truth.steer_log_delay, t, steer[:, i]) + 2e-3 * noise[0],
+            "speed": part["vx"][::every] + 0.05 * noise[1],
+            "yaw_rate": part["yaw_rate"][::every] + rng.normal(0, 0.005) + 0.005 * noise[2],
+            "ax": ax[::every] + rng.normal(0, 0.1) + 0.1 * noise[3],
+            "ay": ay[::every] + rng.normal(0, 0.1) + 0.1 * noise[4],
+        }
+        for row, corner in enumerate(("fl", "fr", "rl", "rr")):
+            table[f"omega_{corner}"] = part[corner][::every] + 0.05 * noise[5 + row]
+        made.append(pd.DataFrame(table))
+    return made
+
+
+def made_drives(truths, kinds, hard, seed, seconds=60.0, tire=tire_forces):
+    """Return the logs of drives and their motion: lists of DataFrame and the rows of `Road.run`."""
+    rng = np.random.default_rng(seed)
+    t = STEP * np.arange(round(seconds / STEP))
+    wanted = [demands(kind, t, rng, each) for kind, each in zip(kinds, hard, strict=True)]
+    steer, speed = np.stack([pair[0] for pair in wanted], axis=1), np.stack([pair[1] for pair in wanted], axis=1)
+    rows = Road(truths, tire).run(steer, speed)
+    return logs(rows, steer, truths, rng), rows
+
+
+def drawn_truth(rng):
+    """Return a truth: factors within -40 to +20 %, errors of the car as large as a workshop's."""
+    factors = {
+        axle: {
+            "LMUX": rng.uniform(0.7, 1.1),
+            "LMUY": rng.uniform(0.6, 1.1),
+            "LKX": rng.uniform(0.8, 1.2),
+            "LKY": rng.uniform(0.75, 1.2),
+        }
+        for axle in ("front", "rear")
+    }
+    factors["rear"]["LMUY"] = factors["front"]["LMUY"] * rng.uniform(0.97, 1.1)  # a car that does not spin
+    factors["rear"]["LKY"] = factors["front"]["LKY"] * rng.uniform(0.97, 1.15)
+    spread = {
+        "mass": 0.03,
+        "cg_to_front": 0.03,
+        "yaw_inertia": 0.1,
+        "cg_height": 0.1,
+        "radius_front": 0.005,
+        "radius_rear": 0.005,
+    }
+    car = {name: CAR[name] * (1 + spread[name] * rng.standard_normal()) for name in spread}
+    return Truth(factors, car, steer_log_delay=rng.normal(0.0, 0.02))
+
+
+def used_share(rows, truth, i, axle):
+    """Return the largest side force of an axle over its peak, exceeded for half a second in a drive."""
+    car = {**CAR, **truth.car}
+    lf = car["cg_to_front"]
+    lr = car["wheelbase"] - lf
+    sign, arm = (1.0, lr) if axle == "front" else (-1.0, lf)
+    force = (arm * car["mass"] * rows["ay"][:, i] + sign * car["yaw_inertia"] * rows["turning"][:, i]) / car[
+        "wheelbase"
+    ]
+    load = car["mass"] * G * arm / car["wheelbase"]
+    peak = (TIRE["PDY1"] + TIRE["PDY2"] * (load / 2 / TIRE["FNOMIN"] - 1.0)) * truth.factors[axle]["LMUY"] * load
+    return float(np.sort(np.abs(force) / peak)[-round(0.5 / STEP)])
+
+
+def car_content():
+    """Return the content of the car file that belongs to `CAR`."""
+    body = (
+        "mass",
+        "wheelbase",
+        "cg_to_front",
+        "cg_height",
+        "track_front",
+        "track_rear",
+        "yaw_inertia",
+        "front_roll_share",
+    )
+    return {
+        "body": {name: CAR[name] for name in body},
+        "steering": {"ratio": CAR["ratio"]},
+        "wheels": {name: CAR[name] for name in ("radius_front", "radius_rear")},
+        "sensors": {"x": 0.15, "y": -0.1},
+    }
+
+
+def file_tire():
+    """Return the tire of the file, without factors."""
+    from tirefmu import Tire
+
+    combined = {"RBX1": 8.0, "RCX1": 1.0, "RBY1": 8.0, "RCY1": 1.0}
+    effects = ("load_friction", "load_stiffness", "combined_Gxa", "combined_Gyk")
+    return Tire("mf61", {**TIRE, **combined}, effects=effects)

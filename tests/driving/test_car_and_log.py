@@ -1,0 +1,112 @@
+"""The car file and the log: what is read, with which uncertainty, and one clear line for what cannot be used."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+
+import numpy as np
+import pandas as pd
+import pytest
+import road
+from scipy.io import savemat
+
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.cli import main
+from tirefmu.driving.inputs.car import Car, read_car
+from tirefmu.driving.inputs.car_entries import ENTRIES, SECTIONS, car_schema, example_text
+from tirefmu.driving.inputs.log import read_log
+
+
+def test_the_example_is_a_car_and_follows_the_schema(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["drive", "--example", "--quiet"]) == 0
+    assert main(["drive", "--schema", "car.schema.json", "--quiet"]) == 0
+    car = read_car("car.toml")
+    assert car.values == {name: entry.example for name, entry in ENTRIES.items()}
+    assert car.uncertainties["mass"] == pytest.approx(33.0)
+    schema = json.loads((tmp_path / "car.schema.json").read_text(encoding="utf-8"))
+    assert schema == car_schema()
+    for section, content in tomllib.loads(example_text()).items():
+        assert set(content) <= set(schema["properties"][section].get("properties", {}))
+    assert {name: set(of["properties"]) for name, of in schema["properties"].items() if name != "columns"} == {
+        name: set(keys) for name, keys in SECTIONS.items() if name != "columns"
+    }
+
+
+def test_axle_masses_give_mass_and_position():
+    content = road.car_content()
+    del content["body"]["mass"], content["body"]["cg_to_front"]
+    content["body"] |= {"front_mass": 750.0, "rear_mass": 500.0}
+    car = Car.from_content(content, "car.toml")
+    assert car.values["mass"] == 1250.0
+    assert car.axle_loads == pytest.approx((750.0 * 9.80665, 500.0 * 9.80665))
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "value", "message"),
+    [
+        ("body", "mas", 1.0, "did you mean mass?"),
+        ("bodi", "mass", 1.0, "did you mean body?"),
+        ("body", "mass", "heavy", "[body] mass is 'heavy'"),
+        ("body", "mass", -3.0, "[body] mass is -3 kg"),
+        ("body", "mass", {"value": 1.0, "uncertainty": -1.0}, "not negative"),
+        ("body", "cg_to_front", 9.0, "negative"),
+        ("wheels", "driven", "left", "driven axle"),
+        ("steering", "map", [[0.0, 1.0]], "[steering] map"),
+        ("columns", "ay", 3, "expected the header"),
+    ],
+)
+def test_an_invalid_car_is_one_clear_line(section, key, value, message):
+    content = road.car_content()
+    content.setdefault(section, {})[key] = value
+    with pytest.raises(TirefmuError) as refusal:
+        Car.from_content(content, "car.toml")
+    assert message in str(refusal.value)
+    assert "car.toml" in str(refusal.value)
+
+
+def test_every_format_is_the_same_log(tmp_path):
+    t = np.arange(0.0, 10.0, 0.01)
+    table = pd.DataFrame({"t": t, "steer": np.sin(t), "speed": 10.0 + 0 * t, "yaw_rate": np.sin(t), "ay": np.cos(t)})
+    table.to_csv(tmp_path / "a.csv", index=False)
+    savemat(tmp_path / "a.mat", {name: table[name].to_numpy() for name in table})
+    logs = [read_log(table), read_log(tmp_path / "a.csv"), read_log(tmp_path / "a.mat")]
+    if pytest.importorskip("pyarrow"):
+        table.to_parquet(tmp_path / "a.parquet")
+        logs.append(read_log(tmp_path / "a.parquet"))
+    for log in logs[1:]:
+        for name, (times, values) in logs[0].channels.items():
+            np.testing.assert_allclose(log.channels[name], (times, values), rtol=1e-12)
+
+
+def test_mdf_channels_have_their_own_times(tmp_path):
+    asammdf = pytest.importorskip("asammdf", reason="the extra mdf is not installed")
+    fast, slow = np.arange(0.0, 10.0, 0.01), np.arange(0.0, 10.0, 0.05)
+    signals = [
+        asammdf.Signal(np.degrees(np.sin(fast)), fast, name="steer", unit="deg"),
+        asammdf.Signal(36.0 + 0 * slow, slow, name="speed", unit="km/h"),
+        asammdf.Signal(np.sin(fast), fast, name="yaw_rate", unit="rad/s"),
+        asammdf.Signal(np.cos(fast) / 9.80665, fast, name="ay", unit="g"),
+    ]
+    with asammdf.MDF() as file:
+        for signal in signals:
+            file.append([signal])
+        file.save(tmp_path / "a.mf4")
+    log = read_log(tmp_path / "a.mf4")
+    assert len(log.values("speed")) == len(slow)
+    np.testing.assert_allclose(log.values("speed"), 10.0)
+    np.testing.assert_allclose(log.values("steer"), np.sin(fast), atol=1e-12)
+    np.testing.assert_allclose(log.values("ay"), np.cos(fast), atol=1e-12)
+
+
+def test_units_and_other_names(tmp_path):
+    t = np.arange(0.0, 10.0, 0.01)
+    table = pd.DataFrame({"time": t, "steer [deg]": np.degrees(np.sin(t)), "v (km/h)": 36.0 + 0 * t})
+    table = table.assign(**{"yaw_rate [deg/s]": 1.0 + 0 * t, "ay": t})
+    log = read_log(table, {"t": "time", "speed": "v"})
+    np.testing.assert_allclose(log.values("steer"), np.sin(t), atol=1e-12)
+    np.testing.assert_allclose(log.values("speed"), 10.0)
+    np.testing.assert_allclose(log.values("yaw_rate"), np.radians(1.0))
+    with pytest.raises(TirefmuError, match="no column 'vv' for speed"):
+        read_log(table, {"t": "time", "speed": "vv"})

@@ -1,0 +1,55 @@
+"""Laws of the two-track vehicle: statics, mirror symmetry, agreement with the independent program."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import road
+
+from tirefmu.tires.code.modules import two_track
+
+BODY = (1250.0, 1700.0, 1.2, 1.3, 1.5, 1.48, 0.52, 0.56, 0.0)
+
+
+def wheels(vx=15.0, vy=0.0, r=0.0, ax=0.0, vy_dot=0.0, r_dot=0.0, steer=0.0):
+    return np.array(two_track.wheels(vx, vy, r, ax, vy_dot, r_dot, steer, *BODY)).reshape(3, 4)
+
+
+def test_loads_are_the_weight_and_straight_running_has_no_slip():
+    alpha, speed, load = wheels()
+    assert load.sum() == pytest.approx(1250.0 * 9.80665)
+    assert not alpha.any()
+    np.testing.assert_allclose(speed, 15.0)
+    assert wheels(ax=3.0)[2].sum() == pytest.approx(load.sum())  # a transfer creates no load
+
+
+def test_a_mirrored_motion_has_mirrored_wheels():
+    one = wheels(vy=-0.3, r=0.4, vy_dot=0.2, r_dot=0.5, steer=0.05)
+    other = wheels(vy=0.3, r=-0.4, vy_dot=-0.2, r_dot=-0.5, steer=-0.05)
+    swapped = one[:, [1, 0, 3, 2]]
+    np.testing.assert_allclose(other, swapped * np.array([[-1.0], [1.0], [1.0]]))
+
+
+def test_balance_vanishes_for_the_rates_that_the_forces_cause():
+    forces = np.array([200.0, 150.0, -300.0, -250.0, 900.0, 1400.0, 800.0, 1300.0])
+    motion, steer = (14.0, -0.2, 0.35), 0.04
+    rates = two_track.accelerations(*motion, steer, *BODY, *forces)
+    np.testing.assert_allclose(two_track.balance(*motion, *rates, steer, *BODY, *forces)[4:], 0.0, atol=1e-9)
+
+
+def test_slips_and_loads_are_those_of_the_independent_program():
+    same = {axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}
+    seen = {}
+
+    def tire(kappa, alpha, Fz, factors):
+        seen.update(alpha=alpha[:, 0], Fz=Fz[:, 0])
+        return road.tire_forces(kappa, alpha, Fz, factors)
+
+    program = road.Road([road.Truth(same, {})], tire)
+    state = np.array([14.0, -0.2, 0.35, *[14.0 / 0.3] * 4])[:, None]
+    program.last = np.zeros(1), np.zeros(1)
+    for _ in range(5):  # until the loads follow from the accelerations that they cause
+        rates, program.last, _ = program.rates(state, np.array([0.04]), np.zeros((4, 1)))
+    alpha, _, load = wheels(14.0, -0.2, 0.35, *rates[:3, 0], 0.04)
+    np.testing.assert_allclose(alpha, seen["alpha"], atol=1e-12)
+    np.testing.assert_allclose(load, seen["Fz"], rtol=1e-4)
