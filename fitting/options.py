@@ -47,6 +47,9 @@ class FitOptions:
     stiffness_weight : float
         Weight of the slip stiffness that is read from the data at each load, as a number of independent rows; 0: it is
         not fitted (`docs/stiffness.md`).
+    temperature : str, optional
+        The recorded temperature of the tread, deg C, to which the effect ``temperature`` is fitted after the forces; by
+        default ``T`` if `effects` has this effect (`tirefmu.fitting.temperature`).
     constraints, without_constraints : collection of str
         Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
@@ -63,6 +66,7 @@ class FitOptions:
     screening: bool = True
     rows: str = "condition"
     stiffness_weight: float = STIFFNESS_WEIGHT
+    temperature: str | None = None
     constraints: Collection[str] = ()
     without_constraints: Collection[str] = ()
 
