@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery drives compare-methods awkward recovery planning family real wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery drives compare-methods awkward recovery planning family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -75,6 +75,9 @@ family: $(VENV)/installed-dev  ## fits with a family, leaving one of 30 made tir
 
 real: $(VENV)/installed-dev  ## the diagnosis on the measured recordings in TIREFMU_DATA, judged on hold-out sweeps
 	$(BIN)/python benchmarks/real_discovery.py $(REAL_ARGS)
+
+temperature: $(VENV)/installed-dev  ## errors of predicted temperatures: the recordings in TIREFMU_DATA, 30 made ones; docs/temperature.md
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/temperature.py $(TIREFMU_DATA)
 
 wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 compared with the Linux binary
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"

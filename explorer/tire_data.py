@@ -19,7 +19,8 @@ _SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-"
 #: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
 RANGES = {
     "kappa": (-0.3, 0.3), "alpha": (-0.25, 0.25), "gamma": (-0.15, 0.15), "V": (0.0, 60.0), "phit": (-0.2, 0.2),
-    "T": (0.0, 120.0), "t": (0.0, 600.0), "distance": (0.0, 5000.0),
+    "T": (0.0, 120.0), "T_ambient": (253.15, 333.15), "T_road": (253.15, 353.15), "t": (0.0, 600.0),
+    "distance": (0.0, 5000.0),
 }  # fmt: skip
 #: Range of an input that is positive, as shares of its nominal value.
 SHARES = (0.1, 2.5)
@@ -115,7 +116,8 @@ def _state(tire: Tire, name: str) -> dict[str, Any]:
     ]
     return {
         "name": name, "text": excerpt(state.description or name), "unit": "" if state.unit == "1" else state.unit,
-        "settles": state.settles, "declares_start": state.has_start_value, "target": target, "start": start,
+        "settles": state.settles, "declares_start": state.has_start_value, "observed": state.observed,
+        "target": target, "start": start,
         "lines": state.line_names, "effects": effects,
     }  # fmt: skip
 

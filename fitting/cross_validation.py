@@ -24,6 +24,7 @@ from .fit import fit
 from .problem.rows import Rows
 from .results.fit_result import FitResult
 from .results.records import HeldOut
+from .temperature.selection import settings_of_forces
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -83,6 +84,7 @@ def cross_validate(
         If there are fewer than two folds, or fewer operating conditions than folds in every recording.
     """
     recordings = recordings_from(tables, signs=options.pop("signs", None))
+    options = settings_of_forces(options)
     parts = assign_folds(recordings, folds, seed)
     whole = fit(recordings, model, **options) if whole is None else whole
     model = whole.tire.model

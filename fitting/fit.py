@@ -21,6 +21,8 @@ from .results.checkpoint import Checkpoint
 from .results.fit_result import FitResult
 from .setup import FEATURES, Plan, Setup
 from .solvers.interruption import Interruption, Progress
+from .temperature.selection import forces_alone, temperature_column, with_temperature
+from .temperature.temperature_fit import fit_temperature
 
 
 def fit(
@@ -89,7 +91,9 @@ def fit(
     ('iso', np.True_)
     """
     began = time.perf_counter()
-    plan = Plan.of(model, start, replace(options or FitOptions(), **settings))
+    options = replace(options or FitOptions(), **settings)
+    column = temperature_column(options)
+    plan = Plan.of(model, start, forces_alone(options))
     if resume and checkpoint is None:
         raise FitError("resume requires the file of the completed stages (checkpoint)")
     recordings = recordings_from(tables, signs=signs)
@@ -99,6 +103,7 @@ def fit(
         check_convention(recording)
     names = [recording.source for recording in recordings]
     setup = Setup.of(plan, recordings)
+    heated = with_temperature(recordings, column) if column else []
     del recordings, recording  # much memory, if the caller has no reference
     saved = Checkpoint(Path(checkpoint), _identity(setup)) if checkpoint else None
     with Interruption(progress) as interruption, one_blas_thread():
@@ -109,7 +114,11 @@ def fit(
         run.run(saved)
     interruption.raise_failure()
     with one_blas_thread():
-        return run.result(names, time.perf_counter() - began).in_signs("iso")
+        result = run.result(names, time.perf_counter() - began).in_signs("iso")
+        if not (column and not result.run.interrupted):
+            return result
+        tire, temperature = fit_temperature(result.tire, heated, column)
+        return replace(result, tire=tire, temperature=temperature)
 
 
 def _identity(setup: Setup) -> dict[str, str]:

@@ -51,6 +51,9 @@ class FitOptions:
     family : path or Tire, optional
         A folder of .tir files of similar tires, a tire or the name of a published tire: the prior of the coefficients
         (`tirefmu.fitting.family`). Its mean is the start tire unless one is given.
+    temperature : str, optional
+        The recorded temperature of the tread, deg C, to which the effect ``temperature`` is fitted after the forces; by
+        default ``T`` if `effects` has this effect (`tirefmu.fitting.temperature`).
     constraints, without_constraints : collection of str
         Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
@@ -68,6 +71,7 @@ class FitOptions:
     rows: str = "condition"
     stiffness_weight: float = STIFFNESS_WEIGHT
     family: TireLike | None = None
+    temperature: str | None = None
     constraints: Collection[str] = ()
     without_constraints: Collection[str] = ()
 

@@ -19,7 +19,7 @@ class Channel:
     meaning : str
         What is measured.
     unit, quantity : str
-        The SI unit (deg C for T) and the physical quantity.
+        The SI unit (deg C for T) and the physical quantity; "absolute temperature" is in kelvin.
     role : str
         "input" (imposed by the bench) or "output" (response of the tire).
     bench_names : tuple of str
@@ -77,6 +77,14 @@ _DECLARATIONS = (
         "T", "temperature at the tread's center", "deg C", "temperature", "input", ("TSTC",),
         ("temperature", "tread_temperature", "tire_temperature", "tyre_temperature"), (-80.0, 250.0), 2.0,
     ),
+    Channel(
+        "T_ambient", "temperature of the air around the tire", "K", "absolute temperature", "input", ("AMBTMP",),
+        ("ambient_temperature", "air_temperature"), (200.0, 350.0), 2.0,
+    ),
+    Channel(
+        "T_road", "temperature of the surface of the road", "K", "absolute temperature", "input", ("RST",),
+        ("road_temperature", "road_surface_temperature", "track_temperature"), (200.0, 400.0), 2.0,
+    ),
     Channel("phit", "turn slip", "1/m", "curvature", "input", (), ("turn_slip",), tolerance=0.01),
     Channel("Fx", "longitudinal force", "N", "force", "output", ("FX",), ("longitudinal_force", "tractive_force")),
     Channel("Fy", "lateral force", "N", "force", "output", ("FY",), ("lateral_force", "side_force")),
@@ -90,8 +98,8 @@ _DECLARATIONS = (
 CHANNELS: dict[str, Channel] = {declared.name: declared for declared in _DECLARATIONS}
 INPUTS: tuple[str, ...] = tuple(declared.name for declared in _DECLARATIONS if declared.role == "input")
 OUTPUTS: tuple[str, ...] = tuple(declared.name for declared in _DECLARATIONS if declared.role == "output")
-#: The inputs that a bench controls. Time and temperature are not controlled.
-CONTROLLED_INPUTS: tuple[str, ...] = tuple(name for name in INPUTS if name not in ("t", "T"))
+#: The inputs that a bench controls. Time and temperatures are not controlled.
+CONTROLLED_INPUTS: tuple[str, ...] = tuple(name for name in INPUTS if name not in ("t", "T", "T_ambient", "T_road"))
 
 
 def channel(name: str) -> Channel:

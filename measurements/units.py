@@ -20,7 +20,7 @@ class Unit:
     """A unit: its physical quantity and its conversion to SI units.
 
     `quantity`: "angle", "force", "pressure", ... `factor`, `offset`: value_SI = factor * value + offset. Temperatures
-    are converted to deg C.
+    are converted to deg C; as the quantity "absolute temperature" to kelvin.
     """
 
     quantity: str
@@ -68,6 +68,8 @@ UNITS: dict[str, Unit] = {
     **dict.fromkeys(("m/s2", "m/s^2"), Unit("acceleration")),
     "g": Unit("acceleration", GRAVITY),
 }
+#: The quantity of a temperature in kelvin, and 0 deg C in kelvin.
+ABSOLUTE, ZERO_CELSIUS = "absolute temperature", 273.15
 _IGNORED = str.maketrans("", "", " -.*_\u00b0\u00b7")
 
 
@@ -84,7 +86,7 @@ def unit_named(spelling: str) -> Unit:
 
 
 def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDArray[np.float64]:
-    """Return values in SI units (temperatures in deg C).
+    """Return values in SI units (temperatures in deg C, absolute temperatures in K).
 
     Parameters
     ----------
@@ -115,6 +117,8 @@ def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDAr
     np.float64(60.0)
     """
     unit = unit_named(spelling)
+    if quantity == ABSOLUTE and unit.quantity == "temperature":
+        unit = Unit(ABSOLUTE, unit.factor, unit.offset + ZERO_CELSIUS)
     if quantity is not None and unit.quantity != quantity:
         raise DataError(f"unit {spelling.strip()!r} measures {unit.quantity}, not {quantity}")
     array = np.asarray(values, dtype=np.float64)

@@ -25,7 +25,9 @@ TEMPERATURE = Quantity("T", "degC", "temperature of the tread", "TREF", 50.0)
 DISTANCE = Quantity("distance", "m", "distance rolled since the recording began", 0.0, 1000.0, lower=0.0)
 #: The speed, for effects with states in a model that does not read it.
 OWN_SPEED = replace(V, nominal=V.typical)
-BEYOND = {quantity.name: quantity for quantity in (TEMPERATURE, DISTANCE)}
+AMBIENT = Quantity("T_ambient", "K", "temperature of the air around the tire", 293.15, 300.0)
+ROAD = Quantity("T_road", "K", "temperature of the surface of the road", 293.15, 300.0)
+BEYOND = {quantity.name: quantity for quantity in (TEMPERATURE, DISTANCE, AMBIENT, ROAD)}
 
 FX = Quantity("Fx", "N", "longitudinal force", typical=1000.0)
 FY = Quantity("Fy", "N", "side force", typical=1000.0)

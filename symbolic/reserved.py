@@ -56,7 +56,7 @@ _TIR_SECTIONS = frozenset(["added", "about", "ranges", "assumed", "kept_units"])
 
 _COEFFICIENT = re.compile("[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
 _EFFECT = re.compile("[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
-_STATE = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_STATE = re.compile("([A-Z]_)?[a-z][a-z0-9]*(_[a-z0-9]+)*")
 #: Names in generated code that a state would hide: functions of C and NumPy in lower case, arguments, results.
 _HIDDEN = re.compile(
     "(a|f|l|ll)?(abs|sin|cos|tan|exp|log|sqrt|pow)[0-9a-z]*|(sin|cos|tan)h|j[01n]|y[01n]|(l|t)?gamma|erfc?|hypot|cbrt"
@@ -101,10 +101,10 @@ def no_state(name: str) -> str:
     """Return why a state cannot have a name, or an empty text if it can.
 
     >>> no_state("tread_heat"), no_state("exp"), no_state("Heat")
-    ('', 'is a name of the generated code', 'is not a word of small letters a-z, digits and single _')
+    ('', 'is a name of the generated code', 'is not a word of small letters a-z, digits and single _, such as T_gas')
     """
     if not _STATE.fullmatch(name):
-        return "is not a word of small letters a-z, digits and single _"
+        return "is not a word of small letters a-z, digits and single _, such as T_gas"
     if _PROGRAM.fullmatch(name):
         return "is a name of the program"
     return "is a name of the generated code" if _HIDDEN.fullmatch(name) else _in_general(name)

@@ -64,6 +64,8 @@ def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
         yield bootstrap_summary(result.bootstrap)
     if result.held_out:
         yield _held_out(result)
+    if result.temperature:
+        yield result.temperature.text()
     if result.findings.stiffnesses:
         yield _stiffnesses(result)
     if every or not all(stage.converged for stage in result.stages):

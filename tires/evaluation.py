@@ -17,7 +17,7 @@ from .definition import TireDefinition
 from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
 from .states import StateSimulation, equilibrium
-from .transient import lagged_course, rolled_distance
+from .transient import lagged_course, rolled_distance, with_pauses
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -178,6 +178,9 @@ def _acting(
     if not tire.lags and not tire.states:
         return rows, ()
     t, hold = _finite(table["t"], "t"), conventions.hold
+    given = np.arange(len(t))
+    if not hold and any(tire.symbolic_model.states[name].observed for name in tire.states):
+        t, rows, given = with_pauses(t, rows, [tire.inputs.index(name) for name in ("kappa", "alpha")])
     slips = {}
     if tire.lags:
         named = dict(zip(tire.inputs, rows, strict=True))
@@ -190,7 +193,7 @@ def _acting(
     fitted = [name for name in tire.states if tire.symbolic_model.states[name].start_is_fitted and name in table]
     starts = {name: rows[tire.inputs.index(name)] for name in fitted}
     simulation = StateSimulation(tire.symbolic_model, code, t, rows, parameters, hold, slips, tire.states, starts)
-    return simulation.acting(), tuple(slips)
+    return simulation.acting()[:, given], tuple(slips)
 
 
 def _turned(rows: FloatArray, names: Collection[str], mirror: bool) -> FloatArray:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: The input columns of the public tables; a model reads those that it has.
-TABLE_INPUTS = ("t", "kappa", "alpha", "gamma", "Fz", "p", "V", "T", "phit")
+TABLE_INPUTS = ("t", "kappa", "alpha", "gamma", "Fz", "p", "V", "T", "T_ambient", "T_road", "phit")
 #: The output columns of the public tables.
 TABLE_OUTPUTS = ("Fx", "Fy", "Mz", "Mx", "My")
 #: The columns that each convention writes with the opposite sign of ``iso``.

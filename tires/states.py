@@ -342,6 +342,8 @@ def equilibrium(
 ) -> FloatArray:
     """Return inputs with every state in equilibrium at constant inputs; a state that has none is at its start value.
 
+    So is an observed state with a start value: a wheel in steady slip would heat far beyond any use of a tire.
+
     `rows`, shape (n_inputs, n). `parameters`, shape (n_parameters,). `names`: the states of the tire; the others are 0.
     `given`, shape (n,): values of states that are not computed. `start`: whether a state that declares a start value
     has that value, as at the start of a recording. Returns shape (n_inputs, n).
@@ -363,7 +365,7 @@ def equilibrium(
             target, _, first, _ = state.line_names
             if given and state.name in given:
                 after[k] = given[state.name][moving]
-            elif state.settles and not (start and state.has_start_value):
+            elif state.settles and not (state.has_start_value and (start or state.observed)):
                 after[k] = lines[target] if i == 0 else (before[k] + lines[target]) / 2.0
             else:
                 after[k] = lines[first]

@@ -17,6 +17,7 @@ from tirefmu.symbolic.quantities import AT_ONCE
 from .code.modules import state_laws
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,37 @@ def segment_starts(t: FloatArray) -> npt.NDArray[np.bool_]:
     forward = step[step > 0.0]
     longest = GAP * float(np.median(forward)) if len(forward) else np.inf
     return np.concatenate([[True], (step < 0.0) | (step > longest)])[: len(t)]
+
+
+#: A gap shorter than this has the inputs between its rows, s.
+SHORTEST_PAUSE = 1.0
+
+
+def pauses(t: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return whether the time after a row is a pause, in which a tire rolls without slip: a gap of a second or more.
+
+    `t`, shape (n,): time, s. Returns shape (n - 1,).
+
+    >>> pauses(np.array([0.0, 0.1, 0.2, 20.0, 20.1, 0.0])).tolist()
+    [False, False, True, False, False]
+    """
+    return segment_starts(t)[1:] & (np.diff(t) > SHORTEST_PAUSE)
+
+
+def with_pauses(t: FloatArray, rows: FloatArray, slips: list[int]) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return time and rows with a row without slip at each end of a pause, and the places of the given rows.
+
+    `t`, shape (n,): time, s. `rows`, shape (n_inputs, n). `slips`: indices of the slips in the rows.
+    """
+    before = np.flatnonzero(pauses(t))
+    edge = SHORTEST_PAUSE / 100.0
+    time = np.insert(t, np.repeat(before + 1, 2), np.stack([t[before] + edge, t[before + 1] - edge], axis=1).ravel())
+    given = np.arange(len(t)) + 2 * np.searchsorted(before, np.arange(len(t)), side="left")
+    source = np.insert(np.arange(len(t)), np.repeat(before + 1, 2), np.stack([before, before + 1], axis=1).ravel())
+    filled = rows[:, source]
+    added = np.isin(np.arange(len(time)), given, invert=True)
+    filled[slips] = np.where(added, 0.0, filled[slips])
+    return time, filled, given
 
 
 def followed(

@@ -11,7 +11,7 @@ import pandas as pd
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.boundary.escaping import figure_text
-from tirefmu.measurements import TableLike
+from tirefmu.measurements import TableLike, recordings_from
 from tirefmu.tires import TireLike
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
 from tirefmu.tires.drawing.labels import (
@@ -34,6 +34,7 @@ from ..results.intervals import band as confidence_band
 from ..results.records import quality
 from .load_figures import BANDS, data_text, friction_over_load, stiffness_over_load
 from .profile_figure import profile_curves
+from .temperature_figure import temperature_over_time
 
 #: Longitudinal slips at which a weighting function is drawn over the slip angle, and points of such a curve.
 WEIGHTING_LEVELS, CURVE_POINTS = 5, 201
@@ -72,7 +73,8 @@ def draw_figures(
     -------
     list of Path
         Of ``pure_Fx``, ``pure_Fy``, ``pure_Mz``, ``combined``, ``weighting``, ``stiffness``, ``friction``,
-        ``residuals_over_inputs``, ``residuals`` (over time) and ``profile_likelihood`` those for which there are data.
+        ``residuals_over_inputs``, ``residuals`` (over time), ``profile_likelihood`` and ``temperature`` those for which
+        there are data.
 
     Raises
     ------
@@ -120,6 +122,9 @@ def figures_of(
         ),
         _residuals(comparison),
         profile_curves(tire) if isinstance(tire, FitResult) and tire.profiles else None,
+        temperature_over_time(tire.tire, tire.temperature, recordings_from(recordings))
+        if isinstance(tire, FitResult) and tire.temperature
+        else None,
     ]
     return [figure for figure in drawn if figure]
 

@@ -19,6 +19,7 @@ from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
 from ..evidence.uncertainty import Direction
+from ..temperature.fitted_temperature import FittedTemperature
 from .intervals import interval, listed_intervals
 from .records import ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
 from .resampled import Bootstrap, Profile
@@ -65,6 +66,8 @@ class FitResult:
         Percentile intervals, if requested.
     profiles : tuple of Profile
         Profile likelihoods, if requested.
+    temperature : FittedTemperature or None
+        The fit of the heat balance to recorded temperatures, if requested.
     solution : FitSolution
         What `findings`, `interval`, bootstrap and profiles are computed from.
     """
@@ -83,6 +86,7 @@ class FitResult:
     covariance: pd.DataFrame = field(default_factory=pd.DataFrame, compare=False)
     bootstrap: Bootstrap | None = None
     profiles: tuple[Profile, ...] = ()
+    temperature: FittedTemperature | None = None
     solution: FitSolution = field(default_factory=FitSolution, repr=False, compare=False)
 
     @property
@@ -244,6 +248,7 @@ class FitResult:
         plain["intervals"] = list(listed_intervals(self))
         plain["bootstrap"] = self.bootstrap and self.bootstrap.to_json()
         plain["profiles"] = [vars(each) for each in self.profiles]
+        plain["temperature"] = self.temperature and self.temperature.record()
         plain["margins_signs"] = "adapted-sae"
         plain["notes"] = list(self.notes)
         plain["data_findings"] = [vars(finding) for finding in self.data_findings]

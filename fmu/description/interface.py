@@ -199,13 +199,17 @@ def interface(
 
 
 def _memory_state(tire: Tire, name: str) -> Variable:
-    """Return the state of an effect: in equilibrium at the start, or at a value that the host can set."""
+    """Return the state of an effect: in equilibrium at the start, or at a value that the host can set.
+
+    An observed state is an output.
+    """
     state = tire.symbolic_model.states[name]
     start = None
     if state.has_start_value or not state.settles:
         start = float(quantities_of(tire, {})[f"{name}_start"])
     what = state.description or f"state {name}"
-    return Variable(name, "local", state.unit, what, start=start, nominal=1.0, group="state")
+    causality, typical = ("output", 300.0) if state.observed else ("local", 1.0)
+    return Variable(name, causality, state.unit, what, start=start, nominal=typical, group="state")
 
 
 def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
@@ -301,6 +305,8 @@ def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) ->
     states = spin | {variable.name for variable in variables if variable.group == "state"}
 
     def causes(variable: Variable) -> set[str]:
+        if variable.group == "state":
+            return {variable.name}
         if variable.group == "input":  # the plane of a road inside the FMU, or the spin
             return spin if variable.name in spin else inputs
         if kind in HUB or is_indicator(variable):  # at a hub the load depends on the slips, and all else on the load
@@ -315,7 +321,7 @@ def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) ->
         variable
         for variable in variables
         if variable.group in ("motion", "force", "extra", "derivative")
-        or (variable.group == "input" and variable.causality == "output")
+        or (variable.group in ("input", "state") and variable.causality == "output")
     ]
     with_causes = {
         variable.name: replace(

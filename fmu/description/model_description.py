@@ -21,6 +21,11 @@ LOG_CATEGORIES = {
     "logStatusError": "a call was rejected: not allowed, not supported, or with a pointer that is NULL",
 }
 
+#: The display units that a description offers, by unit: display value = factor x value + offset.
+DISPLAY_UNITS = {
+    "rad": {"name": "deg", "factor": repr(57.29577951308232)},
+    "K": {"name": "degC", "offset": repr(-273.15)},
+}
 #: The value of fmiVersion, and the attribute with the token, by FMI version.
 VERSION_ATTRIBUTES = {2: ("2.0", "guid"), 3: ("3.0", "instantiationToken")}
 
@@ -150,13 +155,15 @@ def _units(root: ET.Element, variables: Sequence[Variable]) -> None:
     for unit in dict.fromkeys(variable.unit for variable in variables):
         element = ET.SubElement(definitions, "Unit", {"name": unit})
         ET.SubElement(element, "BaseUnit", {name: repr(power) for name, power in base_unit(unit).items()})
-        if unit == "rad":
-            ET.SubElement(element, "DisplayUnit", {"name": "deg", "factor": repr(57.29577951308232)})
+        if unit in DISPLAY_UNITS:
+            ET.SubElement(element, "DisplayUnit", DISPLAY_UNITS[unit])
 
 
 def _numbers(variable: Variable) -> dict[str, str]:
     """Return the numeric attributes of a variable, equal in both versions."""
     numbers = {"unit": variable.unit}
+    if variable.unit == "K":
+        numbers["displayUnit"] = DISPLAY_UNITS["K"]["name"]
     if isfinite(variable.lower):
         numbers["min"] = repr(float(variable.lower))
     if isfinite(variable.upper):

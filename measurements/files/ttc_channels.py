@@ -22,9 +22,16 @@ from .columns import check_finite, in_si
 MANDATORY = ("ET", "SA", "IA", "FZ")
 _SI = {
     "time": "sec", "ratio": "none", "angle": "deg", "force": "N", "pressure": "kPa", "speed": "kph",
-    "temperature": "deg C", "moment": "N-m",
+    "temperature": "deg C", "absolute temperature": "deg C", "moment": "N-m",
 }  # fmt: skip
-_USCS = _SI | {"force": "lb", "pressure": "psi", "speed": "mph", "temperature": "deg F", "moment": "lb-ft"}
+_USCS = _SI | {
+    "force": "lb",
+    "pressure": "psi",
+    "speed": "mph",
+    "temperature": "deg F",
+    "absolute temperature": "deg F",
+    "moment": "lb-ft",
+}
 _BENCH_NAMES = {name: channel for channel in CHANNELS.values() for name in channel.bench_names}
 
 

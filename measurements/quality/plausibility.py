@@ -30,6 +30,8 @@ _PROBABLE_UNITS = {
     "gamma": ("deg", "in degrees"),
     "V": ("km/h", "in km/h"),
     "T": ("K", "in kelvin"),
+    "T_ambient": ("deg C", "in deg C"),
+    "T_road": ("deg C", "in deg C"),
 }
 
 #: Degrees of a radian.

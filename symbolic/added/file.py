@@ -92,7 +92,8 @@ def _checked_state(state: State, location: str) -> State:
 
     written = {key: formula_text(formula(text, f"{location} {key}")) for key, text in state.formulas()}
     drive = (written.pop("drive"),) if "drive" in written else state.drive
-    return replace(state, drive=drive, **written)
+    changed: dict[str, Any] = {"drive": drive, **written}
+    return replace(state, **changed)
 
 
 def _effect(table: dict[str, Any], source: str) -> AddedEffect:

@@ -43,6 +43,7 @@ class State:
     - `start`: a formula of coefficients for the value at the start of a recording. If empty, a lag, a heat balance and
       an oscillator start in equilibrium with the first row, and other states at 0. "fitted": so do they in a tire, but
       a fit and a diagnosis estimate the value at the start of each segment of a recording.
+    - `observed`: whether its value is a result of the tire, in addition to the forces.
 
     >>> late = State("late_load", "lag", ("Fz",), length="LATE", unit="N")
     >>> sorted(late.reads), late.reads_only({"Fz", "V"}, {"LATE"})
@@ -61,6 +62,7 @@ class State:
     start: str = ""
     description: str = ""
     unit: str = "1"
+    observed: bool = False
 
     @property
     def line_names(self) -> tuple[str, ...]:

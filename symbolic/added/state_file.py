@@ -13,7 +13,8 @@ from .detection_file import known_keys
 from .state import FITTED, KINDS, PATHS, SPEED, WITH_FITTED_START, State, with_speeds
 
 #: Keys of the table of a state, in the order in which they are written.
-KEYS = ("kind", "drive", "rate", "length", "width", "ambient", "frequency", "damping", "start", "unit", "description")
+KEYS = ("kind", "drive", "rate", "length", "width", "ambient", "frequency", "damping", "start", "unit", "description",
+        "observed")  # fmt: skip
 
 
 def read_states(tables: object, source: str) -> tuple[State, ...]:
@@ -49,13 +50,24 @@ def _state(name: str, table: object, location: str) -> State:
     for alternatives in required:
         if sum(key in table for key in alternatives) != 1:
             raise EffectError(f"{location}: {article} {kind} requires {' or '.join(alternatives)}")
-    allowed = {"kind", "drive", "unit", "description", *optional, *(key for keys in required for key in keys)}
+    allowed = {
+        "kind",
+        "drive",
+        "unit",
+        "description",
+        "observed",
+        *optional,
+        *(key for keys in required for key in keys),
+    }
     for key in sorted(table.keys() - allowed):
         raise EffectError(f"{location}: {article} {kind} has no {key}{nearest(key, sorted(allowed))}")
     if table.get("start") == FITTED and kind not in WITH_FITTED_START:
         raise EffectError(f"{location}: {article} {kind} has no fitted start")
-    texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive"}}
-    return State(name, kind, _drive(table, kind, location), **texts)
+    observed = table.get("observed", False)
+    if not isinstance(observed, bool):
+        raise EffectError(f"{location}: observed is neither true nor false")
+    texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive", "observed"}}
+    return State(name, kind, _drive(table, kind, location), observed=observed, **texts)
 
 
 def _drive(table: dict[str, Any], kind: str, location: str) -> tuple[str, ...]:
@@ -84,5 +96,6 @@ def states_text(states: Sequence[State]) -> list[str]:
         drives = [toml_string(drive) for drive in state.drive]
         lines += ["", f"[states.{state.name}]", f"kind = {toml_string(state.kind)}"]
         lines.append(f"drive = {drives[0]}" if len(drives) == 1 else f"drive = [{', '.join(drives)}]")
-        lines += [f"{key} = {toml_string(text)}" for key in KEYS[2:] if (text := getattr(state, key))]
+        lines += [f"{key} = {toml_string(text)}" for key in KEYS[2:-1] if (text := getattr(state, key))]
+        lines += ["observed = true"] if state.observed else []
     return lines

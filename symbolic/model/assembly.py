@@ -13,13 +13,15 @@ from tirefmu.boundary.escaping import quoted
 from ..added import AddedEffect
 from ..declarations import Effect
 from ..notation import Chapter, Equation, Variant
+from ..quantities import BEYOND
+from .extension import acting_name
 from .lines import reaching, replaced
 
 
 def assembled(
     model: str,
     chapters: Sequence[Chapter],
-    added: Iterable[AddedEffect],
+    added: Sequence[AddedEffect],
     quantities: Mapping[str, str],
     outputs: Collection[str],
 ) -> tuple[Equation, ...]:
@@ -31,12 +33,15 @@ def assembled(
     """
     written = (equation for chapter in chapters for equation in chapter.equations)
     lines = [replace(line, expression=_own(line.expression, model)) for line in written]
+    acting = _acting_inputs(added)
+    lines = [*acting.values(), *lines]
     for effect in added:
         lines = _acted_on(lines, effect, quantities)
+    lines = _reading(lines, acting)
     if any(effect.states for effect in added):
         from .state_lines import state_lines
 
-        lines += state_lines(tuple(added))
+        lines += state_lines(added)
     return tuple(reaching(lines, set(outputs) | {line.symbol.name for line in lines if line.named}))
 
 
@@ -53,7 +58,7 @@ def check_reads(
     `known`: inputs and coefficients.
     """
     lines, before = list(lines), set(known)
-    acts = [(act, _places(quantities.get(act.on, act.on), lines, effect)) for effect in added for act in effect.acts]
+    acts = [(act, _places(_target(act.on, quantities), lines, effect)) for effect in added for act in effect.acts]
     for line in lines:
         acting = [act for act, places in acts if line.symbol.name in places]
         for name in sorted({name for act in acting for name in act.reads} - before):
@@ -67,9 +72,30 @@ def _own(expression: sp.Expr, model: str) -> sp.Expr:
     return replaced(expression, Variant, lambda name, own, others: own if name.name == model else others)
 
 
+def _acting_inputs(added: Sequence[AddedEffect]) -> dict[sp.Symbol, Equation]:
+    """Return, by input, a line for each input on which effects act: the value that other lines read in its place."""
+    eq, names = Chapter("Inputs"), dict.fromkeys(act.on for effect in added for act in effect.acts if act.on in BEYOND)
+    for name in names:
+        quantity = BEYOND[name]
+        eq("tirefmu", _target(name, {}), quantity.symbol, quantity.unit, f"{quantity.description}, as it acts")
+    return {BEYOND[name].symbol: line for name, line in zip(names, eq.equations, strict=True)}
+
+
+def _reading(lines: list[Equation], acting: Mapping[sp.Symbol, Equation]) -> list[Equation]:
+    """Let lines read the acting value of inputs; the lines that determine an acting value read the input itself."""
+    symbols = {read: line.symbol for read, line in acting.items()}
+    first = max((i + 1 for i, line in enumerate(lines) if line.symbol in symbols.values()), default=0)
+    return [*lines[:first], *(replace(e, expression=e.expression.xreplace(symbols)) for e in lines[first:])]
+
+
+def _target(on: str, quantities: Mapping[str, str]) -> str:
+    """Return the line on which an act acts, for the name of a quantity, a role or an input beyond the book."""
+    return acting_name(on) if on in BEYOND else quantities.get(on, on)
+
+
 def _acted_on(lines: list[Equation], effect: AddedEffect, quantities: Mapping[str, str]) -> list[Equation]:
     """Insert an added effect into the lines of the quantities on which it acts."""
-    places = {on: _places(quantities.get(on, on), lines, effect) for on in effect.acts_on}
+    places = {on: _places(_target(on, quantities), lines, effect) for on in effect.acts_on}
     switch = Effect(effect.name, effect.physics, optional=True)
     changed = []
     for line in lines:

@@ -24,7 +24,7 @@ from ..detection import Detection
 from ..effects import EFFECTS
 from ..options import OPTIONS, signs
 from .declaration import ModelDeclaration
-from .extension import check_names, further_inputs, has_place
+from .extension import check_names, further_inputs, further_results, has_place
 from .structure import Structure, stored_structure
 
 if TYPE_CHECKING:
@@ -224,7 +224,9 @@ class Model(ModelDeclaration):
             lines = {line.symbol.name for line in self.equations}
             check_names(self.name, effects, quantities | lines, self._declared)
         inputs = (*self.inputs, *further_inputs(effects, self.inputs))
-        extended = replace(self, inputs=inputs, sections=(*self.sections, *sections_of(effects)), added=tuple(effects))
+        results = (*self.results, *further_results(effects))
+        sections = (*self.sections, *sections_of(effects))
+        extended = replace(self, inputs=inputs, sections=sections, results=results, added=tuple(effects))
         if stored is None:
             extended._check_added(known={quantity.name for quantity in inputs} | extended._declared.keys())
         else:

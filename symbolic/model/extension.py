@@ -22,7 +22,7 @@ def has_place(effect: AddedEffect, named: Collection[str], known: Collection[str
     readable = {*known, *BEYOND, *(declaration.name for declaration in effect.declarations)}
     if effect.states:
         readable |= {"V", SLIDING_POWER, *named, *(state.name for state in effect.states)}
-    return set(named).issuperset(effect.acts_on) and readable.issuperset(effect.reads)
+    return {*named, *BEYOND}.issuperset(effect.acts_on) and readable.issuperset(effect.reads)
 
 
 def further_inputs(effects: Sequence[AddedEffect], inputs: Iterable[Quantity]) -> tuple[Quantity, ...]:
@@ -34,6 +34,18 @@ def further_inputs(effects: Sequence[AddedEffect], inputs: Iterable[Quantity]) -
     states = {state.name: state for effect in effects for state in effect.states}
     memory = [Quantity(name, state.unit, state.description or name) for name, state in states.items()]
     return (*beyond, *memory)
+
+
+def further_results(effects: Sequence[AddedEffect]) -> tuple[str, ...]:
+    """Return the lines that effects add to the results of a model: of observed states, and of inputs as they act."""
+    observed = (line for effect in effects for state in effect.states if state.observed for line in state.line_names)
+    acting = (acting_name(name) for effect in effects for name in effect.acts_on if name in BEYOND)
+    return tuple(dict.fromkeys([*observed, *acting]))
+
+
+def acting_name(name: str) -> str:
+    """Return the line with the value of an input that the other lines read, after the effects that act on it."""
+    return f"{name}_acting"
 
 
 def check_names(model: str, effects: Sequence[AddedEffect], quantities: Iterable[str], declared: Iterable[str]) -> None:

@@ -5,7 +5,7 @@ import pytest
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.measurements.channels import CHANNELS, INPUTS, OUTPUTS, channel
 from tirefmu.measurements.column_names import intended_channel, unit_in_name
-from tirefmu.measurements.units import unit_named
+from tirefmu.measurements.units import to_si
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS
 
 
@@ -18,8 +18,7 @@ def test_declarations_are_the_columns_of_the_contract():
 @pytest.mark.parametrize("name", CHANNELS)
 def test_each_declaration_is_in_si_and_complete(name):
     declared = channel(name)
-    unit = unit_named(declared.unit)
-    assert (unit.quantity, unit.factor, unit.offset) == (declared.quantity, 1.0, 0.0)
+    assert to_si([1.0, 300.0], declared.unit, declared.quantity).tolist() == [1.0, 300.0]
     assert declared.meaning
     assert declared.limits[0] < declared.limits[1]
 
@@ -33,7 +32,8 @@ def test_no_alias_means_two_channels():
     ("column", "expected"),
     [
         ("ALPHA", "alpha"), ("aplha", "alpha"), ("alphas", "alpha"), ("gama", "gamma"), ("kapa", "kappa"),
-        ("SA", "alpha"), ("SL", "kappa"), ("FZ", "Fz"), ("ET", "t"), ("TSTC", "T"), ("slip angle", "alpha"),
+        ("SA", "alpha"), ("SL", "kappa"), ("FZ", "Fz"), ("ET", "t"), ("TSTC", "T"), ("AMBTMP", "T_ambient"),
+        ("RST", "T_road"), ("ambient temperature", "T_ambient"), ("slip angle", "alpha"),
         ("Camber", "gamma"), ("p_kPa", "p"), ("alpha (deg)", "alpha"), ("slip_angle_deg", "alpha"),
         ("Fz kN", "Fz"), ("FY", "Fy"), ("alpha [de[g]", "alpha"), ("Alpha\x1b[2J", "alpha"), ("load [kN] raw", "Fz"),
         ("SlipAngle", "alpha"), ("slipAngle", "alpha"), ("SLIP_ANGLE", "alpha"), ("SlipAngel", "alpha"), 
@@ -52,7 +52,7 @@ def test_meant(column, expected):
     "column",
     ["alpha_y", "kappa_x", "alpha__y", "Fz_in", "kappa_in", "p_in", "Et", "Vx", "F_x0", "mu_x", "rho", "2a",
      "id", "SR", "N", "B_x", "sigma_y", "kind", "remark", "Fz0", "", "_", "Re", "lap [1]", "slide",
-     "rolling", "alpha_star", "wheel_speed", "AMBTMP", "ambient temperature", "load_ratio", "speed_sum", "tire"],
+     "rolling", "alpha_star", "wheel_speed", "load_ratio", "speed_sum", "tire"],
 )  # fmt: skip
 def test_not_meant(column):
     assert intended_channel(column) is None

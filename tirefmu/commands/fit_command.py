@@ -92,6 +92,9 @@ class Checks:
                    "sample size), or load (errors relative to the load).")  # fmt: skip
 @click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
               help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
+@click.option("--temperature", metavar="COLUMN",
+              help="Also fit the effect temperature to this recorded temperature, deg C  [default: T, if --effects "
+                   "has temperature]")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Continue an interrupted fit.")
 @click.option("--cross-validate", "folds", type=click.IntRange(min=2),
               help="Also predict operating conditions out of sample, with this number of folds.")  # fmt: skip

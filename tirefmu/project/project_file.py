@@ -52,6 +52,7 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "loss": Key("text", "--loss"),
         "rows": Key("text", "--rows"),
         "stiffness_weight": Key("number", "--stiffness-weight"),
+        "temperature": Key("text", "--temperature"),
         "cross_validate": Key("number", "--cross-validate"),
     },
     "export": {

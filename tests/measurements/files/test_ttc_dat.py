@@ -46,7 +46,8 @@ def bench_file(tmp_path):
 def test_channels_in_si_and_sae(bench_file, separator):
     recording = read_recording(bench_file(separator=separator))
     expected = {"t": 0.08, "kappa": 0.05, "alpha": radians(2), "gamma": radians(4), "Fz": -900.0, "p": 83e3,
-                "V": 40 / 3.6, "T": 61.0, "Fx": 10.0, "Fy": -300.0, "Mz": 7.0, "Mx": 5.0}  # fmt: skip
+                "V": 40 / 3.6,
+                "T": 61.0, "T_ambient": 298.15, "Fx": 10.0, "Fy": -300.0, "Mz": 7.0, "Mx": 5.0}  # fmt: skip
     assert recording.table.iloc[-1].to_dict() == pytest.approx(expected)
     assert len(recording) == 9
     assert recording.signs == "sae"
@@ -71,7 +72,7 @@ def test_units_assumed_where_none_are_declared(bench_file, name, pressure, load,
 
 
 def test_the_same_bench_in_both_unit_systems_is_the_same_recording(bench_file):
-    pounds = {"V": 40 / 3.6 / 0.44704, "P": 83e3 / PSI, "TSTC": 61.0 * 1.8 + 32.0}
+    pounds = {"V": 40 / 3.6 / 0.44704, "P": 83e3 / PSI, "TSTC": 61.0 * 1.8 + 32.0, "AmbTmp": 25.0 * 1.8 + 32.0}
     pounds |= {name: value / POUND for name, value in (("FX", 10.0), ("FY", -300.0), ("FZ", -900.0))}
     pounds |= {name: value / POUND / 0.3048 for name, value in (("MX", 5.0), ("MZ", 7.0))}
     si, uscs = read_recording(bench_file("B1run1.dat")), read_recording(bench_file("A1run1.dat", units=USCS, **pounds))

@@ -1,0 +1,1 @@
+"""Fit of the effect `temperature` to recorded temperatures."""
