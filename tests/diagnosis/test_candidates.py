@@ -12,7 +12,7 @@ import tirefmu.symbolic.effects as effects
 from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.probing.candidates import candidates_for, refinements_for
 from tirefmu.diagnosis.probing.effect_probing import probed
-from tirefmu.symbolic.added import folder, library, read_effect
+from tirefmu.symbolic.added import folder, library, packaged_library, read_effect
 from tirefmu.symbolic.detection import Form
 from tirefmu.symbolic.models import model_named
 
@@ -32,21 +32,26 @@ def started(model="mf61", has=(), own=()):
     return _start_model(model, has, {"Fz0": 4000.0, "R0": 0.3}, None, own)
 
 
+def forget_library():
+    library.cache_clear()
+    packaged_library.cache_clear()
+
+
 @pytest.fixture
 def library_folder(tmp_path, monkeypatch):
     """Return a copy of the library folder that replaces it."""
     copy = tmp_path / "effects"
     shutil.copytree(Path(effects.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(folder, "FOLDER", copy)
-    library.cache_clear()
+    forget_library()
     yield copy
-    library.cache_clear()
+    forget_library()
 
 
 def test_a_new_file_in_the_library_folder_is_a_candidate(library_folder):
     assert "wet_grip" not in candidates_for(started())
     (library_folder / "wet_grip.toml").write_text(DECLARED, encoding="utf-8")
-    library.cache_clear()
+    forget_library()
     offered = candidates_for(started())["wet_grip"]
     assert (offered.forms, offered.requires, offered.channels) == ((Form.each({"WET1": 0.05}),), ("V",), ("Fy",))
     assert started().symbolic_model.prior_spread["WET1"] == pytest.approx(0.25)

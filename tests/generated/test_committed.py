@@ -81,7 +81,14 @@ def test_a_missing_file_is_detected_and_written(copy, name):
 
 @pytest.mark.parametrize(
     "name",
-    ["numpy/mf95.py", "numpy/mf96_jacobians.py", "c/mf95.c", "c/mf95.h", "structure/mf95.json", "with_effects/c/mf95.c"],
+    [
+        "numpy/mf95.py",
+        "numpy/mf96_jacobians.py",
+        "c/mf95.c",
+        "c/mf95.h",
+        "structure/mf95.json",
+        "with_effects/c/mf95.c",
+    ],
 )
 def test_a_file_that_is_not_made_is_detected_and_removed(copy, name):
     (copy / name).parent.mkdir(parents=True, exist_ok=True)
@@ -92,7 +99,7 @@ def test_a_file_that_is_not_made_is_detected_and_removed(copy, name):
 
 
 def test_the_text_does_not_depend_on_the_hash_seed():
-    """Check the smallest model under two seeds; this process has a random one when it compares all that is committed."""
+    """Check the smallest model under two seeds; this process, which compares all that is committed, has a random one."""
 
     def printed(seed):
         environment = {**os.environ, "PYTHONHASHSEED": seed}
@@ -136,7 +143,7 @@ def test_jacobians_and_effects_are_not_committed():
 
 
 def test_everything_has_the_jacobians_and_the_library(monkeypatch, tmp_path):
-    monkeypatch.setattr(generate, "MODELS", {"fiala": MODELS["fiala"]})
+    monkeypatch.setattr(generate, "packaged_models", lambda: {"fiala": MODELS["fiala"]})
     write(tmp_path, everything=True)
     whole = made_files(tmp_path)
     assert whole >= {name for file in jacobian_files("fiala") for name in (file, f"{WITH_EFFECTS}/{file}")}

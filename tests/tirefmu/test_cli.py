@@ -316,7 +316,7 @@ def smallest(tmp_path_factory):
     """Return generated code of the smallest model of the Magic Formula only; test_committed.py prints all models."""
     folder = tmp_path_factory.mktemp("smallest")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(generate, "MODELS", {"mf96": MODELS["mf96"]})
+        patch.setattr(generate, "packaged_models", lambda: {"mf96": MODELS["mf96"]})
         generate.write(folder)
         yield folder
 
@@ -363,7 +363,7 @@ def test_a_planted_edit_is_found_shown_and_repaired(command, generated, capfd):
 
 
 def test_another_folder_gets_the_jacobians_too(command, generated, tmp_path, monkeypatch):
-    monkeypatch.setattr(generate, "MODELS", {"fiala": MODELS["fiala"]})
+    monkeypatch.setattr(generate, "packaged_models", lambda: {"fiala": MODELS["fiala"]})
     outcome = command("generate", "-o", str(tmp_path / "all"))
     assert outcome.status == 0
     assert (tmp_path / "all" / "numpy" / "fiala_jacobians.py").is_file()
