@@ -16,7 +16,7 @@ from math import isfinite
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.symbolic.model import Model
@@ -170,7 +170,7 @@ class Family:
 
     def _tail(self, away: FloatArray, covariance: FloatArray, count: float) -> float:
         distance = float(away @ np.linalg.solve(covariance, away))
-        return float(f_distribution.sf(distance / max(count, 1.0), max(count, 1.0), self.freedom))
+        return float(fdtrc(max(count, 1.0), self.freedom, distance / max(count, 1.0)))
 
     def from_family(self, posterior: Mapping[str, float]) -> tuple[str, ...]:
         """Return the coefficients that the data hardly determine; those that were not freed among them."""
