@@ -99,7 +99,7 @@ def test_a_file_that_is_not_made_is_detected_and_removed(copy, name):
 
 
 def test_the_text_does_not_depend_on_the_hash_seed():
-    """Check the smallest model under two seeds; this process, which compares all that is committed, has a random one."""
+    """Check the smallest model under two seeds; what is committed is compared in this process, with a random one."""
 
     def printed(seed):
         environment = {**os.environ, "PYTHONHASHSEED": seed}
