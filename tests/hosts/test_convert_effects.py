@@ -32,10 +32,12 @@ def plain_tire(model, golden):
 
 
 def with_effect(tire, effect):
-    """Return a tire with an effect of the library at its typical size."""
+    """Return a tire with an effect of the library at its typical size, or at its declared start without a detection."""
     neutral = {each.name: each.neutral or 0.0 for each in effect.declarations}
     given = {name: value for name, value in tire.values.items() if name not in tire.defaulted}
-    for form in effect.detection.forms:
+    if not effect.detection:
+        given |= {each.name: each.start for each in effect.declarations if each.start is not None}
+    for form in effect.detection.forms if effect.detection else ():
         for probe in form.probes:
             given |= {name: neutral[name] + size for name, size in probe.items()}
         given |= {name: sizes[0] for name, sizes in form.grid.items()}
