@@ -27,6 +27,7 @@ from tirefmu.measurements import (
     trento_program,
 )
 from tirefmu.measurements import TestedTire as AnyTire  # pytest takes a Test... for a class of tests
+from tirefmu.measurements.channels import CHANNELS
 from tirefmu.measurements.virtual_bench.sensor_noise import correlated
 from tirefmu.tires.signs import SIGNS, convert_signs
 
@@ -87,6 +88,19 @@ def test_recording_one_more_channel_changes_no_other():
     with_speed = VirtualBench(BrushedTire()).run(alpha_sweeps([900.0])).table
     without = VirtualBench(BrushedTire()).run(alpha_sweeps([900.0], held={})).table
     pd.testing.assert_frame_equal(with_speed[list(without)], without)
+
+
+def test_a_new_channel_leaves_the_recording_of_a_seed():
+    """The streams of the channels that existed first, by their number then."""
+    program = alpha_sweeps([900.0])
+    bench = VirtualBench(BrushedTire(), seed=3)
+    recording, truth = bench.run(program).table, bench.truth(program)
+    for name, stream in {"alpha": 2, "Fz": 4, "Fx": 9, "Fy": 10, "Mz": 11}.items():
+        rng = np.random.default_rng([3, stream])
+        expected = bench.noise.record(name, truth[name].to_numpy(), truth["t"].to_numpy(), rng)
+        assert np.array_equal(recording[name], expected), name
+    states = [str(bench._rng(name).bit_generator.state) for name in CHANNELS]
+    assert len(set(states)) == len(CHANNELS)
 
 
 def test_channel_errors_are_independent():
