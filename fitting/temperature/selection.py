@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, nearest
+from tirefmu.boundary.errors import DataError, nearest, no_single_text
 from tirefmu.measurements import Recording
 from tirefmu.measurements.channels import channel
 
@@ -42,6 +42,7 @@ def settings_of_forces(settings: Mapping[str, Any]) -> dict[str, Any]:
     {'effects': ['load_friction'], 'loss': 'huber', 'temperature': None}
     """
     effects = settings.get("effects")
+    no_single_text("effects", effects)
     chosen = {} if effects is None else {"effects": [name for name in effects if name != EFFECT]}
     return {**settings, **chosen, "temperature": None}
 
