@@ -54,7 +54,9 @@ workers: $(VENV)/installed-dev  ## two Dask workers, one of them killed midway: 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
 
-drives: $(VENV)/installed-dev  ## made drives with a known truth: errors and coverage of the factors, see docs/drive.md
+drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: errors and coverage of the factors, see docs/drive.md
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[mdf]"
+	$(BIN)/pytest tests/driving -k mdf
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/drives.py $(DRIVES_ARGS)
 
 compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process reach on the memory suite: a table of docs/discovery.md

@@ -29,7 +29,7 @@ POSE = ("x", "y", "heading")
 BALANCE = ("e_front", "e_rear")
 #: Further results of an interval for each axle: the inputs of a wheel that is the mean of both, its forces, W axes, and
 #: the side force of the tire alone. Fy is the tire's and half of what the motion requires beyond it.
-OUTPUTS = tuple(f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fx", "Fy", "Fy_tire") for axle in AXLES)
+OUTPUTS = tuple(f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fy", "Fy_tire") for axle in AXLES)
 #: Intervals that are evaluated at a time.
 CHUNK = 500
 #: Error of the integration of a pose, m/s and rad/s.
@@ -234,6 +234,6 @@ def _outputs(wheels: Mapping[str, Any], forces: Mapping[str, Any], kappa: list[A
         name: [(wheels[f"{name}_{axle[0]}l"] + wheels[f"{name}_{axle[0]}r"]) / 2 for axle in AXLES]
         for name in ("alpha", "V", "Fz")
     }
-    Fx, Fy = ([forces[axle][channel][2] for axle in AXLES] for channel in (0, 1))
+    Fy = [forces[axle][1][2] for axle in AXLES]
     whole = [Fy[i] + required[i] for i in (0, 1)]
-    return [*means["alpha"], *kappa, *means["V"], *means["Fz"], *Fx, *whole, *Fy]
+    return [*means["alpha"], *kappa, *means["V"], *means["Fz"], *whole, *Fy]

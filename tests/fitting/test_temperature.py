@@ -58,13 +58,13 @@ def test_coefficients_are_recovered_with_their_intervals():
     truth = {"THCAPS": 200.0, "THCONS": 90.0, "THROLL": 0.015, "THROAD": 25.0, "THCAPC": 1300.0}
     tire = Tire("mf96", {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, **truth, "THSTARTS": 310.0, "THSTARTC": 305.0},
                 effects={"temperature"})  # fmt: skip
-    table = recording(seed=5, duration=120.0)
+    table = recording(seed=5, duration=300.0)
     evaluated = tire.evaluate(table.drop(columns=["T", "Fx", "Fy"]))
     noise = np.random.default_rng(0).normal(0.0, 0.1, len(table))
     known = table.assign(Fx=evaluated["Fx"], Fy=evaluated["Fy"], T=evaluated["T_surface"] - 273.15 + noise)
     _, found = fit_temperature(tire, [Recording(known, "iso", "known")])
     assert found.rmse < 0.1
-    assert found.holdout_rmse < 0.15 * found.constant_rmse
+    assert found.holdout_rmse < 0.1
     for name in ("THCAPS", "THCONS"):
         assert abs(np.log(found.values[name] / truth[name])) < 1.5 * np.log(found.intervals[name]) + 0.01
 
