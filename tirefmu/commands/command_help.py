@@ -10,7 +10,7 @@ SECTIONS = {
     "All steps, many tires": ("init", "run", "fit-many", "study"),
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
-    "What there is": ("models", "effects", "published"),
+    "What there is": ("models", "effects", "published", "schema"),
     "To try it": ("demo", "example"),
 }
 #: Command lines without the name of the program, by command.
