@@ -67,6 +67,7 @@ EXAMPLES = {
     "effects": ("effects --model mf61", "effects temp_friction"),
     "models": ("models", "models --json models.json"),
     "published": ("published",),
+    "schema": ("schema", "schema recipe -o recipe.schema.json"),
     "example": (
         "example -o run.csv",
         "example -o small.csv --sample-rate 10 --tire my.tir",
