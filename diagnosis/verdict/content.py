@@ -105,6 +105,7 @@ class DiagnosisContent(TypedDict):
     base_tire: str
     base_fmu: str
     seconds: float
+    ok: NotRequired[Annotated[bool, "of the command's --json only: whether each FMU agrees with direct evaluation"]]
     simulated: NotRequired[Annotated[dict[str, Any], "errors of both FMUs over the recordings"]]
 
 
