@@ -6,6 +6,7 @@ import csv
 import hashlib
 import io
 import json
+import runpy
 import subprocess
 import sys
 import zipfile
@@ -171,6 +172,16 @@ def test_the_files_of_the_manifest_are_in_the_fmu(proved):
         assert b'href="fmi-ls-ref.html"' in files["documentation/index.html"]
         assert b"a &lt;b&gt; reason" in files["documentation/fmi-ls-ref.html"]
         assert fmpy.validation.validate_fmu(str(proved[key])) == []
+
+
+def test_the_reference_of_hub_inputs_is_that_of_numpy(proved, tires, monkeypatch):
+    """As in `make proofs` for every model; another tire differs."""
+    benchmarks = Path(__file__).parents[2] / "benchmarks"
+    monkeypatch.syspath_prepend(benchmarks)
+    difference = runpy.run_path(str(benchmarks / "proofs.py"))["direct_difference"]
+    brush = tires["brush"]
+    assert difference(proved["brush", 3, "hub"], brush) < 1e-11
+    assert difference(proved["brush", 3, "hub"], brush.with_values(CALPHA=1.001 * brush.values["CALPHA"])) > 1e-4
 
 
 def test_a_proof_has_the_inputs_of_the_table_and_no_measured_output(proved, table):
