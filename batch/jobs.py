@@ -83,7 +83,7 @@ def jobs_schema() -> dict[str, Any]:
     """Return the JSON Schema of a list of jobs."""
     jobs = {"type": "array", "minItems": 1, "items": object_schema(JOB, ["name", "tables"])}
     content = {**FILE, "defaults": object_schema({**OPTIONS, **READING}), "jobs": jobs}
-    return document("jobs", "1.0", "Jobs of tirefmu fit-many", object_schema(content, ["jobs"]))
+    return document("jobs", "1.0", "Jobs of many fits", object_schema(content, ["jobs"]))
 
 
 def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:

@@ -171,7 +171,7 @@ def bench_schema() -> dict[str, Any]:
         "heat": object_schema(_number_schemas(_names(Heat))),
         "noise": object_schema({**_number_schemas(NOISE), **noise}),
     }
-    return document("bench", "1.0", "Bench of tirefmu plan", object_schema(content))
+    return document("bench", "1.0", "Test bench", object_schema(content))
 
 
 def _number_schemas(names: Iterable[str]) -> dict[str, Any]:

@@ -203,7 +203,7 @@ def project_schema(facts: Callable[[str, str], Mapping[str, Any]]) -> dict[str, 
         for section, keys in SECTIONS.items()
     }
     sections["data"] |= {"required": ["tables"]}
-    return document("project", "1.0", "Project of tirefmu run", object_schema(sections, ["data"]))
+    return document("project", "1.0", "Project", object_schema(sections, ["data"]))
 
 
 def project_text(

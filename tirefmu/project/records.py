@@ -31,7 +31,7 @@ class StepRecord(TypedDict):
 
 def records_schema() -> dict[str, Any]:
     """Return the JSON Schema of the file of records."""
-    return document("run", "1.0", "Records of tirefmu run", schema_of(dict[str, StepRecord]))
+    return document("run", "1.0", "Records of the steps of a project", schema_of(dict[str, StepRecord]))
 
 
 @dataclass
