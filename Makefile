@@ -65,7 +65,7 @@ compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process r
 
 missing-effects: $(VENV)/installed-dev  ## all entries of the benchmark of missing effects: the tables of docs/missing_effects.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
-	OMP_NUM_THREADS=1 $(BIN)/python -W ignore benchmarks/missing_effects_table.py $(BENCHMARK_ARGS)
+	OMP_NUM_THREADS=1 $(BIN)/python -W ignore benchmarks/missing_effects_table.py
 
 awkward: $(VENV)/installed-dev  ## docs/awkward_inputs.md: message and exit code of 46 awkward inputs
 	$(BIN)/python benchmarks/awkward_inputs.py --write

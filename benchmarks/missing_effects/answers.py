@@ -16,6 +16,7 @@ import pandas as pd
 
 from tirefmu.boundary.bounded_file import read_bounded
 from tirefmu.boundary.errors import DataError
+from tirefmu.boundary.escaping import quoted
 
 UNKNOWN = "UNKNOWN"
 VERSION = 1
@@ -56,12 +57,12 @@ def read_about(folder: Path) -> dict[str, Any]:
     """Return what ``benchmark.json`` states; raises `DataError` if it is missing or none."""
     path = folder / "benchmark.json"
     about = _json(path)
-    if not isinstance(about, dict) or not {"commitment", "digest", "cases"} <= about.keys():
-        raise DataError(f"{path}: is not of a benchmark: needs commitment, digest and cases")
-    if not all(isinstance(name, str) and CASE_NAME.fullmatch(name) for name in about["cases"]):
-        raise DataError(f"{path}: cases: a name is not like tire_01")
-    if about.get("version") != VERSION:
-        raise DataError(f"{path}: version is {about.get('version')}; this program has {VERSION}")
+    if not isinstance(about, dict) or about.get("version") != VERSION:
+        raise DataError(f"{path}: version is not {VERSION}")
+    if not {"commitment", "digest", "cases"} <= about.keys() or not isinstance(about["cases"], list):
+        raise DataError(f"{path}: needs commitment, digest and a list of cases")
+    if wrong := [name for name in about["cases"] if not CASE_NAME.fullmatch(str(name))]:
+        raise DataError(f"{path}: cases: {quoted(wrong[0])} is not like tire_01")
     return about
 
 

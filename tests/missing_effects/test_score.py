@@ -193,7 +193,8 @@ def test_command_writes_recordings_runs_an_entry_and_scores_answers(tmp_path, ca
     ("arguments", "message"),
     [
         (["--list", "-o", "x"], "one of -o FOLDER, --score ANSWERS and --list"),
-        (["--score", "none"], "none: no such folder"),
+        (["--score", "none", "--seed", "1"], "none: no such folder"),
+        (["--score", "."], "--score needs --seed"),
         (["--entry", "stepwise"], "needs one of"),
         (["--list", "--entry", "stepwise"], "--entry needs -o FOLDER"),
         (["-o", "x", "--entry", "stepwize"], "did you mean stepwise"),

@@ -43,16 +43,17 @@ def benchmark(
         raise TirefmuError("benchmark needs one of -o FOLDER, --score ANSWERS and --list")
     if entry is not None and output is None:
         raise TirefmuError("--entry needs -o FOLDER")
+    if score is not None and (seed is None or not score.is_dir()):
+        raise TirefmuError(f"{score}: no such folder" if seed is not None else "--score needs --seed")
     if listed:
         summary: dict[str, Any] = _listed(terminal)
-    elif score is not None:
-        if not score.is_dir():
-            raise TirefmuError(f"{score}: no such folder")
-        summary = {"seed": seed or 1, "scores": _scored(terminal, score, seed or 1, only)}
-    else:
-        assert output is not None
-        if entry is not None:
-            _check_entry(entry)
+    elif score is not None and seed is not None:
+        summary = {"seed": seed, "scores": _scored(terminal, score, seed, only)}
+    elif output is not None:
+        from tirefmu.missing_effects.entries import ENTRIES
+
+        if entry is not None and entry not in ENTRIES:
+            raise UnknownName("entry", entry, ENTRIES)
         summary = _written(terminal, output, seed)
         if entry is not None:
             summary |= _answered(terminal, output, entry, only, summary["seed"])
@@ -66,13 +67,6 @@ def _listed(terminal: Terminal) -> dict[str, Any]:
     rows = [[name, "benchmark" if name in NEED_EXTRA else "", text] for name, text in ENTRIES.items()]
     terminal.table("", (["entry", "extra", "method"], rows))
     return {"entries": dict(ENTRIES)}
-
-
-def _check_entry(entry: str) -> None:
-    from tirefmu.missing_effects.entries import ENTRIES
-
-    if entry not in ENTRIES:
-        raise UnknownName("entry", entry, ENTRIES)
 
 
 def _written(terminal: Terminal, folder: Path, seed: int | None) -> dict[str, Any]:

@@ -7,7 +7,7 @@ UNKNOWN. Offset and drift of a channel of a tire are errors of the bench, which 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -105,20 +105,25 @@ def _products(x: Mapping[str, FloatArray], n: int) -> dict[tuple[str, ...], Floa
     return {(a, b): one * other for (a, one), (b, other) in combinations(scaled(x, n).items(), 2)}
 
 
-def answer_from(
-    channels: Mapping[str, Channel], chosen: Mapping[str, list[int]], probability: Mapping[str, FloatArray]
-) -> Answer:
-    """Return the answer with chosen features, and a probability of each feature, shape (f,), by channel.
+def regression(case: Case, select: Callable[[Channel], tuple[list[int], FloatArray]]) -> Answer:
+    """Return the answer of a regression of each channel.
 
-    The probability of a name is the largest one of its features.
+    `select`: returns the selected features and a probability of each feature, shape (f,). The probability of a name is
+    the largest one of its features.
     """
     found: dict[str, None] = {}
-    variables, probabilities = set[str](), dict[str, float]()
-    for channel, one in channels.items():
-        for i in chosen[channel]:
+    variables, probabilities, forces = set[str](), dict[str, float](), {}
+    for channel, one in channels_of(case).items():
+        selected, probability = select(one)
+        for i in selected:
             found[one.names[i]] = None
             variables |= set(one.variables[i])
-        for name, value in zip(one.names, probability[channel].tolist(), strict=True):
+        for name, value in zip(one.names, probability.tolist(), strict=True):
             probabilities[name] = max(probabilities.get(name, 0.0), value)
-    forces = pd.DataFrame({channel: one.forces(chosen[channel]) for channel, one in channels.items()})
-    return Answer(tuple(found), probabilities, tuple(sorted(variables)), forces)
+        forces[channel] = one.forces(selected)
+    return Answer(tuple(found), probabilities, tuple(sorted(variables)), pd.DataFrame(forces))
+
+
+def at_least(least: float, share: FloatArray) -> tuple[list[int], FloatArray]:
+    """Return the features with at least a share, which is their probability."""
+    return [int(i) for i in np.flatnonzero(share >= least)], share

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import pysindy
 
 from ..answers import Answer, Case
-from .problem import Channel, answer_from, channels_of
+from .problem import Channel, at_least, regression
 
 #: Thresholds in noise deviations, of which held-out blocks select one; models of an ensemble; share that selects.
 THRESHOLDS, MODELS, SHARE = (0.05, 0.1, 0.3, 1.0), 20, 0.5
@@ -15,10 +15,7 @@ THRESHOLDS, MODELS, SHARE = (0.05, 0.1, 0.3, 1.0), 20, 0.5
 
 def answer(case: Case) -> Answer:
     """Return what the ensembles select; the probability is the share of the models with a feature."""
-    channels = channels_of(case)
-    probability = {name: inclusion(one) for name, one in channels.items()}
-    chosen = {name: [int(i) for i in np.flatnonzero(share >= SHARE)] for name, share in probability.items()}
-    return answer_from(channels, chosen, probability)
+    return regression(case, lambda one: at_least(SHARE, inclusion(one)))
 
 
 def inclusion(one: Channel) -> npt.NDArray[np.float64]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from sklearn.linear_model import lars_path
 
 from ..answers import Answer, Case
-from .problem import Channel, answer_from, channels_of
+from .problem import Channel, at_least, regression
 
 #: Blocks of time; pairs of halves; features selected on a half; share of the halves that selects.
 BLOCKS, PAIRS, FEATURES, SHARE = 40, 25, 3, 0.9
@@ -19,10 +19,7 @@ BLOCKS, PAIRS, FEATURES, SHARE = 40, 25, 3, 0.9
 
 def answer(case: Case) -> Answer:
     """Return the features that most halves select; the probability is the share of the halves."""
-    channels = channels_of(case)
-    probability = {name: frequency(one) for name, one in channels.items()}
-    chosen = {name: [int(i) for i in np.flatnonzero(share >= SHARE)] for name, share in probability.items()}
-    return answer_from(channels, chosen, probability)
+    return regression(case, lambda one: at_least(SHARE, frequency(one)))
 
 
 def frequency(one: Channel) -> npt.NDArray[np.float64]:

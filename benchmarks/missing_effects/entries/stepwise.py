@@ -7,7 +7,7 @@ import numpy.typing as npt
 from scipy.stats import norm
 
 from ..answers import Answer, Case
-from .problem import Channel, answer_from, channels_of
+from .problem import Channel, regression
 
 #: Largest p value of a feature, divided by the number of features (Bonferroni); largest number of features.
 P_VALUE, MOST = 0.05, 10
@@ -15,11 +15,7 @@ P_VALUE, MOST = 0.05, 10
 
 def answer(case: Case) -> Answer:
     """Return what a stepwise regression of each channel selects."""
-    channels = channels_of(case)
-    chosen, probability = {}, {}
-    for name, one in channels.items():
-        chosen[name], probability[name] = selected(one)
-    return answer_from(channels, chosen, probability)
+    return regression(case, selected)
 
 
 def selected(one: Channel) -> tuple[list[int], npt.NDArray[np.float64]]:
