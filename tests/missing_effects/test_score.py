@@ -56,6 +56,20 @@ def test_a_false_name_counts_in_nulls_and_with_right_names(cases):
     assert found["exact"] == found["unknown_found"] == found["false_unknown"] == 0
 
 
+def test_variables_of_an_unknown_effect_are_right_from_half_of_the_union(cases):
+    case = next(case for case in cases if case.truth.kind == "unknown" and len(case.truth.variables) == 3)
+    first, second, third = case.truth.variables
+
+    def right(*reported, found=(UNKNOWN,)):
+        return outcome(case, Answer(found, variables=reported)).variables
+
+    assert right(first, second, third)
+    assert right(first, second, "other")
+    assert not right(first, "other")
+    assert not right(first, second, third, "a", "b", "c", "d")
+    assert not right(first, second, third, found=("conicity",))
+
+
 def test_calibration_error_is_small_for_frequencies_and_does_not_depend_on_order():
     claims = [(0.25, True), (0.25, False), (0.25, False), (0.25, False), (1.0, True)]
     assert calibration_error(claims) == calibration_error(claims[::-1]) == 0.0

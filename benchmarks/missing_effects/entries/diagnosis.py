@@ -21,6 +21,8 @@ from ..answers import UNKNOWN, Answer, Case
 from .problem import Channel, channels_of, inputs_of, scaled
 
 FloatArray = npt.NDArray[np.float64]
+#: Names of effects; UNKNOWN with its variables.
+Parts = tuple[tuple[str, tuple[str, ...]], ...]
 #: Effects of an explanation; prior deviation of an effect's columns as a share of the channel; of the baseline's.
 MAX_EFFECTS, EFFECT_SHARE, FLAT = 2, 1.0, 1e3
 
@@ -34,7 +36,7 @@ def answer(case: Case) -> Answer:
     named = [((name, ()),) for name in case.about["candidates"]]
     parts = [(), *named, *((*a, *b) for a, b in combinations(named, MAX_EFFECTS))]
     evidence: dict[tuple[str, ...], float] = {}
-    best: dict[tuple[str, ...], tuple[tuple[str, tuple[str, ...]], ...]] = {}
+    best: dict[tuple[str, ...], Parts] = {}
     for one in (*parts, *((*part, term) for part in parts for term in terms)):
         names, value = tuple(sorted(name for name, _ in one)), comparison.evidence(one)
         if value > evidence.get(names, -np.inf):  # of the terms of the unknown component, the best one
@@ -65,16 +67,16 @@ class _Comparison:
         self.smooth = np.stack([*values, *(one**2 - 1.0 for one in values)], axis=1)
         self.pairs = sorted({pair for one in self.channels.values() for pair in one.variables if pair})
 
-    def evidence(self, parts: tuple[tuple[str, tuple[str, ...]], ...]) -> float:
+    def evidence(self, parts: Parts) -> float:
         """Return the logarithm of the evidence of an explanation with its prior odds."""
         odds = [np.log(UNKNOWN_ODDS / len(self.pairs) if pair else EFFECT_ODDS) for _, pair in parts]
         return sum(self._solved(one, parts)[0] for one in self.channels.values()) + float(np.sum(odds))
 
-    def forces(self, parts: tuple[tuple[str, tuple[str, ...]], ...]) -> pd.DataFrame:
+    def forces(self, parts: Parts) -> pd.DataFrame:
         """Return the channels on the other maneuvers."""
         return pd.DataFrame({name: one.offset + self._solved(one, parts)[1] for name, one in self.channels.items()})
 
-    def _solved(self, one: Channel, parts: tuple[tuple[str, tuple[str, ...]], ...]) -> tuple[float, FloatArray]:
+    def _solved(self, one: Channel, parts: Parts) -> tuple[float, FloatArray]:
         """Return evidence and prediction of a channel; errors of form are in proportion to the estimated responses."""
         labels = list(zip(one.names, one.variables, strict=True))
         of_part = [[i for i, label in enumerate(labels) if label == part] for part in parts]
@@ -82,9 +84,7 @@ class _Comparison:
                   for _ in part]  # fmt: skip
         size = np.linalg.norm(one.base[: self.n], axis=0) / np.sqrt(self.n)
         columns = np.concatenate([one.base / size, *(one.columns[:, part] for part in of_part)], axis=1) / one.noise
-        scale = float(np.std(one.y)) / one.noise
-        deviation = scale * np.array([*[FLAT] * len(size), *shares])
-        deviation /= 1.0 / one.noise  # columns have a root mean square of 1 / noise
+        deviation = float(np.std(one.y)) * np.array([*[FLAT] * len(size), *shares])  # of columns of size 1 / noise
         estimate, evidence = self._estimate(columns, one.y / one.noise, deviation)
         ends = np.cumsum([len(size), *map(len, of_part)])
         responses = [columns[:, a:b] @ estimate[a:b] for a, b in pairwise(ends) if b > a]

@@ -85,14 +85,11 @@ def _tire(name: str, draws: Draws, effects: tuple[str, ...]) -> Made:
         "candidates": sorted((*NAMES, *DECOYS)),
         "nominal": {"Fz0": tire.load, "R0": tire.radius, "p0": tire.pressure, "V0": tire.speed},
     }  # fmt: skip
-    truth = Truth(
-        kind,
-        named,
-        variables,
-        true_forces(tire, other, hidden),
-        lambda: _fitted(tire, inputs, clean, noise).forces(other),
-        noise,
-    )
+
+    def reference() -> Table:
+        return _fitted(tire, inputs, clean, noise).forces(other)
+
+    truth = Truth(kind, named, variables, true_forces(tire, other, hidden), reference, noise)
     return Made(name, about, rounded(recording), other, truth)
 
 

@@ -20,7 +20,9 @@ Changes = Mapping[str, FloatArray | float]
 FACTORS = ("mu_x", "mu_y", "K_x", "K_y", "G_x", "G_y", "trail")
 TERMS = ("Fx", "Fy", "Mz", "slip", "E_y")
 CHANNELS = ("Fx", "Fy", "Mz")
-#: Effects that the baseline model has, unless one of them is hidden, and the coefficients of each.
+#: Effects that a baseline model may have, and the coefficients of each. A tire and its baseline model both lack one
+#: with the probability `ABSENT`, so that a baseline model without it does not show that it is hidden.
+ABSENT = 0.25
 BASE = {
     "load_friction": ("mu_x_load", "mu_y_load"),
     "load_stiffness": ("K_y_load",),
@@ -91,7 +93,8 @@ def curve(K: FloatArray, C: float, peak: FloatArray, E: FloatArray | float, slip
 def drawn_tire(draws: Draws, hidden: tuple[str, ...]) -> Tire:
     """Return a random tire whose baseline model lacks the hidden effects."""
     load, radius, pressure = draws.choice(((1100.0, 0.24, 85e3), (4200.0, 0.32, 230e3), (7500.0, 0.37, 300e3)))
-    base = tuple(name for name in BASE if name not in hidden)
+    absent = [name for name in BASE if draws.chance(ABSENT)]
+    base = tuple(name for name in BASE if name not in (*hidden, *absent))
     names = [*CORE, *(name for effect in base for name in BASE[effect])]
     ranges = {**CORE, **OF_EFFECTS}
     values = {name: draws.between(*ranges[name]) for name in names}
