@@ -25,8 +25,8 @@ def recorded(
     present = {name for name in ERRORS if draws.chance(PROBABILITY)}
     n, t = len(inputs["t"]), inputs["t"]
     size = {name: float(np.sqrt(np.mean(force**2))) for name, force in forces.items()}
-    late = {name: np.interp(t - draws.between(0.002, 0.01), t, force) if "delay" in present else force
-            for name, force in forces.items()}  # fmt: skip
+    delay = draws.between(0.002, 0.01) if "delay" in present else 0.0
+    late = {name: np.interp(t - delay, t, force) for name, force in forces.items()}
     revolution = np.cumsum(inputs["V"] * np.diff(t, prepend=t[0])) / radius
     table, noise = dict(inputs), {}
     for name, force in late.items():
