@@ -3,14 +3,14 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving
+PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving benchmarks/missing_effects
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery drives compare-methods awkward recovery planning family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery drives compare-methods missing-effects awkward recovery planning family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -62,8 +62,12 @@ drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: e
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/drives.py $(DRIVES_ARGS)
 
 compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process reach on the memory suite: a table of docs/discovery.md
-	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[comparison-methods]"
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/comparison_methods.py $(METHODS_ARGS)
+
+missing-effects: $(VENV)/installed-dev  ## all entries of the benchmark of missing effects: the tables of docs/missing_effects.md
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
+	OMP_NUM_THREADS=1 $(BIN)/python -W ignore benchmarks/missing_effects_table.py
 
 awkward: $(VENV)/installed-dev  ## docs/awkward_inputs.md: message and exit code of 46 awkward inputs
 	$(BIN)/python benchmarks/awkward_inputs.py --write

@@ -31,11 +31,10 @@ from .arguments import (
     write_json,
 )
 from .commands.bench_commands import example, plan
+from .commands.benchmark_command import benchmark
 from .commands.command_help import SectionedGroup, add_examples
-from .commands.compare_command import compare
 from .commands.diagnose_command import diagnose
 from .commands.drive_command import drive
-from .commands.explore_command import explore
 from .commands.export_command import export
 from .commands.fit_command import fit
 from .commands.generate_command import generate
@@ -43,6 +42,7 @@ from .commands.host_commands import convert, lint
 from .commands.inspect_command import inspect
 from .commands.list_commands import effects, models, published, schema
 from .commands.many_commands import fit_many, study
+from .commands.page_commands import compare, explore
 from .commands.project_commands import init, run
 
 
@@ -320,6 +320,7 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
 
 
 for command in (
+    benchmark,
     compare,
     convert,
     diagnose,

@@ -11,7 +11,7 @@ SECTIONS = {
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
     "What there is": ("models", "effects", "published", "schema"),
-    "To try it": ("demo", "example"),
+    "To try it": ("demo", "example", "benchmark"),
 }
 #: Command lines without the name of the program, by command.
 EXAMPLES = {
@@ -77,6 +77,12 @@ EXAMPLES = {
     "init": ("init cornering.mat drivebrake.mat --model mf61 --nominal Fz0=1100,R0=0.2", "init"),
     "run": ("run", "run tirefmu.toml --force"),
     "demo": ("demo -o demo-output",),
+    "benchmark": (
+        "benchmark --list",
+        "benchmark -o recordings --seed 2",
+        "benchmark -o recordings --entry diagnosis",
+        "benchmark --score my_answers --seed 2",
+    ),
 }
 
 
