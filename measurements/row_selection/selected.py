@@ -48,7 +48,7 @@ def selected(recording: Recording, where: str) -> Recording:
     >>> selected(bench, "t > 0.5 and p in 80..90 kPa").table["p"].tolist()
     [83000.0]
     """
-    expression = _expression(where)
+    expression = expression_of(where)
     condition = parse_selection(expression)
     for name in condition.names:
         if name in CHANNELS and name not in recording.table:
@@ -66,8 +66,11 @@ def selected(recording: Recording, where: str) -> Recording:
     return replace(recording, table=table, about={**recording.about, "selected": count})
 
 
-def _expression(where: str) -> str:
-    """Return the expression, from a file if the text is the path of one."""
+def expression_of(where: str) -> str:
+    """Return the expression, from a file if the text is the path of one.
+
+    Raises `DataError` if the file cannot be read.
+    """
     if not where.strip().endswith(SUFFIXES):
         return where
     path = Path(where.strip())

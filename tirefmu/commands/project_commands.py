@@ -94,10 +94,15 @@ def _relative(path: Path, folder: Path) -> str:
 @click.command()
 @click.argument("project", type=FILE, default=DEFAULT)
 @click.option("--force", is_flag=True, help="Repeat all steps, also those whose results are up to date.")
+@click.option("--only", callback=names, default="none",
+              help="Only the steps of these commands, such as fit,check, and those whose results they read.")  # fmt: skip
 @click.option("--outside", is_flag=True, help="Results may be outside the folder of PROJECT.")
 @common
 @click.pass_context
-def run(context: click.Context, project: Path, force: bool, outside: bool, quiet: bool, json_file: Path | None) -> int:
+def run(
+    context: click.Context, project: Path, force: bool, only: tuple[str, ...], outside: bool, quiet: bool,
+    json_file: Path | None,
+) -> int:  # fmt: skip
     """Run the steps of PROJECT that are out of date.
 
     The steps of a project file: inspect, fit, explore, export, check, diagnose, and a page over all results. Only steps
@@ -125,12 +130,16 @@ def run(context: click.Context, project: Path, force: bool, outside: bool, quiet
         return int(status or 0)
 
     read = read_project(project)
+    commands = dict.fromkeys(step.command for step in steps_of(read))
+    for name in only:
+        if name not in commands:
+            raise UnknownName("step of a project", name, commands)
     for step in steps_of(read):  # a wrong option of a late step is found before the first one
         try:
             group.commands[step.command].make_context(step.command, list(step.arguments))
         except click.UsageError as error:
             raise TirefmuError(f"{project}: step {step.name}: {' '.join(error.format_message().split())}") from error
-    outcomes = run_project(read, command, terminal, force=force, outside=outside)
+    outcomes = run_project(read, command, terminal, force=force, outside=outside, only=only)
     failed = [each.step.name for each in outcomes if each.status]
     steps = [
         {"name": each.step.name, "ok": each.status == 0, "repeated": each.repeated, "summary": list(each.summary)}

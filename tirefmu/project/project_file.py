@@ -39,7 +39,7 @@ class Key:
 #: The keys of each section. Options are those of the command with the name of the section; those of [data] are options
 #: of all commands that read tables.
 SECTIONS: dict[str, dict[str, Key]] = {
-    "data": {"tables": Key("files"), "signs": Key("text", "--signs"), "where": Key("name or file", "--where")},
+    "data": {"tables": Key("files"), "signs": Key("text", "--signs"), "where": Key("name or file"), "exclude": Key("names")},
     "fit": {
         "model": Key("text", "--model"),
         "nominal": Key("pairs", "--nominal"),
@@ -54,6 +54,7 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "stiffness_weight": Key("number", "--stiffness-weight"),
         "temperature": Key("text", "--temperature"),
         "cross_validate": Key("number", "--cross-validate"),
+        "hold_out": Key("names"),
     },
     "export": {
         "fmi": Key("text", "--fmi"),
@@ -116,6 +117,26 @@ class Project:
         """The folder of all results."""
         return self.located(self.get("output", "folder", "results"))
 
+    def rows(self, *, fitted: bool = False) -> str | None:
+        """Return the expression or file that selects the rows of all steps; None for all rows.
+
+        `fitted`: that of the fit, without the rows that are held out.
+        """
+        where = self.get("data", "where")
+        excluded = [*self.get("data", "exclude", ()), *(self.get("fit", "hold_out", ()) if fitted else ())]
+        if not excluded:
+            return None if where is None else self._argument("name or file", where)
+        from tirefmu.measurements.row_selection.selected import expression_of  # loads NumPy
+
+        # An expression may end in a comment.
+        included = [] if where is None else [f"({expression_of(self._argument('name or file', where))}\n)"]
+        return " and ".join([*included, *(f"not ({each})" for each in excluded)])
+
+    def data_options(self, *, fitted: bool = False) -> list[str]:
+        """Return the options of a command that reads the tables; `fitted` as for `rows`."""
+        rows = self.rows(fitted=fitted)
+        return self.options("data") + ([] if rows is None else ["--where", rows])
+
     def options(self, section: str) -> list[str]:
         """Return the options of a command: those of a section that the file has."""
         found: list[str] = []
@@ -146,10 +167,10 @@ class Project:
             return False
 
 
-def read_project(path: Path) -> Project:
+def read_project(path: Path, *, empty: bool = False) -> Project:
     """Read a project file.
 
-    Raises `TirefmuError` if it cannot be read, is not TOML, or has no tables. Raises `UnknownName` if a section or a
+    `empty`: whether it may be without tables. Raises `TirefmuError` if it cannot be read, is not TOML, or has no tables. Raises `UnknownName` if a section or a
     key does not exist.
     """
     content = toml_file(path, TirefmuError)
@@ -166,7 +187,7 @@ def read_project(path: Path) -> Project:
                 raise TirefmuError(f"{path}: [{section}] {name} is {quoted(value)}: expected {kind}")
     if not content.get("diagnose", {}).get("time_limit", TIME_LIMIT) > 0:
         raise TirefmuError(f"{path}: [diagnose] time_limit is not positive: a number of seconds is expected")
-    if not content.get("data", {}).get("tables"):
+    if not empty and not content.get("data", {}).get("tables"):
         raise TirefmuError(f"{path}: [data] tables is missing: the list of bench files")
     return Project(path, content)
 
