@@ -3,7 +3,7 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving
+PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving studio
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \

@@ -43,7 +43,7 @@ from .commands.host_commands import convert, lint
 from .commands.inspect_command import inspect
 from .commands.list_commands import effects, models, published
 from .commands.many_commands import fit_many, study
-from .commands.project_commands import init, run
+from .commands.project_commands import init, run, studio
 
 
 @click.group(cls=SectionedGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -338,6 +338,7 @@ for command in (
     plan,
     published,
     run,
+    studio,
     study,
 ):
     cli.add_command(command)

@@ -48,15 +48,11 @@ def selected(recording: Recording, where: str) -> Recording:
     >>> selected(bench, "t > 0.5 and p in 80..90 kPa").table["p"].tolist()
     [83000.0]
     """
-    expression = expression_of(where)
-    condition = parse_selection(expression)
-    for name in condition.names:
-        if name in CHANNELS and name not in recording.table:
-            present = ", ".join(channel for channel in CHANNELS if channel in recording.table)
-            raise DataError(f"where {quoted(expression)}: {recording.source} has no channel {name}; it has {present}")
-    chosen = condition.matches(cache(lambda name: _numbers(recording, name)), recording.source)
+    chosen = matching(recording, where)
     if not chosen.any():
-        ranges = "; ".join(_range(recording, name) for name in sorted(condition.names - {"file"}))
+        expression = expression_of(where)
+        names = sorted(parse_selection(expression).names - {"file"})
+        ranges = "; ".join(_range(recording, name) for name in names)
         raise DataError(
             f"where {quoted(expression)} selects none of {len(recording)} rows of {recording.source}"
             f"{f': {ranges}' if ranges else ''}"
@@ -64,6 +60,20 @@ def selected(recording: Recording, where: str) -> Recording:
     count = f"{int(chosen.sum())} of {len(recording)} rows selected"
     table = recording.table[chosen].reset_index(drop=True)
     return replace(recording, table=table, about={**recording.about, "selected": count})
+
+
+def matching(recording: Recording, where: str) -> NDArray[np.bool_]:
+    """Return for each row of a recording whether it satisfies an expression, shape (n,).
+
+    `where`: as for `selected`. Raises `DataError` if the expression is invalid or a channel is missing.
+    """
+    expression = expression_of(where)
+    condition = parse_selection(expression)
+    for name in condition.names:
+        if name in CHANNELS and name not in recording.table:
+            present = ", ".join(channel for channel in CHANNELS if channel in recording.table)
+            raise DataError(f"where {quoted(expression)}: {recording.source} has no channel {name}; it has {present}")
+    return condition.matches(cache(lambda name: _numbers(recording, name)), recording.source)
 
 
 def expression_of(where: str) -> str:

@@ -313,7 +313,9 @@ def test_some_steps_are_run_with_those_that_they_need(project):
 
 
 def test_excluded_rows_are_in_no_step_and_held_out_rows_not_in_the_fit(project):
-    text = project.path.read_text().replace("[fit]", 'exclude = ["sample in 1..9", "t > 5"]\n[fit]\nhold_out = ["p > 3"]')
+    text = project.path.read_text().replace(
+        "[fit]", 'exclude = ["sample in 1..9", "t > 5"]\n[fit]\nhold_out = ["p > 3"]'
+    )
     rows = "(t > 120 and p in 70..90 kPa\n) and not (sample in 1..9) and not (t > 5)"
 
     def where(text):

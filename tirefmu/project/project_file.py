@@ -39,7 +39,12 @@ class Key:
 #: The keys of each section. Options are those of the command with the name of the section; those of [data] are options
 #: of all commands that read tables.
 SECTIONS: dict[str, dict[str, Key]] = {
-    "data": {"tables": Key("files"), "signs": Key("text", "--signs"), "where": Key("name or file"), "exclude": Key("names")},
+    "data": {
+        "tables": Key("files"),
+        "signs": Key("text", "--signs"),
+        "where": Key("name or file"),
+        "exclude": Key("names"),
+    },
     "fit": {
         "model": Key("text", "--model"),
         "nominal": Key("pairs", "--nominal"),
@@ -97,7 +102,7 @@ class Project:
     @property
     def tables(self) -> tuple[Path, ...]:
         """The tables of the fit and the checks."""
-        return tuple(map(self.located, self.get("data", "tables")))
+        return tuple(map(self.located, self.get("data", "tables", ())))
 
     @property
     def diagnosed(self) -> tuple[Path, ...]:
@@ -167,13 +172,20 @@ class Project:
             return False
 
 
-def read_project(path: Path, *, empty: bool = False) -> Project:
+def read_project(path: Path) -> Project:
     """Read a project file.
 
-    `empty`: whether it may be without tables. Raises `TirefmuError` if it cannot be read, is not TOML, or has no tables. Raises `UnknownName` if a section or a
+    Raises `TirefmuError` if it cannot be read, is not TOML, or has no tables. Raises `UnknownName` if a section or a
     key does not exist.
     """
-    content = toml_file(path, TirefmuError)
+    return checked_project(path, toml_file(path, TirefmuError))
+
+
+def checked_project(path: Path, content: Mapping[str, Any], *, empty: bool = False) -> Project:
+    """Return the project for the content of a project file.
+
+    `empty`: whether it may be without tables. Raises as `read_project`.
+    """
     for section, keys in content.items():
         if section not in SECTIONS:
             raise UnknownName(f"section of {path}", section, SECTIONS)

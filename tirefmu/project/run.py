@@ -52,10 +52,10 @@ def run_project(
     `command`: runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
     `terminal`: shows the outcome of each step, a line or a few. `force`: repeat also the steps whose results are up to
     date. `outside`: results may be outside the folder of the project. `only`: run only the steps of these commands and
-    those whose results they read; of the others, the outcomes that are up to date are included. Raises `TirefmuError` if a table does not exist,
-    a result would be outside the folder of the project, a folder or file cannot be written, or a step has invalid
-    input; steps before it are recorded. Raises `KeyboardInterrupt` if a step was interrupted; it is repeated by the
-    next run.
+    those whose results they read; of the others, the outcomes that are up to date are included. Raises `TirefmuError`
+    if a table does not exist, a result would be outside the folder of the project, a folder or file cannot be written,
+    or a step has invalid input; steps before it are recorded. Raises `KeyboardInterrupt` if a step was interrupted; it
+    is repeated by the next run.
     """
     for table in (*project.tables, *project.diagnosed):
         if not table.is_file():
@@ -80,7 +80,9 @@ def run_project(
         state = outcome.headline.text + ("" if outcome.repeated else " (up to date)")
         terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
         terminal.print(*(f"  {line}" for line in outcome.summary))
-        _write_index(project, outcomes, [each.name for i, each in enumerate(steps) if i >= number or each.name in skipped])
+        _write_index(
+            project, outcomes, [each.name for i, each in enumerate(steps) if i >= number or each.name in skipped]
+        )
     return outcomes
 
 

@@ -40,7 +40,14 @@ def steps_of(project: Project) -> list[Step]:
     given = (*tables, *project.files_of("data"))
     tire, fmu, fitted = folder / "tire.tir", folder / "tire.fmu", folder / "fit.json"
     inspection, report, explorer = folder / "inspect.html", folder / "fit.html", folder / "explorer.html"
-    fit_options = [*project.data_options(fitted=True), *project.options("fit"), "-o", str(tire), "--report", str(report)]
+    fit_options = [
+        *project.data_options(fitted=True),
+        *project.options("fit"),
+        "-o",
+        str(tire),
+        "--report",
+        str(report),
+    ]
     explore_options = [*data, "--fit", str(fitted), "-o", str(explorer)]
     steps = [
         _step(folder, "inspect", [*data, "-o", str(inspection)], tables, given, inspection),
