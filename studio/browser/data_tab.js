@@ -58,7 +58,7 @@ class DataTab {
       const tables = this.studio.state.sections.data.tables.filter((_, i) => i !== index);
       this.studio.edit("tables", { tables });
     });
-    const card = element("article", { class: "table" }, element("h3", {}, element("span", {}, table.name), remove));
+    const card = element("article", { class: "table" }, element("h2", {}, element("span", {}, table.name), remove));
     if (table.error) {
       card.append(element("p", { class: "bad" }, table.error));
       return card;
