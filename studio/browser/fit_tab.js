@@ -124,6 +124,7 @@ class FitTab {
       this.pending = requestAnimationFrame(() => {
         this.pending = 0;
         this.draw(true);
+        this.drawn = performance.now();
       });
     }
     this.compute();
@@ -151,7 +152,7 @@ class FitTab {
       this.errors = await this.studio.call("errors", { ...this.content(), condition });
       this.charts.drawResiduals(this.errors, true);
       this.showErrors();
-      this.shown = performance.now();
+      this.computed = performance.now();
     } catch (error) {
       this.studio.fail(error.message);
     }
@@ -165,7 +166,7 @@ class FitTab {
   showErrors() {
     const text = (each) => [String(each.rows), shortNumber(each.rmse), shortNumber(each.r2)];
     const rows = Object.entries(this.errors).map(([name, { all, condition }]) => [name, ...text(all), ...text(condition)]);
-    const head = ["", "rows", "RMSE", "R2"];
+    const head = ["channel", "rows", "RMSE", "R2"];
     fillTable(find("quality"), [...head, ...head.slice(1).map((each) => `${each}, condition`)], rows);
   }
 }
