@@ -88,7 +88,7 @@ class Server:
                     return
                 text = message.get("text")
                 answer = await self.window.answer(text if text is not None else "")
-                await websocket.send_text(json.dumps(answer, allow_nan=False))
+                await websocket.send_text(answer)
         except (RuntimeError, WebSocketDisconnect):  # closed meanwhile
             return
         finally:

@@ -23,7 +23,7 @@ from tirefmu.tires import Tire, tire_from
 
 from .data_view import recording_of, rows_expression, series, tables_view
 from .fits import PROJECT, RESULT, TIRE, Fits
-from .project_state import FOLDER, ProjectState
+from .project_state import FOLDER, ProjectState, Stale
 from .tire_view import Measured, PageTires, changed_tire, initial_tire, tire_of_progress
 from .work import Work
 
@@ -53,7 +53,7 @@ class Window:
         self._measured: tuple[Any, Measured] | None = None
         self._actions = {name.removeprefix("do_"): getattr(self, name) for name in dir(self) if name.startswith("do_")}
 
-    async def answer(self, text: str) -> Event:
+    async def answer(self, text: str) -> str:
         """Return the answer to a message: a JSON object with ``do``, the name of an action, and its arguments."""
         number: Any = None
         try:
@@ -67,11 +67,12 @@ class Window:
             name = given(message, "do", str)
             if name not in self._actions:
                 raise UnknownName("action", name, self._actions)
-            return {"id": number, "result": await self._actions[name](message)}
+            return json.dumps({"id": number, "result": await self._actions[name](message)}, allow_nan=False)
         except TirefmuError as error:
-            return {"id": number, "error": excerpt(error), "stale": type(error).__name__ == "Stale"}
+            return json.dumps({"id": number, "error": excerpt(error), "stale": isinstance(error, Stale)})
         except Exception as error:  # the server goes on, whatever fails
-            return {"id": number, "error": f"internal error: {excerpt(f'{type(error).__name__}: {error}')}"}
+            text = excerpt(f"{type(error).__name__}: {error}")
+            return json.dumps({"id": number, "error": f"internal error: {text}"})
 
     async def watch(self) -> None:
         """Report changes of the project file by other programs, and the stages of a running fit."""
@@ -170,11 +171,11 @@ class Window:
         project = self.state.project()
         if not project.tables:
             raise TirefmuError("the project has no table: add one first")
-        if "fit" in only:
-            self._live = await asyncio.to_thread(initial_tire, project)
-        (project.folder / "tire.progress.json").unlink(missing_ok=True)
+        initial = await asyncio.to_thread(initial_tire, project)
         steps = ["--only", ",".join(only)] if only else []
         await self.work.start(", ".join(only) or "all steps", ["run", str(self.state.path), *steps])
+        self._live = initial
+        (project.folder / "tire.progress.json").unlink(missing_ok=True)  # of a fit that was stopped
         await self._send({"event": "started", "title": self.work.title})
 
     async def do_stop(self, message: Event) -> None:
@@ -215,8 +216,9 @@ class Window:
     async def _worked(self, event: Event) -> None:
         if event["event"] == "ended":
             await asyncio.to_thread(self._keep_fit)
-            await self._send({"event": "changed"})
         await self._send(event)
+        if event["event"] == "ended":
+            await self._send({"event": "changed"})
 
     def _keep_fit(self) -> None:
         project = self.state.project()

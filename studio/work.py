@@ -31,7 +31,8 @@ Report = Callable[[dict[str, Any]], Awaitable[None]]
 class Work:
     """The work of a window: the running command, and a loaded process for the next one.
 
-    `folder`: current folder of the commands. `report`: called with ``{"event": "line" | "ended", ...}``.
+    `folder`: current folder of the commands. `report`: called with ``{"event": "line" | "ended", ...}``. `running`:
+    whether a command runs.
     """
 
     def __init__(self, folder: Path, report: Report) -> None:
@@ -39,14 +40,9 @@ class Work:
         self._next: Process | None = None
         self._process: Process | None = None
         self._task: asyncio.Task[None] | None = None
-        self._stopped = False
+        self._stopped = self.running = False
         self.title = ""
         self.lines: deque[str] = deque(maxlen=SHOWN_LINES)
-
-    @property
-    def running(self) -> bool:
-        """Whether a command runs."""
-        return self._task is not None and not self._task.done()
 
     async def prepare(self) -> None:
         """Start the process of the next command."""
@@ -66,7 +62,7 @@ class Work:
         """Run a command line of tirefmu. Raises `TirefmuError` if another one runs."""
         if self.running:
             raise TirefmuError(f"{self.title} is running: stop it, or wait for its end")
-        self.title, self._stopped = title, False
+        self.title, self._stopped, self.running = title, False, True
         self.lines.clear()
         self._task = asyncio.create_task(self._run(list(arguments)))
 
@@ -104,7 +100,7 @@ class Work:
             self.lines.append(last)
             await self._report({"event": "line", "line": last})
         status = await process.wait()
-        self._process = None
+        self._process, self.running = None, False
         await self.prepare()
         message = last.removeprefix(ERROR) if status not in (0, 1) else ""
         message = "stopped" if self._stopped else message or ("" if status in (0, 1) else f"ended with {status}")

@@ -131,11 +131,19 @@ class DataTab {
 
   cellButton(cell, words) {
     const chosen = Object.keys(SELECTIONS).find((how) => this.listed(how).includes(cell.expression));
-    const text = `${cell.fitted} / ${cell.rows}`;
+    const weights = this.studio.state.sections.fit?.weights ?? {};
+    const weight = weights[cell.expression];
+    const text = `${cell.fitted} / ${cell.rows}${weight === undefined ? "" : ` \u00d7 ${shortNumber(weight)}`}`;
     const button = element("button", { type: "button", "aria-pressed": String(Boolean(chosen)), "aria-label": `${words}: ${text} rows fitted` }, text);
     if (chosen === "hold_out") button.classList.add("held-out");
     button.addEventListener("click", () => {
       const how = chosen ?? document.querySelector('input[name="cell"]:checked').value;
+      if (how === "weigh") {
+        const { [cell.expression]: _, ...others } = weights;
+        const changed = weight === undefined ? { ...others, [cell.expression]: find("factor").valueAsNumber } : others;
+        this.studio.set("fit", "weights", Object.keys(changed).length ? changed : null);
+        return;
+      }
       const others = this.listed(how).filter((each) => each !== cell.expression);
       this.setListed(how, chosen ? others : [...others, cell.expression]);
     });

@@ -89,9 +89,26 @@ class FitTab {
         find("coefficients").replaceChildren();
         this.panel = new CoefficientPanel(find("coefficients"), tire, null, () => this.changed());
         this.panel.show();
+        this.addLocks();
       }
     }
     await this.showMeasured();
+  }
+
+  /** Add a button to each coefficient: the next fit does not change its value. */
+  addLocks() {
+    const fixed = this.studio.state.sections.fit?.fixed ?? {};
+    for (const [name, row] of this.panel.rows) {
+      const frozen = name in fixed;
+      const text = frozen ? "Frozen" : "Freeze";
+      const lock = element("button", { type: "button", class: "lock", "aria-pressed": String(frozen), "aria-label": `${text} ${name}` }, text);
+      lock.addEventListener("click", async () => {
+        const { [name]: _, ...others } = fixed;
+        const changed = frozen ? others : { ...others, [name]: row.value };
+        await this.studio.set("fit", "fixed", Object.keys(changed).length ? changed : null);
+      });
+      row.row.querySelector(".head").append(lock);
+    }
   }
 
   async showMeasured() {

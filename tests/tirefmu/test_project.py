@@ -43,6 +43,7 @@ def project(tmp_path):
     text = project_text(["a.csv", "b.csv"], "mf96", {"Fz0": 220.0, "R0": 0.23}, ["load_friction"], "iso")
     text = text.replace('# recipe = "progressive"', 'recipe = "own.toml"').replace("# where", "where")
     text = text.replace("# constraints", "constraints").replace("# tolerance", "tolerance").replace("# fmi", "fmi")
+    text = text.replace("[export]", 'weights = {"Fz in 1..2 N" = 2.5, "t > 3" = 0.5}\nfixed = {PCY1 = 1.3}\n\n[export]')
     (tmp_path / "tirefmu.toml").write_text(text)
     return read_project(tmp_path / "tirefmu.toml")
 
@@ -88,6 +89,8 @@ def test_the_options_of_every_step_are_accepted_by_its_command(project):
             assert given["effects"] == ("load_friction",)
             assert given["recipe"] == str(project.path.parent / "own.toml")
             assert given["where"] == "t > 120 and p in 70..90 kPa"
+            assert given["weights"] == {"Fz in 1..2 N": 2.5, "t > 3": 0.5}
+            assert given["fixed"] == {"PCY1": 1.3}
 
 
 def test_only_what_has_changed_is_repeated(project):

@@ -24,6 +24,7 @@ KINDS = {
     "names": "a list of names",
     "number": "a number",
     "pairs": "a table of numbers, such as {Fz0 = 1000.0, R0 = 0.25}",
+    "weights": 'a table of expressions and numbers, such as {"Fz in 200..240 N" = 2.0}',
     "flag": "true or false",
 }
 
@@ -56,6 +57,8 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "without_constraints": Key("names", "--without-constraint"),
         "loss": Key("text", "--loss"),
         "rows": Key("text", "--rows"),
+        "weights": Key("weights", "--weight"),
+        "fixed": Key("pairs", "--fix"),
         "stiffness_weight": Key("number", "--stiffness-weight"),
         "temperature": Key("text", "--temperature"),
         "cross_validate": Key("number", "--cross-validate"),
@@ -147,7 +150,9 @@ class Project:
         found: list[str] = []
         for name, key in SECTIONS[section].items():
             value = self.get(section, name)
-            if key.option and value is not None:
+            if key.kind == "weights" and value is not None:
+                found += [part for each, factor in value.items() for part in (key.option, f"{factor!r}: {each}")]
+            elif key.option and value is not None:
                 found += [key.option, self._argument(key.kind, value)]
         return found
 
@@ -207,7 +212,7 @@ def checked_project(path: Path, content: Mapping[str, Any], *, empty: bool = Fal
 def _is(kind: str, value: Any) -> bool:
     if kind in ("files", "names"):
         return isinstance(value, list) and all(map(_is_text, value))
-    if kind == "pairs":
+    if kind in ("pairs", "weights"):
         return isinstance(value, dict) and all(map(_is_number, value.values()))
     if kind == "number":
         return _is_number(value)
