@@ -64,7 +64,10 @@ class Work:
             raise TirefmuError(f"{self.title} is running: stop it, or wait for its end")
         self.title, self._stopped, self.running = title, False, True
         self.lines.clear()
-        self._task = asyncio.create_task(self._run(list(arguments)))
+        await self.prepare()
+        self._process, self._next = self._next, None
+        assert self._process is not None
+        self._task = asyncio.create_task(self._run(self._process, list(arguments)))
 
     async def stop(self) -> None:
         """End the running command."""
@@ -86,13 +89,9 @@ class Work:
             self._next.kill()
             await self._next.wait()
 
-    async def _run(self, arguments: list[str]) -> None:
-        await self.prepare()
-        process, self._next = self._next, None
-        assert process is not None
+    async def _run(self, process: Process, arguments: list[str]) -> None:
         assert process.stdin is not None
         assert process.stderr is not None
-        self._process = process
         process.stdin.write(json.dumps(arguments).encode() + b"\n")
         last = ""
         async for line in process.stderr:
