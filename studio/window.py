@@ -217,8 +217,6 @@ class Window:
         if event["event"] == "ended":
             await asyncio.to_thread(self._keep_fit)
         await self._send(event)
-        if event["event"] == "ended":
-            await self._send({"event": "changed"})
 
     def _keep_fit(self) -> None:
         project = self.state.project()

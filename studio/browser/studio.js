@@ -120,9 +120,9 @@ class Studio {
     } else if (event.event === "stage") {
       if (this.tab === "fit") this.attempt(this.tabs.fit.showTire("live"));
     } else if (event.event === "ended") {
-      if (this.state) this.state.work.running = false;
       if (event.message) this.fail(`${event.title}: ${event.message}`);
       else this.say(`${event.title}: done`);
+      this.refresh();
     } else {
       this.refresh();
     }

@@ -18,7 +18,7 @@ from tirefmu.tires import published
 
 #: Actions by mouse and keyboard from the recordings to the FMU, and seconds: the showing of the window.
 MAX_ACTIONS, MAX_SECONDS = 60, 180
-WAIT = 40_000  # ms
+WAIT = 120_000  # ms
 LOADS, CAMBERS = [220.0, 450.0, 700.0, 900.0, 1100.0], [0.0, 0.02, 0.035, 0.05, 0.07]
 
 
@@ -284,7 +284,7 @@ def test_pages_have_no_accessibility_findings(studio, recordings, width):
         assert page.get_attribute(f"#tab-{name}", "aria-selected") == "true"
         violations = axe.Axe().run(page).response["violations"]
         assert not [(each["id"], [node["html"] for node in each["nodes"]]) for each in violations], name
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page.evaluate("document.documentElement.scrollWidth") <= width, name
         if path := os.environ.get("TIREFMU_STUDIO_PICTURES"):
             page.screenshot(path=f"{path}/{name}_{width}.png", full_page=True)
         page.locator(f"#tab-{name}").focus()
