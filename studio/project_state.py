@@ -35,12 +35,12 @@ class Stale(TirefmuError):
 class ProjectState:
     """The project file of a window. Every change is in the file when it is confirmed.
 
-    `path`: of the project file; a new one is written if it does not exist.
+    `path`: of the project file; a new one is written if it does not exist. Steps name their files as seen from the
+    current folder: `tirefmu run` there finds the results of the window up to date.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = Path(os.path.abspath(path))
-        self.folder = self.path.parent
+        self.path, self.folder = path, path.parent
         self.history = self.folder / FOLDER / HISTORY
         self.history.mkdir(parents=True, exist_ok=True)
         if not self.path.exists():

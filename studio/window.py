@@ -12,6 +12,8 @@ from typing import Any, TypeVar
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.boundary.escaping import excerpt, file_name
 from tirefmu.catalogue import effects
+from tirefmu.diagnosis.diagnose import with_library
+from tirefmu.diagnosis.probing.candidates import candidates_for
 from tirefmu.explorer.fit_intervals import fit_intervals
 from tirefmu.fitting.problem.recipe import RECIPES
 from tirefmu.measurements.files.reading import READERS
@@ -46,7 +48,7 @@ class Window:
     def __init__(self, state: ProjectState, send: Callable[[Event], Awaitable[None]]) -> None:
         self.state, self._send = state, send
         self.fits = Fits(state.folder / FOLDER / "fits")
-        self.work = Work(state.folder, self._worked)
+        self.work = Work(self._worked)
         self.tires = PageTires()
         self._edit = asyncio.Lock()
         self._live: Tire | None = None
@@ -193,6 +195,17 @@ class Window:
         path = self.fits.of(given(message, "fit", int)) / PROJECT
         await self._changed(self.state.restore_section, given(message, "version", str), "fit", path)
 
+    async def do_reject(self, message: Event) -> None:
+        """Exclude an effect from the candidates of the diagnosis."""
+        effect = given(message, "effect", str)
+        tire = await asyncio.to_thread(self._tire, "result")
+        known = candidates_for(with_library(tire))
+        if effect not in known:
+            raise UnknownName("candidate", effect, known)
+        tested = self.state.project().get("diagnose", "candidates", sorted(known))
+        others = [each for each in tested if each != effect]
+        await self._changed(self.state.set_value, given(message, "version", str), "diagnose", "candidates", others)
+
     async def add_table(self, name: str, content: Path) -> str:
         """Move an uploaded file into the folder of the project and add it to the tables; return its name."""
         path = self.state.folder / file_name(name)
@@ -250,7 +263,7 @@ class Window:
         records = Records.of(project.folder)
         return {
             "version": self.state.version(),
-            "folder": str(self.state.folder),
+            "folder": str(self.state.folder.absolute()),
             "sections": project.sections,
             "undoable": self.state.undoable(),
             "steps": [_step(step, records.status(step), project.folder) for step in steps],

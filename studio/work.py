@@ -11,7 +11,6 @@ from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections import deque
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from tirefmu.boundary.errors import TirefmuError
@@ -31,12 +30,12 @@ Report = Callable[[dict[str, Any]], Awaitable[None]]
 class Work:
     """The work of a window: the running command, and a loaded process for the next one.
 
-    `folder`: current folder of the commands. `report`: called with ``{"event": "line" | "ended", ...}``. `running`:
+    `report`: called with ``{"event": "line" | "ended", ...}``. `running`:
     whether a command runs.
     """
 
-    def __init__(self, folder: Path, report: Report) -> None:
-        self._folder, self._report = folder, report
+    def __init__(self, report: Report) -> None:
+        self._report = report
         self._next: Process | None = None
         self._process: Process | None = None
         self._task: asyncio.Task[None] | None = None
@@ -50,7 +49,6 @@ class Work:
             line = [sys.executable, "-P", "-m", "tirefmu.studio.worker"]  # -P: no module of the current folder
             self._next = await asyncio.create_subprocess_exec(
                 *line,
-                cwd=self._folder,
                 stdin=PIPE,
                 stdout=DEVNULL,
                 stderr=PIPE,

@@ -22,9 +22,9 @@ class CompareTab {
         const found = fit.channels.find((each) => `${each.recording} ${each.channel}` === name);
         return found ? `${shortNumber(found.fitted_rmse)} ${found.unit}` : "-";
       });
-      return [String(fit.number), this.box(fit), fit.model, fit.verdict, ...errors, this.note(fit), this.restore(fit)];
+      return [String(fit.number), this.box(fit), fit.model, fit.verdict, this.note(fit), this.restore(fit), ...errors];
     });
-    fillTable(find("fits"), ["fit", "shown", "model", "verdict", ...channels.map((each) => `RMSE ${each}`), "note", "options"], rows);
+    fillTable(find("fits"), ["fit", "shown", "model", "verdict", "note", "options", ...channels.map((each) => `RMSE ${each}`)], rows);
     await this.show();
   }
 

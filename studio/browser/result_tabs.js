@@ -68,11 +68,7 @@ class DiagnoseTab {
       const present = this.studio.state.sections.fit?.effects ?? choices.default;
       if (await this.studio.set("fit", "effects", [...new Set([...present, effect])])) this.studio.run(["fit"]);
     });
-    reject.addEventListener("click", async () => {
-      const choices = await this.studio.call("choices");
-      const tested = this.studio.state.sections.diagnose?.candidates ?? choices.effects.map((each) => each.name);
-      this.studio.set("diagnose", "candidates", tested.filter((each) => each !== effect));
-    });
+    reject.addEventListener("click", () => this.studio.edit("reject", { effect }));
     return element("p", {}, accept, " ", reject);
   }
 }

@@ -12,6 +12,7 @@ from tirefmu.cli import main
 from tirefmu.evaluation import predicted_outputs
 from tirefmu.measurements import recording_from
 from tirefmu.project.steps import steps_of
+from tirefmu.tires import published, read_tir
 
 from .conftest import ORIGIN, SOCKET, TOKEN, Page
 
@@ -93,8 +94,6 @@ def test_errors_of_sliders_are_those_of_python(window):
         content = {"tire": "live", "model": "mf96", "effects": effects, "values": values | change}
         found = page.result("errors", condition=0, **content)
         assert page.edit("start_from", **content)["result"] is None
-        from tirefmu.tires import read_tir
-
         started = read_tir(window.state.folder / "start.tir")
         assert started.values["PDY1"] == values["PDY1"] * (1.1 if change else 1.0)
         recording = recording_from(window.state.folder / "run.csv").with_signs("iso")
@@ -106,6 +105,18 @@ def test_errors_of_sliders_are_those_of_python(window):
     assert page.result("state")["sections"]["fit"]["start"] == "start.tir"
     assert page.call("errors", condition=0, **{**content, "values": {"NONE": 1.0}})["error"]
     assert page.call("errors", condition=0, **{**content, "model": "mf61"})["error"]
+
+
+def test_a_rejected_effect_is_no_candidate_of_the_next_diagnosis(window):
+    assert "no fitted tire" in window.page.edit("reject", effect="temp_friction")["error"]
+    (window.state.folder / "results").mkdir()
+    published("trento_hoosier").save(window.state.folder / "results" / "tire.tir")
+    assert window.page.edit("reject", effect="nothing")["error"]
+    for effect in ("temp_friction", "heat_friction"):
+        assert window.page.edit("reject", effect=effect)["result"] is None
+    tested = window.page.result("state")["sections"]["diagnose"]["candidates"]
+    assert not {"temp_friction", "heat_friction"} & set(tested)
+    assert "wear_drift" in tested
 
 
 def test_code_of_a_tire_is_served_by_its_digest(window):

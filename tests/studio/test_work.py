@@ -12,7 +12,8 @@ from tirefmu.boundary.errors import TirefmuError
 from tirefmu.studio.work import Work
 
 
-def test_a_command_reports_its_end_and_can_be_stopped(tmp_path):
+def test_a_command_reports_its_end_and_can_be_stopped(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     events = []
 
     async def report(event):
@@ -23,7 +24,7 @@ def test_a_command_reports_its_end_and_can_be_stopped(tmp_path):
             await asyncio.sleep(0.02)
 
     async def run():
-        work = Work(tmp_path, report)
+        work = Work(report)
         try:
             await work.start("wrong", ["info", "missing.tir"])
             with pytest.raises(TirefmuError, match="wrong is running"):
