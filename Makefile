@@ -27,11 +27,13 @@ matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.
 
 docs: $(VENV)/installed-dev  ## the documentation site in build/site, without connections; warnings are errors; runs the notebooks
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[docs]"
+	rm -rf build/gallery
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 	TIREFMU_NOTEBOOKS=1 $(BIN)/pytest tests/docs $(PYTEST_ARGS)
 
-release: $(VENV)/installed-dev  ## wheel and sdist in dist/, and the demo of the wheel in a clean environment
-	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py
+release: $(VENV)/installed-dev  ## wheel and sdist in dist/, the demo of the wheel in a clean environment, the conda recipe
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[release]"
+	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py tests/test_packages.py
 
 pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider settings per model, accessibility, frame times
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[browser]"

@@ -238,7 +238,7 @@ def _recordings_in(path: Path) -> list[Path]:
 
 def _earlier(folder: Path, name: str) -> list[Path]:
     """Return the files of an earlier run; what others have put there remains."""
-    kinds = ("*.tir", "*.fmu", "*.toml", "diagnosis.json", "report.html")
+    kinds = ("*.tir", "*.fmu", "*.toml", "*.schema.json", "diagnosis.json", "report.html")
     return [path for kind in kinds for path in (folder / name).glob(kind)]
 
 

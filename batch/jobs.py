@@ -10,19 +10,23 @@ from typing import Any
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import FitError, path_from
 from tirefmu.boundary.escaping import file_name, quoted
+from tirefmu.boundary.json_schema import document, object_schema
 from tirefmu.measurements.files.reading import READERS
 
 from .resumable import Job
 from .toml_file import check_keys
 
 #: Options of a job: the arguments of `tirefmu.fit` with their types.
-OPTIONS: Mapping[str, type] = {
-    "model": str, "start": str, "effects": list, "without": list, "recipe": str, "loss": str, "method": str,
-    "iterations": int, "seed": int, "nominal": dict, "screening": bool, "rows": str, "constraints": list,
-    "without_constraints": list,
+OPTIONS: Mapping[str, Any] = {
+    "model": str, "start": str, "effects": list[str], "without": list[str], "recipe": str, "loss": str, "method": str,
+    "iterations": int, "seed": int, "nominal": dict[str, float], "screening": bool, "rows": str,
+    "constraints": list[str], "without_constraints": list[str],
 }  # fmt: skip
 #: Options that determine how the tables are read.
-READING: Mapping[str, type] = {"signs": str, "where": str}
+READING: Mapping[str, Any] = {"signs": str, "where": str}
+#: Keys of a job, and of the file.
+JOB: Mapping[str, Any] = {"name": str, "tables": list[str], **OPTIONS, **READING}
+FILE: Mapping[str, Any] = {"defaults": dict[str, Any], "jobs": list[Any]}
 
 
 @dataclass(frozen=True)
@@ -66,13 +70,20 @@ def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tup
     if options:
         raise FitError(f"{path}: [defaults] in the file sets {', '.join(options)}")
     content = toml_file(path, FitError)
-    check_keys(content, {"defaults": dict, "jobs": list}, str(path))
+    check_keys(content, FILE, str(path))
     defaults = content.get("defaults", {})
     check_keys(defaults, {**OPTIONS, **READING}, f"{path}, defaults")
     items = content.get("jobs", [])
     if not items:
         raise FitError(f"{path}: no [[jobs]]")
     return unique([_job(item, defaults, path, number) for number, item in enumerate(items, start=1)], path)
+
+
+def jobs_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a list of jobs."""
+    jobs = {"type": "array", "minItems": 1, "items": object_schema(JOB, ["name", "tables"])}
+    content = {**FILE, "defaults": object_schema({**OPTIONS, **READING}), "jobs": jobs}
+    return document("jobs", "1.0", "Jobs of many fits", object_schema(content, ["jobs"]))
 
 
 def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
@@ -87,7 +98,7 @@ def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
 
 def _job(item: Any, defaults: Mapping[str, Any], path: Path, number: int) -> FitJob:
     location = f"{path}, job {number}"
-    check_keys(item, {"name": str, "tables": list, **OPTIONS, **READING}, location)
+    check_keys(item, JOB, location)
     name, tables = item.get("name"), item.get("tables")
     if not name or not tables:
         raise FitError(f"{location}: {'tables' if name else 'name'} is missing")

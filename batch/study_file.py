@@ -14,15 +14,17 @@ import numpy as np
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import FitError, path_from
 from tirefmu.boundary.escaping import quoted
+from tirefmu.boundary.json_schema import document, is_of, object_schema, schema_of
 
-from .toml_file import check_keys, is_number
+from .toml_file import check_keys
 
 #: Upper limit of the number of runs.
 MAX_RUNS = 1_000_000
-KEYS: Mapping[str, type] = {
-    "tables": list, "signs": str, "outputs": list, "parameters": dict, "samples": int, "seed": int, "series": bool,
+KEYS: Mapping[str, Any] = {
+    "tables": list[str], "signs": str, "outputs": list[str], "parameters": dict[str, Any], "samples": int, "seed": int,
+    "series": bool,
 }  # fmt: skip
-RANGE: Mapping[str, type] = {"from": float, "to": float, "count": int}
+RANGE: Mapping[str, Any] = {"from": float, "to": float, "count": int}
 
 
 @dataclass(frozen=True)
@@ -85,9 +87,16 @@ def read_study(path: str | Path) -> Study:
     )
 
 
+def study_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a study."""
+    values = {"anyOf": [{**schema_of(list[float]), "minItems": 1}, object_schema(RANGE, ["from", "to"])]}
+    content = {**KEYS, "parameters": {"type": "object", "additionalProperties": values}}
+    return document("study", "1.0", "Study of an FMU", object_schema(content, ["tables"]))
+
+
 def _levels(given: Any, location: str) -> list[float]:
     """Return the values of a parameter, from a list or a range."""
-    if isinstance(given, list) and given and all(map(is_number, given)):
+    if given and is_of(given, list[float]):
         return [float(one) for one in given]
     lower, upper, count = _range(given, location)
     if count is None or not 1 <= count <= MAX_RUNS:

@@ -19,6 +19,7 @@ import tirefmu
 from tirefmu.boundary.escaping import html_text
 from tirefmu.catalogue import effects, models, published_tires
 from tirefmu.cli import cli
+from tirefmu.schemas import KINDS, schema
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS
@@ -41,6 +42,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
     for name, text in pages().items():
         files.append(File.generated(config, name, content=text))
+    for kind in KINDS:
+        text = json.dumps(schema(kind, cli), indent=1)
+        files.append(File.generated(config, f"schemas/{kind}.json", content=text))
     for path in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
         text = json.dumps(notebook(path.read_text(encoding="utf-8")), indent=1)
         files.append(File.generated(config, f"tutorials/{path.stem}.ipynb", content=text))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from importlib.resources import files
 from math import inf, isfinite
@@ -14,6 +14,7 @@ import numpy as np
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName, path_from
 from tirefmu.boundary.escaping import quoted
+from tirefmu.boundary.json_schema import document, object_schema
 from tirefmu.measurements import Noise
 from tirefmu.measurements.channels import CHANNELS
 from tirefmu.measurements.units import to_si
@@ -21,6 +22,14 @@ from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
 
 #: The inputs that a bench sets, and those that it sweeps.
 INPUTS, SWEPT = ("kappa", "alpha", "gamma", "Fz", "p", "V"), ("kappa", "alpha")
+#: Numbers of limits and noise that have the unit of their channel: a text may state another one.
+WITH_UNITS = ("low", "high", "rate", "constant", "offset", "drift", "step")
+#: The ends of a range: required, and the only numbers that may be negative.
+ENDS = ("low", "high")
+#: Numbers of the file that are in no table.
+SETTINGS = ("sample_rate", "warm_up", "repeat_every")
+#: Numbers of the table [noise].
+NOISE = ("correlation_time", "drift_period")
 #: Largest load of the default noise, N (`Noise.scaled`).
 NOISE_LOAD = 3000.0
 
@@ -129,11 +138,11 @@ def read_bench(path: str | Path) -> Bench:
     """
     path = path_from(path)
     content = toml_file(path, PlanError)
-    plain = {name: content.pop(name) for name in ("sample_rate", "warm_up", "repeat_every") if name in content}
+    plain = {name: content.pop(name) for name in SETTINGS if name in content}
     name = content.pop("name", path.stem)
     for key, value in content.items():
         if key not in (*INPUTS, "heat", "noise"):
-            raise UnknownName(f"key of {path}", key, (*INPUTS, "heat", "noise", "name", *_settings()))
+            raise UnknownName(f"key of {path}", key, (*INPUTS, "heat", "noise", "name", *SETTINGS))
         if not isinstance(value, dict):
             raise PlanError(f"{path}: {key} has to be a table [{key}]")
     limits = {key: _limits(content[key], key, f"{path}: [{key}]") for key in INPUTS if key in content}
@@ -152,8 +161,23 @@ def read_bench(path: str | Path) -> Bench:
     return Bench(limits, noise, heat, str(name), **settings)
 
 
-def _settings() -> tuple[str, ...]:
-    return "sample_rate", "warm_up", "repeat_every"
+def bench_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a bench file."""
+    noise = dict.fromkeys(CHANNELS, object_schema(_number_schemas(_names(ChannelNoise))))
+    content = {
+        "name": Any,
+        **_number_schemas(SETTINGS),
+        **dict.fromkeys(INPUTS, object_schema(_number_schemas(_names(Limits)), ENDS)),
+        "heat": object_schema(_number_schemas(_names(Heat))),
+        "noise": object_schema({**_number_schemas(NOISE), **noise}),
+    }
+    return document("bench", "1.0", "Test bench", object_schema(content))
+
+
+def _number_schemas(names: Iterable[str]) -> dict[str, Any]:
+    """Return the schemas of numbers as `_number` accepts them."""
+    signed = {name: {"type": "number"} if name in ENDS else {"type": "number", "minimum": 0} for name in names}
+    return {name: {"anyOf": [one, {"type": "string"}]} if name in WITH_UNITS else one for name, one in signed.items()}
 
 
 def _names(kind: type[Any]) -> tuple[str, ...]:
@@ -162,7 +186,7 @@ def _names(kind: type[Any]) -> tuple[str, ...]:
 
 def _limits(table: Mapping[str, Any], key: str, where: str) -> Limits:
     values = _numbers(table, _names(Limits), where, CHANNELS[key].quantity)
-    for end in ("low", "high"):
+    for end in ENDS:
         if end not in values:
             raise PlanError(f"{where} has no {end}")
     if values["low"] > values["high"]:
@@ -178,7 +202,7 @@ def _limits(table: Mapping[str, Any], key: str, where: str) -> Limits:
 def _noise(table: Mapping[str, Any], factor: float, where: str) -> Noise:
     channels = dict(Noise().scaled(factor).channels)
     plain = {key: value for key, value in table.items() if not isinstance(value, dict)}
-    settings = _numbers(plain, ("correlation_time", "drift_period"), f"{where}]")
+    settings = _numbers(plain, NOISE, f"{where}]")
     for name, content in table.items():
         if isinstance(content, dict):
             if name not in CHANNELS:
@@ -196,8 +220,9 @@ def _numbers(table: Mapping[str, Any], names: tuple[str, ...], where: str, quant
     for key in table:
         if key not in names:
             raise UnknownName(f"key of {where}", key, names)
-    units = {"low", "high", "rate", "constant", "offset", "drift", "step"} if quantity else set()
-    return {key: _number(value, f"{where} {key}", quantity if key in units else "") for key, value in table.items()}
+    return {
+        key: _number(value, f"{where} {key}", quantity if key in WITH_UNITS else "") for key, value in table.items()
+    }
 
 
 def _number(value: Any, where: str, quantity: str = "") -> float:
@@ -208,7 +233,7 @@ def _number(value: Any, where: str, quantity: str = "") -> float:
         except (ValueError, DataError, UnknownName) as error:
             reason = error if isinstance(error, TirefmuError) else "it has to be a number and a unit, such as '12 deg'"
             raise PlanError(f"{where} = {quoted(value)}: {reason}") from None
-    signed = where.endswith((" low", " high"))
+    signed = where.endswith(tuple(f" {name}" for name in ENDS))
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
         raise PlanError(f"{where} = {quoted(value)}: it has to be a finite number")
     if value < 0.0 and not signed:

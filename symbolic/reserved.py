@@ -54,9 +54,10 @@ _TIR_KEYS = re.compile(
 )
 _TIR_SECTIONS = frozenset(["added", "about", "ranges", "assumed", "kept_units"])
 
-_COEFFICIENT = re.compile("[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
-_EFFECT = re.compile("[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
-_STATE = re.compile("([A-Z]_)?[a-z][a-z0-9]*(_[a-z0-9]+)*")
+#: The form of names; other names of this form are reserved.
+COEFFICIENT_NAME = re.compile("[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
+EFFECT_NAME = re.compile("[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
+STATE_NAME = re.compile("([A-Z]_)?[a-z][a-z0-9]*(_[a-z0-9]+)*")
 #: Names in generated code that a state would hide: functions of C and NumPy in lower case, arguments, results.
 _HIDDEN = re.compile(
     "(a|f|l|ll)?(abs|sin|cos|tan|exp|log|sqrt|pow)[0-9a-z]*|(sin|cos|tan)h|j[01n]|y[01n]|(l|t)?gamma|erfc?|hypot|cbrt"
@@ -77,7 +78,7 @@ def no_coefficient(name: str) -> str:
     >>> no_coefficient("tmu")
     'is not a word of capital letters A-Z, digits and single _'
     """
-    if not _COEFFICIENT.fullmatch(name):
+    if not COEFFICIENT_NAME.fullmatch(name):
         return "is not a word of capital letters A-Z, digits and single _"
     if _MACROS.fullmatch(name):
         return "is a macro of C"
@@ -92,7 +93,7 @@ def no_effect(name: str) -> str:
     >>> no_effect("wet_grip"), no_effect("nul"), no_effect("about"), no_effect("größe")
     ('', 'is a device of Windows', 'is a section of .tir files', 'is not a word of letters A-Z, digits and single _')
     """
-    if not _EFFECT.fullmatch(name):
+    if not EFFECT_NAME.fullmatch(name):
         return "is not a word of letters A-Z, digits and single _"
     return "is a section of .tir files" if name.lower() in _TIR_SECTIONS else _in_general(name)
 
@@ -103,7 +104,7 @@ def no_state(name: str) -> str:
     >>> no_state("tread_heat"), no_state("exp"), no_state("Heat")
     ('', 'is a name of the generated code', 'is not a word of small letters a-z, digits and single _, such as T_gas')
     """
-    if not _STATE.fullmatch(name):
+    if not STATE_NAME.fullmatch(name):
         return "is not a word of small letters a-z, digits and single _, such as T_gas"
     if _PROGRAM.fullmatch(name):
         return "is a name of the program"

@@ -38,6 +38,13 @@ def command_line() -> str:
     return str(click.get_current_context().obj or "")
 
 
+def all_commands(context: click.Context) -> click.Group:
+    """Return the group of all commands."""
+    group = context.find_root().command
+    assert isinstance(group, click.Group)
+    return group
+
+
 class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic since click 8.4
     """``name=number,name=number``."""
 

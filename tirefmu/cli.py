@@ -41,7 +41,7 @@ from .commands.fit_command import fit
 from .commands.generate_command import generate
 from .commands.host_commands import convert, lint
 from .commands.inspect_command import inspect
-from .commands.list_commands import effects, models, published
+from .commands.list_commands import effects, models, published, schema
 from .commands.many_commands import fit_many, study
 from .commands.project_commands import init, run, studio
 
@@ -338,6 +338,7 @@ for command in (
     plan,
     published,
     run,
+    schema,
     studio,
     study,
 ):

@@ -9,8 +9,8 @@ from typing import Any
 
 from tirefmu.estimation.noise_floor import NoiseFloor
 
+from ..recording.range_text import range_text
 from ..thresholds import INADEQUATE
-from .range_text import range_text
 
 
 @dataclass(frozen=True)

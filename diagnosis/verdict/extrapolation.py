@@ -11,8 +11,8 @@ import numpy.typing as npt
 from tirefmu.symbolic.declarations import Quantity
 
 from ..least_squares import LeastSquares, Solution
+from ..recording.range_text import range_text
 from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE
-from .range_text import range_text
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +13,8 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, UnknownName, path_from
-from tirefmu.symbolic.added import AddedEffect, effect_text
+from tirefmu.boundary.json_schema import json_value, write_toml
+from tirefmu.symbolic.added import AddedEffect, effect_schema, effect_text
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
@@ -23,12 +23,10 @@ from ..search.confirmation import Confirmation
 from ..search.proposals import FormCorrection
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
+from .content import VERSION, DiagnosisContent
 from .extrapolation import Extrapolation
 from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
-
-#: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "3.1"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -221,33 +219,33 @@ class Diagnosis:
         dict
             JSON types only; a number that does not exist is null.
         """
-        content = {
+        content: DiagnosisContent = {
             "version": VERSION,
             "verdict": self.verdict,
             "found": [
                 {
                     "effect": one.effect,
                     "probability": one.probability,
-                    "channels": list(one.channels),
-                    "coefficients": {name: vars(value) for name, value in one.coefficients.items()},
+                    "channels": one.channels,
+                    "coefficients": one.coefficients,
                     "p": one.p,
                     "cv_gain": one.cv_gain,
                     "cv_gain_se": one.cv_gain_se,
-                    "when": [list(stretch) for stretch in one.when],
+                    "when": one.when,
                     "size": {name: {"rms": rms, "largest": largest} for name, (rms, largest) in one.size.items()},
                 }
                 for one in self.found
             ],
-            "explanations": [{**vars(one), "effects": list(one.effects)} for one in self.answer.reported],
+            "explanations": self.answer.reported,
             "probabilities": self.answer.probabilities,
             "confounded_with": {
                 name: sorted(others, key=lambda x: -others[x]) for name, others in self.confounded_with.items()
             },
-            "correlation": {name: dict(others) for name, others in self.confounded_with.items()},
-            "next_measurement": list(self.next_measurement),
+            "correlation": self.confounded_with,
+            "next_measurement": self.next_measurement,
             "unknown": [
                 {
-                    "depends_on": list(one.depends_on),
+                    "depends_on": one.depends_on,
                     "formula": one.formula,
                     "added": one.added,
                     "file": f"{one.effect.name}.toml" if one.effect else None,
@@ -256,8 +254,8 @@ class Diagnosis:
                 for one in self.unknown
             ],
             "not_identifiable": sorted(self.not_identifiable),
-            "not_identifiable_because": dict(self.not_identifiable),
-            "refined": list(self.refined),
+            "not_identifiable_because": self.not_identifiable,
+            "refined": self.refined,
             "correction": f"{self.correction.effect.name}.toml" if self.correction else None,
             "gap": self.gap,
             "adequacy": {
@@ -272,16 +270,27 @@ class Diagnosis:
                 for one in self.adequacy
             },
             "delivered": self.delivered,
-            "not_delivered_because": list(self.not_delivered_because),
-            "confirmed": {name: vars(one) for name, one in self.confirmed.items()},
-            "rejected": {name: vars(one) for name, one in self.rejected.items()},
+            "not_delivered_because": self.not_delivered_because,
+            "confirmed": self.confirmed,
+            "rejected": self.rejected,
             "detectable": self.detectable,
             "where": self.where,
             "where_after": self.where_after,
             "time_course": self.time_course,
             "recording": self.recording,
-            "extrapolation": [{**vars(one), "doubtful": one.doubtful} for one in self.extrapolation],
-            "holdout_rows": [list(stretch) for stretch in self.holdout_rows],
+            "extrapolation": [
+                {
+                    "effect": one.effect,
+                    "input": one.input,
+                    "lower": one.lower,
+                    "upper": one.upper,
+                    "change": one.change,
+                    "channel": one.channel,
+                    "doubtful": one.doubtful,
+                }
+                for one in self.extrapolation
+            ],
+            "holdout_rows": self.holdout_rows,
             "signs": self.signs,
             "recording_signs": self.recording_signs,
             "tire": tire,
@@ -290,7 +299,7 @@ class Diagnosis:
             "base_fmu": base_fmu,
             "seconds": round(self.seconds, 2),
         }
-        return dict(_plain(content))
+        return dict(json_value(content))
 
     def save(self, folder: str | Path) -> Path:
         """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, created if necessary.
@@ -315,7 +324,7 @@ class Diagnosis:
             self.tire.save(path / "improved.tir")
             self.base_tire.save(path / "base.tir")
             for proposed in self.proposed:
-                (path / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
+                write_toml(path / f"{proposed.name}.toml", effect_text(proposed), effect_schema())
             content = self.to_json(tire="improved.tir", base_tire="base.tir")
             (path / "diagnosis.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
         except OSError as error:
@@ -327,14 +336,3 @@ def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
     """Return a map of `residual_location.residual_maps` with the opposite sign; cells without rows have no mean."""
     mean = [[None if cell is None else turned_sign(cell) for cell in row] for row in one["mean"]]
     return {**one, "mean": mean, "worst": {**one["worst"], "mean": turned_sign(one["worst"]["mean"])}}
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON types."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return _plain(value.item())
-    return None if isinstance(value, float) and not math.isfinite(value) else value

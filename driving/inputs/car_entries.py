@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tirefmu.boundary.escaping import toml_string
+from tirefmu.boundary.json_schema import document, object_schema
 
 
 @dataclass(frozen=True)
@@ -136,23 +137,16 @@ def car_schema() -> dict[str, Any]:
             for entry in _ENTRIES
             if entry.section == section
         }
-        sections[section] = {"type": "object", "properties": properties, "additionalProperties": False}
+        sections[section] = object_schema(properties)
     sections["body"]["properties"] |= {name: {"type": "number", "exclusiveMinimum": 0} for name in OTHERS["body"]}
     pair = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
     sections["steering"]["properties"]["map"] = {"type": "array", "items": pair, "minItems": 2}
     sections["wheels"]["properties"]["driven"] = {"enum": list(LAYOUTS)}
     sections["columns"] = {"type": "object", "additionalProperties": {"type": "string"}}
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Car of a drive",
-        "type": "object",
-        "properties": sections,
-        "required": ["body"],
-        "additionalProperties": False,
-    }
+    return document("car", "1.0", "Car of a drive", object_schema(sections, ["body"]))
 
 
 def _number(entry: Entry) -> list[dict[str, Any]]:
     value = {"type": "number", "minimum": entry.lower, "maximum": entry.upper}
     pair = {"value": value, "uncertainty": {"type": "number", "minimum": 0}}
-    return [value, {"type": "object", "properties": pair, "required": ["value"], "additionalProperties": False}]
+    return [value, object_schema(pair, ["value"])]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from math import inf, isfinite, isnan
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ import pandas as pd
 
 from tirefmu.boundary.bounded_file import toml_content, toml_file
 from tirefmu.boundary.errors import DataError, FitError, UnknownName
+from tirefmu.boundary.json_schema import document, object_schema, one_of
 from tirefmu.measurements.channels import CHANNELS
 from tirefmu.measurements.row_selection.expression import Selection, parse_range, parse_selection
 from tirefmu.symbolic.effects import EFFECTS
@@ -29,11 +30,17 @@ from tirefmu.symbolic.models import MODELS, model_named
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")
 #: The keys of a recipe and of a stage, with the types of their values.
-RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "scales": bool, "stage": list}
-STAGE_KEYS: dict[str, type] = {
-    "name": str, "channels": list, "where": dict, "select": str, "hold": list, "free": dict, "sections": list,
-    "effects": list, "rows": int, "weights": str, "again": list,
+RECIPE_KEYS: dict[str, Any] = {
+    "name": str, "description": str, "models": list[str], "scales": bool, "stage": list[Any],
 }  # fmt: skip
+STAGE_KEYS: dict[str, Any] = {
+    "name": str, "channels": list[str], "where": dict[str, str | list[str]], "select": str, "hold": list[str],
+    "free": dict[str, Any], "sections": list[str], "effects": list[str], "rows": int, "weights": str,
+    "again": list[dict[str, float]],
+}  # fmt: skip
+FREE_KEYS: dict[str, Any] = {"guess": float, "lower": float, "upper": float}
+#: How a stage weights its channels.
+WEIGHTS = ("equal", "noise")
 KINDS = {
     bool: "true or false",
     str: "a text",
@@ -162,6 +169,16 @@ def load_recipe(name: str | None, model_name: str) -> Recipe:
     return Recipe(*own, stages, content.get("scales", False))
 
 
+def recipe_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a recipe."""
+    free = {"type": "object", "additionalProperties": object_schema(FREE_KEYS)}
+    stage = object_schema(
+        {**STAGE_KEYS, "free": free, "rows": {"type": "integer", "minimum": 1}, "weights": one_of(WEIGHTS)}
+    )
+    stages = {"type": "array", "minItems": 1, "items": stage}
+    return document("recipe", "1.0", "Recipe of a fit", object_schema({**RECIPE_KEYS, "stage": stages}, ["stage"]))
+
+
 def _stage(item: dict[str, Any], model: Model, where: str) -> Stage:
     _check_kind(item, dict, f"{where}, stage")
     location = f"{where}, stage {item.get('name', '?')!r}"
@@ -184,7 +201,7 @@ def _stage(item: dict[str, Any], model: Model, where: str) -> Stage:
     for channel in item.get("hold", []):
         _check_name(f"held input without a condition in {location}", channel, item.get("where", {}))
     weights = item.get("weights", "equal")
-    _check_name(f"weights in {location}", weights, ("equal", "noise"))
+    _check_name(f"weights in {location}", weights, WEIGHTS)
     if rows is not None and rows < 1:
         raise FitError(f"{location}: rows = {rows} is not a number of rows")
     return Stage(
@@ -219,7 +236,7 @@ def _values(given: dict[str, float], location: str) -> dict[str, float]:
 
 def _freed(given: dict[str, float], location: str) -> Freed:
     _check_kind(given, dict, location)
-    _check_keys(given, {"guess": float, "lower": float, "upper": float}, location)
+    _check_keys(given, FREE_KEYS, location)
     lower, upper, guess = given.get("lower", -inf), given.get("upper", inf), given.get("guess", 0.0)
     if lower > upper:
         raise FitError(f"{location}: bounds cross: lower {lower:g} is above upper {upper:g}")
@@ -252,10 +269,10 @@ def _values_of(table: pd.DataFrame, channel: str) -> npt.NDArray[np.float64]:
     return table[channel].to_numpy(dtype=np.float64) if channel in table else np.zeros(len(table))
 
 
-def _check_keys(table: dict[str, Any], keys: dict[str, type], location: str) -> None:
-    for key, value in table.items():
+def _check_keys(given: dict[str, Any], keys: dict[str, Any], location: str) -> None:
+    for key, value in given.items():
         _check_name(f"key in {location}", key, keys)
-        _check_kind(value, keys[key], f"{location}, {key}")
+        _check_kind(value, get_origin(keys[key]) or keys[key], f"{location}, {key}")
 
 
 def _check_name(kind: str, name: object, known: Iterable[str]) -> None:

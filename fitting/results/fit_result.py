@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.boundary.json_schema import json_value
 from tirefmu.measurements import Finding, TableLike
 from tirefmu.tires.tire import Tire
 
@@ -20,6 +21,7 @@ from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
 from ..evidence.uncertainty import Direction
 from ..temperature.fitted_temperature import FittedTemperature
+from .fit_content import VERSION, FitContent
 from .intervals import interval, listed_intervals
 from .records import ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
 from .resampled import Bootstrap, Profile
@@ -224,10 +226,13 @@ class FitResult:
         return pd.DataFrame([vars(coefficient) for coefficient in self.coefficients])
 
     def to_json(self) -> dict[str, Any]:
-        """Return the result as JSON values; a missing bound is null."""
-        plain = {
+        """Return the result as JSON values; a number that does not exist, such as a missing bound, is null."""
+        known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
+        matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []
+        content: FitContent = {
+            "version": VERSION,
             "ok": self.verdict.usable,
-            "verdict": vars(self.verdict),
+            "verdict": self.verdict,
             "status": self.status,
             "recipe": self.run.recipe,
             "method": self.run.method,
@@ -236,31 +241,22 @@ class FitResult:
             "effects": sorted(self.tire.has),
             "signs": self.signs,
             "values": dict(self.tire.values),
+            "coefficients": self.coefficients,
+            "channels": self.channels,
+            "stages": self.stages,
+            "margins": self.margins,
+            "directions": self.directions,
+            "set_aside": self.excluded_rows,
+            "held_out": self.held_out,
+            "findings": self.findings,
+            "covariance": {"coefficients": list(known), "matrix": matrix},
+            "intervals": list(listed_intervals(self)),
+            "bootstrap": self.bootstrap,
+            "profiles": self.profiles,
+            "temperature": self.temperature,
+            "margins_signs": "adapted-sae",
+            "notes": self.notes,
+            "data_findings": self.data_findings,
+            "interrupted": self.run.interrupted,
         }
-        for name in ("coefficients", "channels", "stages", "margins", "directions"):
-            plain[name] = [vars(item) for item in getattr(self, name)]
-        plain["set_aside"] = [vars(rows) for rows in self.excluded_rows]
-        plain["held_out"] = [vars(error) for error in self.held_out]
-        plain["findings"] = {name: [vars(item) for item in items] for name, items in vars(self.findings).items()}
-        known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
-        matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []
-        plain["covariance"] = {"coefficients": list(known), "matrix": matrix}
-        plain["intervals"] = list(listed_intervals(self))
-        plain["bootstrap"] = self.bootstrap and self.bootstrap.to_json()
-        plain["profiles"] = [vars(each) for each in self.profiles]
-        plain["temperature"] = self.temperature and self.temperature.record()
-        plain["margins_signs"] = "adapted-sae"
-        plain["notes"] = list(self.notes)
-        plain["data_findings"] = [vars(finding) for finding in self.data_findings]
-        plain["interrupted"] = self.run.interrupted
-        return _plain(plain)  # type: ignore[no-any-return]
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    if isinstance(value, (float, np.floating)):
-        return float(value) if np.isfinite(value) else None
-    return value.item() if isinstance(value, np.generic) else value
+        return dict(json_value(content))

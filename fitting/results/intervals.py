@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import Protocol, TypedDict
 
 import numpy as np
 import pandas as pd
@@ -22,6 +22,16 @@ OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
 OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 #: Number of loads and slips of the listed intervals.
 LOADS, SLIPS = 5, 9
+
+
+class ListedInterval(TypedDict):
+    """The 95 % interval of a quantity; `at`: the inputs that differ from the medians of the data."""
+
+    quantity: str
+    at: dict[str, float]
+    value: float
+    lower: float
+    upper: float
 
 
 class Predicting(Protocol):
@@ -80,11 +90,10 @@ def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, lev
     return pd.DataFrame(found, rows.index)
 
 
-def listed_intervals(result: Predicting) -> Iterator[dict[str, Any]]:
+def listed_intervals(result: Predicting) -> Iterator[ListedInterval]:
     """Yield the 95 % intervals over the measured range: by load, and of the forces by load and slip, in ISO.
 
-    Yields: ``quantity``, ``at`` (the inputs that differ from the medians of the data), ``value``, ``lower``, ``upper``.
-    None without fitted rows or covariance.
+    Yields: none without fitted rows or covariance.
     """
     evidence, model = result.solution.residuals, result.tire.symbolic_model
     if evidence is None or not len(result.solution.covariance):
@@ -105,7 +114,7 @@ def listed_intervals(result: Predicting) -> Iterator[dict[str, Any]]:
 
 def _records(
     result: Predicting, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[ListedInterval]:
     found = band(result, quantity, rows, "iso")
     for (_, at), (_, row) in zip(rows.iterrows(), found.iterrows(), strict=True):
         yield {

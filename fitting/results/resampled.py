@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 
 @dataclass(frozen=True)
@@ -49,10 +48,6 @@ class Bootstrap:
     def mirrored(self, flips: Callable[[str], bool]) -> Bootstrap:
         """Return the same with the opposite sign of some coefficients."""
         return replace(self, intervals=tuple(one.mirrored() if flips(one.name) else one for one in self.intervals))
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the result as JSON values."""
-        return {**vars(self), "intervals": [vars(each) for each in self.intervals]}
 
 
 @dataclass(frozen=True)

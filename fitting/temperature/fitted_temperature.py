@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 from .optimum import Optimum
 
@@ -42,7 +41,3 @@ class FittedTemperature:
             f"temperature {self.column}: rms error {self.rmse:.2f} K, {self.holdout_rmse:.2f} K where it was held out "
             f"(a constant: {self.constant_rmse:.2f} K){rest}"
         )
-
-    def record(self) -> dict[str, Any]:
-        """Return the content for a JSON file."""
-        return asdict(self)

@@ -38,7 +38,7 @@ def manifest() -> bytes:
     >>> manifest().count(b"<Related ")
     6
     """
-    purpose = "Files that belong to this FMU: stimuli, reference results, documentation."
+    purpose = "Layered Standard providing information on related files included in an FMU."  # as its schema requires
     entries = [
         f'  <Related type="{kind}" source="{source}" role="{role}" description="{text}"/>'
         for kind, source, role, text in RELATED

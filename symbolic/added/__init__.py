@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 from .effect import AddedEffect
-from .file import effect_text, read_effect
+from .file import effect_schema, effect_text, read_effect
 from .folder import declared_effects, installed_effects
 
-__all__ = ["AddedEffect", "effect_text", "library", "packaged_library", "read_effect", "texts_digest"]
+__all__ = ["AddedEffect", "effect_schema", "effect_text", "library", "packaged_library", "read_effect", "texts_digest"]
 
 
 @lru_cache(maxsize=1)

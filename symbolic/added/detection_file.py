@@ -10,23 +10,41 @@ Examples
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from typing import Any
+from typing import Annotated, Any
 
 from tirefmu.boundary.errors import EffectError, nearest
 from tirefmu.boundary.escaping import quoted, toml_string, visible
+from tirefmu.boundary.json_schema import by_name, name_schema, one_of, tables_schema
 
 from ..contract import ROLES
 from ..detection import Confounded, Detection, Form
 from ..quantities import ALPHA, BEYOND, FX, FY, FZ, GAMMA, KAPPA, MX, MY, MZ, PHIT, P, V
-from ..reserved import LONGEST_NAME, no_coefficient, no_effect
+from ..reserved import COEFFICIENT_NAME, EFFECT_NAME, LONGEST_NAME, no_coefficient, no_effect
 from .checks import LONGEST_TEXT, MAX_COEFFICIENTS
 
 #: Upper limits of counts, and of the magnitude of a size and its reciprocal.
 MAX_FORMS, MAX_PROBES, MAX_PAIRS, LARGEST_SIZE, MAX_POINTS = 10, 10, 20, 1e12, 20
 INPUTS = ("t", *(quantity.name for quantity in (KAPPA, ALPHA, GAMMA, FZ, P, V, PHIT)), *BEYOND)
 OUTPUTS = tuple(quantity.name for quantity in (FX, FY, MZ, MX, MY))
-KEYS = ("requires", "rate", "channels", "contains", "spread", "separate_by", "forms", "refinements", "confounded")
-FORM_KEYS = ("free", "starts", "sizes", "given", "holds", "grid")
+TEXT, NAME = {"type": "string", "maxLength": LONGEST_TEXT}, name_schema(EFFECT_NAME)
+NUMBERS = by_name(COEFFICIENT_NAME, float)
+#: The keys of each table with the JSON Schemas of their values.
+FORM_KEYS: dict[str, Any] = {
+    "free": list[str], "starts": {"type": "array", "items": NUMBERS}, "sizes": NUMBERS, "given": NAME,
+    "holds": one_of(ROLES), "grid": by_name(COEFFICIENT_NAME, list[float]),
+}  # fmt: skip
+PAIR_KEYS: dict[str, Any] = {"with": NAME, "separate_by": TEXT}
+KEYS: dict[str, Any] = {
+    "requires": {"type": "array", "items": one_of((*INPUTS, *OUTPUTS)), "uniqueItems": True},
+    "rate": Annotated[float, "rows per second that a recording must have", {"exclusiveMinimum": 0}],
+    "channels": {"type": "array", "items": one_of(OUTPUTS), "uniqueItems": True},
+    "contains": NAME,
+    "spread": NUMBERS,
+    "separate_by": TEXT,
+    "forms": tables_schema(FORM_KEYS, MAX_FORMS),
+    "refinements": tables_schema(FORM_KEYS, MAX_FORMS),
+    "confounded": tables_schema(PAIR_KEYS, MAX_PAIRS, PAIR_KEYS),
+}
 
 
 def read_detection(table: object, location: str, own: Collection[str] | None = None) -> Detection:
@@ -218,7 +236,7 @@ def _check_coefficients(names: Collection[object], location: str) -> None:
 
 def _pair(table: object, location: str) -> Confounded:
     location = f"{location} confounded"
-    given = known_keys(table, ("with", "separate_by"), location)
+    given = known_keys(table, PAIR_KEYS, location)
     other, how = _effect(given, "with", location), _text(given, "separate_by", location)
     if not other or not how.strip():
         raise EffectError(f"{location}: with and separate_by are required")

@@ -29,19 +29,33 @@ from typing import Any
 from tirefmu.boundary.bounded_file import toml_content
 from tirefmu.boundary.errors import EffectError
 from tirefmu.boundary.escaping import quoted, toml_string, visible
+from tirefmu.boundary.json_schema import by_name, document, object_schema, tables_schema
 
 from ..declarations import Coefficient, Effect
 from ..detection import Detection
-from ..reserved import no_coefficient, no_effect
-from .checks import LONGEST_FILE, check_effect
-from .detection_file import detection_text, known_keys, read_detection
+from ..reserved import COEFFICIENT_NAME, STATE_NAME, no_coefficient, no_effect
+from .checks import LONGEST_FILE, MAX_ACTS, check_effect
+from .detection_file import KEYS as DETECTION_KEYS
+from .detection_file import NAME, TEXT, detection_text, known_keys, read_detection
 from .effect import Act, AddedEffect
 from .state import State
+from .state_file import KEYS as STATE_KEYS
 from .state_file import read_states, states_text
 
 #: Keys of a coefficient declaration and their types.
 DECLARATION_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
              "flips": bool}  # fmt: skip
+#: Keys of [[acts]] and of the file with the JSON Schemas of their values.
+ACT_KEYS: dict[str, Any] = dict.fromkeys(("on", "factor", "term"), str)
+EFFECT_KEYS: dict[str, Any] = {
+    "name": NAME,
+    "physics": TEXT,
+    "source": TEXT,
+    "coefficients": by_name(COEFFICIENT_NAME, object_schema(DECLARATION_KEYS)),
+    "states": by_name(STATE_NAME, object_schema(STATE_KEYS, ["kind", "drive"])),
+    "acts": {**tables_schema(ACT_KEYS, MAX_ACTS, ["on"]), "minItems": 1},
+    "diagnosis": object_schema(DETECTION_KEYS),
+}
 _KINDS = {str: "text", float: "finite number", bool: "truth value: true or false"}
 #: Largest finite double.
 LARGEST_DOUBLE = sys.float_info.max
@@ -98,7 +112,7 @@ def _checked_state(state: State, location: str) -> State:
 
 def _effect(table: dict[str, Any], source: str) -> AddedEffect:
     """Return the effect of a file, with the formulas as written in the file."""
-    known_keys(table, ("name", "physics", "source", "coefficients", "states", "acts", "diagnosis"), source)
+    known_keys(table, EFFECT_KEYS, source)
     name = _text(table, "name", source)
     declarations = tuple(
         _declaration(key, declaration, source, f"TIREFMU_{name.upper()}")
@@ -146,6 +160,11 @@ def read_declared(text: str, file: str) -> Effect | AddedEffect:
         raise EffectError(f"{file}: optional is not a {_KINDS[bool]}")
     detection = read_detection(table["diagnosis"], file) if "diagnosis" in table else None
     return Effect(name, _text(table, "physics", file), tuple(rescales.items()), optional, detection)
+
+
+def effect_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a user's effect file."""
+    return document("effect", "1.0", "Effect of a tire", object_schema(EFFECT_KEYS, ["name", "physics", "acts"]))
 
 
 def _parsed(text: str, source: str) -> dict[str, Any]:
@@ -234,7 +253,7 @@ def _act(table: object, source: str) -> Act:
     location = f"{source}: [[acts]]"
     if not isinstance(table, dict):
         raise EffectError(f"{location} is not a table")
-    known_keys(table, ("on", "factor", "term"), location)
+    known_keys(table, ACT_KEYS, location)
     ways = [how for how in ("factor", "term") if how in table]
     if len(ways) != 1:
         raise EffectError(f"{location}: either factor or term is required")

@@ -7,14 +7,21 @@ from typing import Any
 
 from tirefmu.boundary.errors import EffectError, nearest
 from tirefmu.boundary.escaping import quoted, toml_string
+from tirefmu.boundary.json_schema import one_of
 
 from ..reserved import no_state
 from .detection_file import known_keys
 from .state import FITTED, KINDS, PATHS, SPEED, WITH_FITTED_START, State, with_speeds
 
-#: Keys of the table of a state, in the order in which they are written.
-KEYS = ("kind", "drive", "rate", "length", "width", "ambient", "frequency", "damping", "start", "unit", "description",
-        "observed")  # fmt: skip
+#: Keys of the table of a state with the types of their values, in the order in which they are written.
+KEYS: dict[str, Any] = {
+    "kind": one_of(tuple(KINDS)),
+    "drive": str | float | list[str],
+    **dict.fromkeys(("rate", "length", "width", "ambient", "frequency", "damping", "start"), str | float),
+    "unit": str,
+    "description": str,
+    "observed": bool,
+}
 
 
 def read_states(tables: object, source: str) -> tuple[State, ...]:
@@ -96,6 +103,6 @@ def states_text(states: Sequence[State]) -> list[str]:
         drives = [toml_string(drive) for drive in state.drive]
         lines += ["", f"[states.{state.name}]", f"kind = {toml_string(state.kind)}"]
         lines.append(f"drive = {drives[0]}" if len(drives) == 1 else f"drive = [{', '.join(drives)}]")
-        lines += [f"{key} = {toml_string(text)}" for key in KEYS[2:-1] if (text := getattr(state, key))]
+        lines += [f"{key} = {toml_string(text)}" for key in list(KEYS)[2:-1] if (text := getattr(state, key))]
         lines += ["observed = true"] if state.observed else []
     return lines

@@ -28,6 +28,7 @@ from tirefmu.symbolic.added import library
 
 from ..declared_flags import declared_flags, flags
 from ..hostile import HOSTILE, Skeleton, is_plain
+from ..json_schemas import check_file
 from .suite import make_case
 
 
@@ -68,6 +69,13 @@ def test_the_saved_files_agree_with_the_result(thrust, tmp_path):
         read = tirefmu.load(tmp_path / reported[key])
         expected, computed = (x.evaluate(case.truth, signs="adapted-sae") for x in (tire, read))
         pd.testing.assert_frame_equal(computed[["Fx", "Fy", "Mz"]], expected[["Fx", "Fy", "Mz"]], rtol=1e-9)
+
+
+def test_the_saved_files_follow_their_schemas(thrust, tmp_path):
+    proposed = Unknown(("T",), "friction_y, factor: ...", True, library()["temp_friction"])
+    check_file("diagnosis", replace(thrust[1], unknown=(proposed,)).save(tmp_path))
+    check_file("effect", tmp_path / "temp_friction.toml")
+    assert (tmp_path / "temp_friction.toml").read_text(encoding="utf-8").startswith("#:schema ./tirefmu-effect")
 
 
 def test_the_probabilities_are_those_of_the_explanations(thrust, tmp_path):

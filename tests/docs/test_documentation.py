@@ -17,6 +17,7 @@ from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.cli import cli, main
 from tirefmu.measurements.units import UNITS
 from tirefmu.project.project_file import SECTIONS
+from tirefmu.schemas import KINDS
 from tirefmu.symbolic.models import MODELS
 
 ROOT = Path(__file__).parents[2]
@@ -26,6 +27,7 @@ EXECUTED = ["quick_start.md", *sorted(f"tutorials/{path.name}" for path in (DOCS
 
 
 GENERATED = runpy.run_path(str(DOCS / "reference_pages.py"))
+GALLERY = runpy.run_path(str(DOCS / "gallery.py"))
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
@@ -144,6 +146,22 @@ def test_the_page_of_the_command_line_has_every_command_and_every_key_of_a_proje
         assert re.findall(r"`(\w+)`", row) == list(keys)
 
 
+def test_the_gallery_has_twenty_pictures_each_below_the_command_that_draws_it():
+    """`make docs` runs the commands; the site lacks no picture (test_the_site_builds...)."""
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    pictures, lines = GALLERY["pictures"](text), GALLERY["commands"](text)
+    assert len(set(pictures)) == len(pictures) == 20
+    for picture in pictures:
+        above = GALLERY["commands"](text.split(f"(gallery/{picture})")[0])[-1]
+        words = shlex.split(above)
+        written = {words[i + 1] for i, word in enumerate(words) if word in ("-o", "--figures")}
+        assert written & {picture.split("/")[0], picture.removesuffix(".png")}, (picture, above)
+    for line in lines:
+        program, name, *arguments = shlex.split(line.partition(" > ")[0])
+        assert program == "tirefmu"
+        cli.commands[name].make_context(name, arguments)
+
+
 def test_every_page_is_in_the_navigation():
     listed = re.findall(r"^ +- ([\w/]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), flags=re.MULTILINE)
     made = GENERATED["pages"]()
@@ -159,6 +177,8 @@ def test_the_site_builds_without_warnings_and_loads_nothing_from_outside(tmp_pat
     assert (built.returncode, built.stdout + built.stderr) == (0, "")
     pages = list(tmp_path.rglob("*.html"))
     assert len(pages) > 15
+    assert len(list((tmp_path / "gallery").rglob("*.png"))) == 20
+    assert {path.stem for path in (tmp_path / "schemas").iterdir()} == set(KINDS)
     for page in pages:
         loaded = re.findall(r"<(?:script|link|img|iframe)\b[^>]*>", page.read_text(encoding="utf-8"))
         assert not [tag for tag in loaded if re.search(r"""(src|href)=["']?(https?:)?//""", tag)], page

@@ -21,11 +21,10 @@ from tirefmu.driving.inputs.log import read_log
 def test_the_example_is_a_car_and_follows_the_schema(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["drive", "--example", "--quiet"]) == 0
-    assert main(["drive", "--schema", "car.schema.json", "--quiet"]) == 0
     car = read_car("car.toml")
     assert car.values == {name: entry.example for name, entry in ENTRIES.items()}
     assert car.uncertainties["mass"] == pytest.approx(33.0)
-    schema = json.loads((tmp_path / "car.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((tmp_path / "tirefmu-car.schema.json").read_text(encoding="utf-8"))
     assert schema == car_schema()
     for section, content in tomllib.loads(example_text()).items():
         assert set(content) <= set(schema["properties"][section].get("properties", {}))

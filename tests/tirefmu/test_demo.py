@@ -8,6 +8,7 @@ from functools import partial
 
 import pytest
 
+from tests.json_schemas import check_file
 from tirefmu import demo
 from tirefmu.demo import BENCH_TIRE, bench_tire
 from tirefmu.tires import published, read_tir
@@ -37,6 +38,7 @@ def test_the_end_to_end_workflow(command, tmp_path, monkeypatch):
     assert diagnosis["gap"]["after"] < 0.7 * diagnosis["gap"]["before"]
     for when in ("before", "after"):
         assert diagnosis["simulated"][when]["difference_from_direct_evaluation"] < 1e-9
+    check_file("diagnosis", folder / "diagnosis" / "diagnosis.json")
     # The reported files exist.
     files = {"bench.csv", "truth.tir", "trento.tir", "joint.tir", "without_camber_thrust.tir", "missing_effect.png"}
     made = {"figures", "diagnosis", "tire_fmi2.fmu", "tire_fmi3.fmu"}

@@ -30,6 +30,7 @@ PACKAGES = (
 #: Sentences about a command.
 SENTENCES = (
     "tirefmu effects NAME describes one",
+    "tirefmu schema KIND writes one",
     "tirefmu info NAME shows source, ranges and coefficients",
     "tirefmu effects lists them",
     "tirefmu init in a terminal",

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.hostile import HOSTILE, Skeleton
+from tests.json_schemas import check_file
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import cli
 from tirefmu.project.limited import TimeLimitReached, run_limited
@@ -271,6 +272,7 @@ def test_init_and_run(command, bench_csv, tmp_path):
     assert "; stage 2 of " in first.err  # what a fit reports
     assert command("run", path, "--quiet", "--force").err == ""
     assert first.status in (0, 1)
+    check_file("run", tmp_path / "results" / "run.json")
     second = command("run", path, "--json", tmp_path / "run.json")
     assert second.status == first.status
     summary = json.loads((tmp_path / "run.json").read_text())

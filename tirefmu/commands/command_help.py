@@ -10,7 +10,7 @@ SECTIONS = {
     "All steps, many tires": ("studio", "init", "run", "fit-many", "study"),
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
-    "What there is": ("models", "effects", "published"),
+    "What there is": ("models", "effects", "published", "schema"),
     "To try it": ("demo", "example"),
 }
 #: Command lines without the name of the program, by command.
@@ -67,6 +67,7 @@ EXAMPLES = {
     "effects": ("effects --model mf61", "effects temp_friction"),
     "models": ("models", "models --json models.json"),
     "published": ("published",),
+    "schema": ("schema", "schema recipe -o recipe.schema.json"),
     "example": (
         "example -o run.csv",
         "example -o small.csv --sample-rate 10 --tire my.tir",

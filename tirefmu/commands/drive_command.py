@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.json_schema import write_toml
 
 from ..arguments import FILE, check_input_paths, check_output_paths, command_line, common, write_json
 
@@ -32,20 +33,19 @@ class Columns(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # gener
 @click.option("-o", "--output", type=FILE, help="Folder to write: drive.json, wheels.csv, tires, report.html.")
 @click.option("--columns", type=Columns(), help="Headers of channels that have other names in the log.")
 @click.option("--example", type=FILE, is_flag=False, flag_value=Path("car.toml"),
-              help="Write a commented car file (car.toml) and stop.")  # fmt: skip
-@click.option("--schema", type=FILE, help="Write the JSON Schema of car files and stop.")
+              help="Write a commented car file (car.toml) and its JSON Schema, and stop.")  # fmt: skip
 @common
 def drive(
     log: Path | None, vehicle: Path | None, tire: Path | None, rear: Path | None, output: Path | None,
-    columns: dict[str, str] | None, example: Path | None, schema: Path | None, quiet: bool, json_file: Path | None,
+    columns: dict[str, str] | None, example: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Compare the LOG of a drive with the tires of the car.
 
     Forces of the axles, scaling factors with intervals, tires that have them, the simulated vehicle before and after.
     Exit code 1 if the numbers cannot be used; no tire is written then.
     """
-    if example or schema:
-        return _template(example, schema, quiet)
+    if example:
+        return _template(example, quiet)
     if log is None or vehicle is None or tire is None or output is None:
         raise click.UsageError("LOG, --vehicle, --tire and -o are required; --example FILE writes a car file")
     check_output_paths(json_file, folder=output)
@@ -73,18 +73,16 @@ def drive(
     return 0 if answer.ok else 1
 
 
-def _template(example: Path | None, schema: Path | None, quiet: bool) -> int:
-    """Write the example or the schema of car files."""
-    check_output_paths(example, schema)
+def _template(example: Path, quiet: bool) -> int:
+    """Write the example of a car file."""
+    check_output_paths(example)
     from tirefmu.driving.inputs.car_entries import car_schema, example_text
 
     from ..terminal import Terminal
 
-    if example:
-        try:
-            example.write_text(example_text(), encoding="utf-8")
-        except OSError as error:
-            raise TirefmuError(f"{example}: cannot be written ({error.strerror or error})") from error
-    write_json(schema, car_schema())
-    Terminal(quiet).print(*(f"written: {path}" for path in (example, schema) if path))
+    try:
+        write_toml(example, example_text(), car_schema())
+    except OSError as error:
+        raise TirefmuError(f"{example}: cannot be written ({error.strerror or error})") from error
+    Terminal(quiet).print(f"written: {example}")
     return 0

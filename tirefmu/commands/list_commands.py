@@ -1,4 +1,4 @@
-"""``tirefmu effects``, ``tirefmu models`` and ``tirefmu published``: what there is to choose from."""
+"""``tirefmu effects``, ``models``, ``published`` and ``schema``: what there is to choose from, and kinds of files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ..arguments import check_output_paths, common, write_json
+from ..arguments import FILE, all_commands, check_output_paths, common, write_json
 
 
 @click.command()
@@ -97,4 +97,33 @@ def published(quiet: bool, json_file: Path | None) -> int:
     terminal = Terminal(quiet)
     terminal.table("", (["tire", "model", "Fz0 (N)", "R0 (m)", "description"], rows))
     terminal.print("tirefmu info NAME shows source, ranges and coefficients")
+    return 0
+
+
+@click.command()
+@click.argument("kind", required=False)
+@click.option("-o", "--output", type=FILE, default=Path("-"), help="File to write (default: standard output).")
+@common
+@click.pass_context
+def schema(context: click.Context, kind: str | None, output: Path, quiet: bool, json_file: Path | None) -> int:
+    """List the kinds of files, or write the JSON Schema of KIND.
+
+    With it, editors complete and check the keys of TOML files, and programs check results. A TOML file names its schema
+    in the first line: #:schema ./FILE
+    """
+    check_output_paths(output, json_file)
+    from ..schemas import KINDS
+    from ..schemas import schema as schema_of
+    from ..terminal import Terminal
+
+    terminal = Terminal(quiet)
+    if kind is None:
+        write_json(json_file, {"ok": True, "kinds": {name: text for name, (text, _) in KINDS.items()}})
+        terminal.table("", (["kind", "file"], [[name, text] for name, (text, _) in KINDS.items()]))
+        terminal.print("tirefmu schema KIND writes one")
+        return 0
+    write_json(output, schema_of(kind, all_commands(context)))
+    if str(output) != "-":
+        write_json(json_file, {"ok": True, "schema": str(output)})
+        terminal.print(f"schema: {output}")
     return 0

@@ -15,10 +15,22 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.boundary.escaping import command_text
+from tirefmu.boundary.json_schema import write_toml
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from tirefmu.symbolic import DEFAULT_MODEL
 
-from ..arguments import FILE, MODEL, SIGNS, Pairs, check_input_paths, check_output_paths, common, names, write_json
+from ..arguments import (
+    FILE,
+    MODEL,
+    SIGNS,
+    Pairs,
+    all_commands,
+    check_input_paths,
+    check_output_paths,
+    common,
+    names,
+    write_json,
+)
 
 #: The project file where none is given.
 DEFAULT = Path("tirefmu.toml")
@@ -32,13 +44,14 @@ DEFAULT = Path("tirefmu.toml")
 @click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @click.option("-o", "--output", type=FILE, default=DEFAULT, show_default=True, help="Project file to write.")
 @common
+@click.pass_context
 def init(
-    tables: tuple[Path, ...], model: str | None, nominal: dict[str, float] | None, effects: tuple[str, ...] | None,
-    signs: str | None, output: Path, quiet: bool, json_file: Path | None,
+    context: click.Context, tables: tuple[Path, ...], model: str | None, nominal: dict[str, float] | None,
+    effects: tuple[str, ...] | None, signs: str | None, output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Write a project file for the bench files TABLES.
 
-    In a terminal, without TABLES, it asks for what it needs.
+    In a terminal, without TABLES, it asks for what it needs. The JSON Schema beside the file is for editors.
     """
     check_output_paths(output, json_file)
     if output.exists():
@@ -55,6 +68,7 @@ def init(
 
     from ..catalogue import effects as found_effects
     from ..project.project_file import project_text
+    from ..schemas import schema
     from ..terminal import Terminal
 
     chosen = model or DEFAULT_MODEL
@@ -67,7 +81,9 @@ def init(
         if name not in possible:
             raise UnknownName(f"effect of {chosen}", name, possible)
     paths = [_relative(table, output.parent) for table in tables]
-    output.write_text(project_text(paths, chosen, nominal or {}, effects, signs), encoding="utf-8")
+    write_toml(
+        output, project_text(paths, chosen, nominal or {}, effects, signs), schema("project", all_commands(context))
+    )
     write_json(json_file, {"ok": True, "project": str(output), "tables": paths, "model": chosen})
     Terminal(quiet).print(f"project: {output}; edit it and run: {command_text('run', output)}")
     return 0
@@ -117,9 +133,7 @@ def run(
     from ..project.steps import Step, steps_of
     from ..terminal import Terminal
 
-    group = context.find_root().command
-    assert isinstance(group, click.Group)
-
+    group = all_commands(context)
     terminal = Terminal(quiet)
 
     def command(step: Step) -> int:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.boundary.escaping import quoted, toml_string
+from tirefmu.boundary.json_schema import document, is_of, object_schema, schema_of
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 #: Default time limit of a diagnosis, seconds. Judgement: longer than all other steps of a measured recording together.
@@ -27,24 +27,35 @@ KINDS = {
     "weights": 'a table of expressions and numbers, such as {"Fz in 200..240 N" = 2.0}',
     "flag": "true or false",
 }
+#: Types of values; those of other kinds are texts.
+TYPES: dict[str, Any] = {
+    "files": list[str], "names": list[str], "number": float, "pairs": dict[str, float],
+    "weights": dict[str, float], "flag": bool,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Key:
-    """A key of the project file: the kind of its value, and the option of the command that takes it."""
+    """A key of the project file: the kind of its value, and the option of the command that takes it, or its meaning."""
 
     kind: str
     option: str = ""
+    meaning: str = ""
+
+    @property
+    def type(self) -> Any:
+        """The type of its value."""
+        return TYPES.get(self.kind, str)
 
 
 #: The keys of each section. Options are those of the command with the name of the section; those of [data] are options
 #: of all commands that read tables.
 SECTIONS: dict[str, dict[str, Key]] = {
     "data": {
-        "tables": Key("files"),
+        "tables": Key("files", meaning="Bench files."),
         "signs": Key("text", "--signs"),
-        "where": Key("name or file"),
-        "exclude": Key("names"),
+        "where": Key("name or file", meaning="Rows to use: an expression, or a file with one (.where, .txt)."),
+        "exclude": Key("names", meaning="Rows that no step uses: expressions."),
     },
     "fit": {
         "model": Key("text", "--model"),
@@ -62,7 +73,7 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "stiffness_weight": Key("number", "--stiffness-weight"),
         "temperature": Key("text", "--temperature"),
         "cross_validate": Key("number", "--cross-validate"),
-        "hold_out": Key("names"),
+        "hold_out": Key("names", meaning="Rows that are checked but not fitted: expressions."),
     },
     "export": {
         "fmi": Key("text", "--fmi"),
@@ -74,12 +85,12 @@ SECTIONS: dict[str, dict[str, Key]] = {
     },
     "check": {"tolerance": Key("number", "--tolerance")},
     "diagnose": {
-        "run": Key("flag"),
-        "tables": Key("files"),
+        "run": Key("flag", meaning="Whether recordings are diagnosed."),
+        "tables": Key("files", meaning="Recordings to diagnose (default: all)."),
         "candidates": Key("names", "--candidates"),
-        "time_limit": Key("number"),
+        "time_limit": Key("number", meaning="Of each recording, s."),
     },
-    "output": {"folder": Key("file")},
+    "output": {"folder": Key("file", meaning="Folder of the results.")},
 }
 
 
@@ -199,7 +210,7 @@ def checked_project(path: Path, content: Mapping[str, Any], *, empty: bool = Fal
         for name, value in keys.items():
             if name not in SECTIONS[section]:
                 raise UnknownName(f"key of [{section}] of {path}", name, SECTIONS[section])
-            if not _is(SECTIONS[section][name].kind, value):
+            if not is_of(value, SECTIONS[section][name].type):
                 kind = KINDS[SECTIONS[section][name].kind]
                 raise TirefmuError(f"{path}: [{section}] {name} is {quoted(value)}: expected {kind}")
     if not content.get("diagnose", {}).get("time_limit", TIME_LIMIT) > 0:
@@ -209,22 +220,25 @@ def checked_project(path: Path, content: Mapping[str, Any], *, empty: bool = Fal
     return Project(path, content)
 
 
-def _is(kind: str, value: Any) -> bool:
-    if kind in ("files", "names"):
-        return isinstance(value, list) and all(map(_is_text, value))
-    if kind in ("pairs", "weights"):
-        return isinstance(value, dict) and all(map(_is_number, value.values()))
-    if kind == "number":
-        return _is_number(value)
-    return isinstance(value, bool) if kind == "flag" else _is_text(value)
+def project_schema(facts: Callable[[str, str], Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the JSON Schema of a project file.
 
-
-def _is_text(value: Any) -> bool:
-    return isinstance(value, str) and "\0" not in value  # no path and no argument contains it
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    `facts`: returns further keywords of the schema, such as the description, of an option of a section.
+    """
+    sections: dict[str, Any] = {
+        section: object_schema(
+            {
+                name: {
+                    **schema_of(key.type),
+                    **(facts(section, key.option) if key.option else {"description": key.meaning}),
+                }
+                for name, key in keys.items()
+            }
+        )
+        for section, keys in SECTIONS.items()
+    }
+    sections["data"] |= {"required": ["tables"]}
+    return document("project", "1.0", "Project", object_schema(sections, ["data"]))
 
 
 def project_text(

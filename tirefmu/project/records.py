@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from hashlib import file_digest, sha256
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, TypedDict
 
 from tirefmu.boundary.bounded_file import read_bounded
 from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.json_schema import document, schema_of
 
 from .steps import Step
 
@@ -20,16 +21,29 @@ NAME = "run.json"
 LARGEST = 10_000_000
 
 
+class StepRecord(TypedDict):
+    """The record of a step: what determines its results, its outputs, and how it ended."""
+
+    key: Annotated[str, "digest of version, equations, command line and inputs"]
+    outputs: Annotated[dict[str, str], "SHA-256 digest by file"]
+    status: Annotated[int, "exit code"]
+
+
+def records_schema() -> dict[str, Any]:
+    """Return the JSON Schema of the file of records."""
+    return document("run", "1.0", "Records of the steps of a project", schema_of(dict[str, StepRecord]))
+
+
 @dataclass
 class Records:
     """The records of a folder of results.
 
     - `path`: of the file; a file that is missing or damaged has no record.
-    - `entries`: key, digests of the outputs and exit code of each step, by its name.
+    - `entries`: by the name of the step.
     """
 
     path: Path
-    entries: dict[str, dict[str, Any]] = field(default_factory=dict)
+    entries: dict[str, StepRecord] = field(default_factory=dict)
 
     @classmethod
     def of(cls, folder: Path) -> Records:
@@ -44,7 +58,7 @@ class Records:
 
     def status(self, step: Step) -> int | None:
         """Return the exit code of a step whose results are up to date, or None."""
-        entry = self.entries.get(step.name, {})
+        entry: Mapping[str, Any] = self.entries.get(step.name, {})
         status = entry.get("status")
         current = entry.get("key") == _key(step) and entry.get("outputs") == _digests(step.outputs)
         return status if current and status in (0, 1) else None

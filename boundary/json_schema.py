@@ -1,0 +1,162 @@
+"""JSON Schemas from the types that declare what a file contains, the check of a value by such a type, values of JSON.
+
+A reader lists its keys with types (``{"tables": list[str]}``), a writer has frozen classes and typed dictionaries. Both
+are enough for `schema_of`, so that no schema repeats a declaration.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from math import isfinite
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
+
+_TYPES = {bool: "boolean", int: "integer", float: "number", str: "string", NoneType: "null"}
+
+
+def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
+    """Return the JSON Schema of a type; a schema, which is a dictionary, is returned as it is.
+
+    `kind`: bool, int, float, str, None, Any; lists, tuples, mappings with text keys, unions of types; frozen classes
+    and typed dictionaries. ``Annotated[type, text or mapping]`` adds a description or further keywords. `missing`: a
+    number may be null, as in `json_value`. Raises `TypeError` for another type.
+
+    >>> schema_of(list[float] | None)
+    {'anyOf': [{'type': 'array', 'items': {'type': 'number'}}, {'type': 'null'}]}
+    >>> schema_of(Annotated[int, "number of rows", {"minimum": 1}])
+    {'type': 'integer', 'description': 'number of rows', 'minimum': 1}
+    """
+    origin, parts = get_origin(kind), get_args(kind)
+    if isinstance(kind, dict):
+        return kind
+    if kind is Any:
+        return {}
+    if origin is Annotated:
+        schema = schema_of(parts[0], missing=missing)
+        for fact in parts[1:]:
+            schema |= {"description": fact} if isinstance(fact, str) else fact
+        return schema
+    if kind in _TYPES:
+        return {"type": [_TYPES[kind], "null"] if missing and kind is float else _TYPES[kind]}
+    if origin in (Union, UnionType):
+        return {"anyOf": [schema_of(part, missing=missing) for part in parts]}
+    if origin is tuple and parts[-1] is not Ellipsis:
+        pair = [schema_of(part, missing=missing) for part in parts]
+        return {"type": "array", "prefixItems": pair, "items": False, "minItems": len(pair)}
+    if origin in (list, tuple, Sequence):
+        return {"type": "array", "items": schema_of(parts[0], missing=missing)}
+    if origin in (dict, Mapping):
+        return {"type": "object", "additionalProperties": schema_of(parts[1], missing=missing)}
+    if is_typeddict(kind) or is_dataclass(kind):
+        return _object(kind, missing)
+    raise TypeError(f"no JSON Schema of {kind}")
+
+
+def _object(kind: Any, missing: bool) -> dict[str, Any]:
+    """Return the schema of a frozen class or a typed dictionary."""
+    hints = get_type_hints(kind, include_extras=True)
+    names = [part.name for part in fields(kind)] if is_dataclass(kind) else list(hints)
+    optional = {name for name in names if get_origin(hints[name]) is NotRequired}
+    of = {name: get_args(hints[name])[0] if name in optional else hints[name] for name in names}
+    properties = {name: schema_of(part, missing=missing) for name, part in of.items()}
+    return object_schema(properties, [name for name in names if name not in optional])
+
+
+def object_schema(properties: Mapping[str, Any], required: Iterable[str] = ()) -> dict[str, Any]:
+    """Return the schema of a table with these keys only.
+
+    `properties`: a type or a schema by key.
+
+    >>> object_schema({"rows": int}, ["rows"])["properties"]
+    {'rows': {'type': 'integer'}}
+    """
+    schemas = {key: schema_of(one) for key, one in properties.items()}
+    return {"type": "object", "properties": schemas, "required": list(required), "additionalProperties": False}
+
+
+def one_of(names: Iterable[str]) -> dict[str, Any]:
+    """Return the schema of a text that is one of some names."""
+    return {"enum": list(names)}
+
+
+def tables_schema(keys: Mapping[str, Any], most: int, required: Iterable[str] = ()) -> dict[str, Any]:
+    """Return the schema of a list of at most some tables with these keys."""
+    return {"type": "array", "maxItems": most, "items": object_schema(keys, required)}
+
+
+def name_schema(form: re.Pattern[str]) -> dict[str, Any]:
+    """Return the schema of a text that has the form of a name."""
+    return {"type": "string", "pattern": f"^({form.pattern})$"}
+
+
+def by_name(form: re.Pattern[str], value: Any) -> dict[str, Any]:
+    """Return the schema of a table of values (a type or a schema) by names of a form."""
+    return {"type": "object", "propertyNames": name_schema(form), "additionalProperties": schema_of(value)}
+
+
+def document(kind: str, version: str, title: str, schema: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the schema of a kind of files, with its name and version.
+
+    `version`: new keys increment the second number, changed meanings the first.
+    """
+    name = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:tirefmu:schema:{kind}:{version}"}
+    return {**name, "title": title, **schema}
+
+
+def write_toml(path: Path, text: str, schema: Mapping[str, Any]) -> None:
+    """Write a TOML file and its schema beside it; the first line of the file names the schema, for editors.
+
+    `schema`: of `document`. Raises `OSError` if a file cannot be written.
+    """
+    file = schema_file(schema)
+    path.write_text(f"#:schema ./{file}\n{text}", encoding="utf-8")
+    (path.parent / file).write_text(json.dumps(schema, indent=1) + "\n", encoding="utf-8")
+
+
+def schema_file(schema: Mapping[str, Any]) -> str:
+    """Return the name of the file of a schema.
+
+    >>> schema_file(document("project", "1.0", "Project", {}))
+    'tirefmu-project.schema.json'
+    """
+    return f"tirefmu-{schema['$id'].split(':')[3]}.schema.json"
+
+
+def is_of(value: Any, kind: Any) -> bool:
+    r"""Return whether a value of TOML has a type; numbers are finite, texts have no NUL, which no path contains.
+
+    `kind`: Any, a plain type, or a list or mapping of them.
+
+    >>> is_of([1, 2.5], list[float]), is_of(True, int), is_of("a\0", str), is_of(float("inf"), float)
+    (True, False, False, False)
+    """
+    if get_origin(kind) is list:
+        return isinstance(value, list) and all(is_of(one, get_args(kind)[0]) for one in value)
+    if get_origin(kind) is dict:
+        return isinstance(value, dict) and all(is_of(one, get_args(kind)[1]) for one in value.values())
+    if kind is str:
+        return isinstance(value, str) and "\0" not in value
+    if kind is float:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+    return kind is Any or (isinstance(value, kind) and isinstance(value, bool) == (kind is bool))
+
+
+def json_value(value: Any) -> Any:
+    """Return a result as values of JSON: a frozen class becomes an object, a number that is not finite null.
+
+    >>> json_value({"size": (1.0, float("nan"))})
+    {'size': [1.0, None]}
+    """
+    if is_dataclass(value) and not isinstance(value, type):
+        return {part.name: json_value(getattr(value, part.name)) for part in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): json_value(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [json_value(one) for one in value]
+    if hasattr(value, "item"):  # a number of NumPy
+        return json_value(value.item())
+    return None if isinstance(value, float) and not isfinite(value) else value

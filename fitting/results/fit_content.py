@@ -1,0 +1,66 @@
+"""The content of fit.json, from which its JSON Schema follows."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypedDict
+
+from tirefmu.boundary.json_schema import document, schema_of
+from tirefmu.measurements import Finding
+
+from ..constraints.verification import Margin
+from ..data.fit_data import ExcludedRows
+from ..evidence.diagnostics import Findings
+from ..evidence.uncertainty import Direction
+from ..temperature.fitted_temperature import FittedTemperature
+from .intervals import ListedInterval
+from .records import ChannelFit, FittedCoefficient, HeldOut, StageFit
+from .resampled import Bootstrap, Profile
+from .verdict import Verdict
+
+#: Version of fit.json. New keys increment the second number, changed meanings the first.
+VERSION = "1.0"
+
+
+class Covariance(TypedDict):
+    """Covariance of the coefficients with a finite interval."""
+
+    coefficients: list[str]
+    matrix: list[list[float]]
+
+
+class FitContent(TypedDict):
+    """The keys of fit.json; `FitResult` explains those with its names."""
+
+    version: str
+    ok: Annotated[bool, "whether the tire is usable, possibly with limits"]
+    verdict: Verdict
+    status: str
+    recipe: str
+    method: str
+    seconds: float
+    model: str
+    effects: list[str]
+    signs: str
+    values: Annotated[dict[str, float], "all coefficients of the tire, in ISO-W"]
+    coefficients: tuple[FittedCoefficient, ...]
+    channels: tuple[ChannelFit, ...]
+    stages: tuple[StageFit, ...]
+    margins: tuple[Margin, ...]
+    margins_signs: str
+    directions: tuple[Direction, ...]
+    set_aside: Annotated[tuple[ExcludedRows, ...], "rows that were not fitted"]
+    held_out: tuple[HeldOut, ...]
+    findings: Findings
+    covariance: Covariance
+    intervals: Annotated[list[ListedInterval], "95 % intervals of quantities and forces over the measured range"]
+    bootstrap: Bootstrap | None
+    profiles: tuple[Profile, ...]
+    temperature: FittedTemperature | None
+    notes: tuple[str, ...]
+    data_findings: tuple[Finding, ...]
+    interrupted: Annotated[str, "where the fit was stopped; empty if it is complete"]
+
+
+def fit_schema() -> dict[str, Any]:
+    """Return the JSON Schema of fit.json."""
+    return document("fit", VERSION, "Result of a fit", schema_of(FitContent, missing=True))
