@@ -315,6 +315,11 @@ def test_some_steps_are_run_with_those_that_they_need(project):
     assert commands.ran == ["inspect"]
     assert [each.step.name for each in outcomes] == ["inspect", "fit", "export", "check a", "check b"]
     assert repeated(project, commands) == ["explore", "diagnose a", "diagnose b"]
+    commands.ran.clear()
+    commands.text = "another tire"
+    outcomes = run_project(project, commands, Terminal(quiet=True), only=("fit",), force=True)
+    assert commands.ran == ["fit"]
+    assert [each.step.name for each in outcomes] == ["inspect", "fit"]  # the others were up to date before
 
 
 def test_excluded_rows_are_in_no_step_and_held_out_rows_not_in_the_fit(project):

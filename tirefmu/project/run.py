@@ -70,9 +70,10 @@ def run_project(
     records = Records.of(project.folder)
     outcomes: list[Outcome] = []
     chosen = needed(steps, only) if only else steps
-    skipped = {step.name for step in steps if step not in chosen and records.status(step) is None}
+    skipped: set[str] = set()
     for number, step in enumerate(steps, 1):
-        if step.name in skipped:
+        if step not in chosen and records.status(step) is None:
+            skipped.add(step.name)
             continue
         terminal.begin(f"{number}/{len(steps)} {step.name}")
         outcome = _run(step, records, command, terminal, force and step in chosen)
