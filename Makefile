@@ -3,14 +3,14 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving benchmarks/missing_effects
+PACKAGES := boundary symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer planning driving studio benchmarks/missing_effects
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery drives compare-methods missing-effects awkward recovery planning family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives compare-methods missing-effects awkward recovery planning family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -39,6 +39,10 @@ pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider set
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[browser]"
 	TIREFMU_PAGES=1 $(BIN)/pytest tests/explorer $(PYTEST_ARGS)
 	$(BIN)/python benchmarks/explorer_frames.py
+
+studio: $(VENV)/installed-dev  ## the window in Chromium: from recordings to an FMU, errors of a user, accessibility, times
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[browser]"
+	TIREFMU_STUDIO=1 $(BIN)/pytest tests/studio -s $(PYTEST_ARGS)
 
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read, a million random calls of hub FMUs; a traceback is printed if a test hangs for a minute
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -79,14 +79,24 @@ def rows_data(conditions: Sequence[MeasuredRows], most: int = MAX_ROWS) -> dict[
     of rows and columns of each.
     """
     total = sum(len(each.table) for each in conditions)
-    share = min(1.0, most / total) if total else 1.0
-    return {"total": total, "conditions": [_encoded(each, share) for each in conditions]}
+    return {"total": total, "conditions": [_encoded(each) for each in sampled(conditions, most)]}
 
 
-def _encoded(condition: MeasuredRows, share: float) -> dict[str, Any]:
-    number = max(1, int(share * len(condition.table)))
+def sampled(conditions: Sequence[MeasuredRows], most: int) -> list[MeasuredRows]:
+    """Return conditions with at most a number of rows: of more, a random selection of each, at least one row."""
+    share = most / max(sum(len(each.table) for each in conditions), 1)
+    if share >= 1.0:
+        return list(conditions)
     # Every n-th row would alias with the sweeps.
-    rows = condition.table if share == 1.0 else condition.table.sample(number, random_state=0)
+    numbers = [max(1, int(share * len(each.table))) for each in conditions]
+    return [
+        replace(each, table=each.table.sample(number, random_state=0))
+        for each, number in zip(conditions, numbers, strict=True)
+    ]
+
+
+def _encoded(condition: MeasuredRows) -> dict[str, Any]:
+    rows = condition.table
     return {
         "title": condition.title,
         "slip": condition.slip,

@@ -132,6 +132,8 @@ def _identity(setup: Setup) -> dict[str, str]:
         "recipe": repr(plan.recipe),
         "initial values": repr(sorted(tire.values.items())),
         "rows": options.rows,
+        "weights": repr(sorted(options.weights.items())),
+        "fixed coefficients": ",".join(sorted(options.fixed)),
         "screening": str(options.screening),
         "stiffness weight": f"{options.stiffness_weight:g}",
         "loss": options.loss,

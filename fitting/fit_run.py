@@ -54,6 +54,7 @@ class FitRun:
         plan, data, tire = setup.plan, setup.data, setup.tire
         self._options, self._loss, self._solver = plan.options, plan.loss, plan.solver
         self._targets = StiffnessTargets(plan.options.stiffness_weight)
+        self._fixed = plan.options.fixed.keys()
         self._given = plan.start is not None  # generic values do not replace those of a start tire
         self._assumed = setup.assumed  # coefficients with assumed values, unless the fit determines them
         self._family = plan.family
@@ -194,7 +195,7 @@ class FitRun:
         """Return the coefficients that a stage may free: those that influence its channels, by section and effect."""
         reaching = coefficients_by_output(self._model, straight=self._straight)
         reaches = frozenset[str]().union(*(reaching[name] for name in self._channels_of(stage)))
-        live = self._model.live(self._tire.has) & reaches
+        live = (self._model.live(self._tire.has) & reaches) - self._fixed
         if stage.free:
             return [name for name in stage.free if name in live]
         if stage.effects is not None:
@@ -217,7 +218,7 @@ class FitRun:
         """Set the guesses of the stage, or generic values of coefficients that no stage has determined yet."""
         declarations = self._model.coefficients
         if stage.free:
-            guesses = {n: min(max(f.guess, f.lower), f.upper) for n, f in stage.free.items()}
+            guesses = {n: min(max(f.guess, f.lower), f.upper) for n, f in stage.free.items() if n not in self._fixed}
         elif self._given:
             guesses = {}
         else:

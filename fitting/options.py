@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, field
+from math import inf, isfinite
 
 from tirefmu.boundary.errors import FitError
+from tirefmu.boundary.escaping import excerpt
 from tirefmu.tires import TireLike
 
 #: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
@@ -45,6 +46,11 @@ class FitOptions:
         Weights of rows: "condition" (equal weight of every operating condition of a recording, independent of its
         number of rows), "equal" (equal weight of every row), "independent" (as "condition", and each channel of a
         recording by its effective sample size), or "load" (as "condition", with errors relative to the load).
+    weights : mapping of str to float
+        Factors of the weights of rows that satisfy an expression, as in ``--where``:
+        ``{"Fz in 200..240 N": 2.0}``. The mean weight of a recording remains 1.
+    fixed : mapping of str to float
+        Coefficients that are not fitted, with their values in ISO-W.
     stiffness_weight : float
         Weight of the slip stiffness that is read from the data at each load, as a number of independent rows; 0: it is
         not fitted (`docs/stiffness.md`).
@@ -69,6 +75,8 @@ class FitOptions:
     nominal: Mapping[str, float] | None = None
     screening: bool = True
     rows: str = "condition"
+    weights: Mapping[str, float] = field(default_factory=dict)
+    fixed: Mapping[str, float] = field(default_factory=dict)
     stiffness_weight: float = STIFFNESS_WEIGHT
     family: TireLike | None = None
     temperature: str | None = None
@@ -78,6 +86,12 @@ class FitOptions:
     def __post_init__(self) -> None:
         if not 0.0 <= self.stiffness_weight < inf:
             raise FitError(f"stiffness weight {self.stiffness_weight:g} is not a number of rows")
+        for expression, factor in self.weights.items():
+            if not 0.0 < factor < inf:
+                raise FitError(f"weight {factor:g} of rows with {excerpt(expression)} is not positive and finite")
+        for name, value in self.fixed.items():
+            if not isfinite(value):
+                raise FitError(f"fixed {name} is not finite")
         if self.method != "ipopt" and self.loss != "squares":
             raise FitError(f"loss {self.loss} is for method ipopt: {self.method} minimizes squares")
         if self.method != "ipopt" and self.family is not None:

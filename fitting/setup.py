@@ -108,12 +108,12 @@ class Setup:
         given = start.has if options.effects is None and start is not None else options.effects
         effects = model.default_effects if given is None else model.known_effects(given)
         effects -= model.known_effects(options.without)
-        data = prepare(recordings, model, screening=options.screening, rows=options.rows)
+        data = prepare(recordings, model, screening=options.screening, rows=options.rows, factors=options.weights)
         notes = list(data.notes)
         for name in options.nominal or {}:
             if NOMINAL[name] not in model.coefficients:
                 notes.append(f"nominal {name} is not used by {model.name}")
-        values = _initial_values(plan, data.fitted, notes)
+        values = {**_initial_values(plan, data.fitted, notes), **_fixed(plan)}
         name, about = (start.name, start.about) if start is not None else ("", {})
         tire = Tire(
             model.name, values, effects=effects, signs="adapted-sae", name=name, about=about, added=model.added,
@@ -162,6 +162,15 @@ def _initial_values(plan: Plan, data: pd.DataFrame, notes: list[str]) -> dict[st
     if "FNOMIN" not in values:
         raise FitError("no load Fz in the data: specify --nominal Fz0=...")
     return values
+
+
+def _fixed(plan: Plan) -> dict[str, float]:
+    """Return the values of coefficients that are not fitted, in adapted SAE."""
+    declared = plan.symbolic_model.coefficients
+    for name in plan.options.fixed:
+        if name not in declared:
+            raise UnknownName(f"coefficient of {plan.symbolic_model.name}", name, declared)
+    return {name: -value if declared[name].flips else float(value) for name, value in plan.options.fixed.items()}
 
 
 def _medians(model: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:

@@ -64,6 +64,20 @@ class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic
         return pairs
 
 
+class Weight(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
+    """``FACTOR: EXPRESSION``."""
+
+    name = "FACTOR:EXPRESSION"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
+        """Return the expression and the factor."""
+        factor, colon, expression = value.partition(":")
+        try:
+            return expression.strip(), float(factor if colon else "")
+        except ValueError:
+            self.fail(f"{value!r} is not like '2: Fz in 200..240 N'", param, ctx)
+
+
 class Radius(Pairs):
     """``R0=number``: the free radius of a tire file without it."""
 

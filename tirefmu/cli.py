@@ -43,7 +43,7 @@ from .commands.inspect_command import inspect
 from .commands.list_commands import effects, models, published, schema
 from .commands.many_commands import fit_many, study
 from .commands.page_commands import compare, explore
-from .commands.project_commands import init, run
+from .commands.project_commands import init, run, studio
 
 
 @click.group(cls=SectionedGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -340,6 +340,7 @@ for command in (
     published,
     run,
     schema,
+    studio,
     study,
 ):
     cli.add_command(command)

@@ -192,3 +192,12 @@ function sentence(section) {
   const words = section.replaceAll("_", " ").toLowerCase();
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
+
+/** Fill a table; the first cell of a row is its heading. */
+function fillTable(table, head, rows) {
+  const cells = (tag, row) => row.map((cell, i) => element(tag === "td" && i === 0 ? "th" : tag, tag === "th" ? { scope: "col" } : i ? {} : { scope: "row" }, cell));
+  table.replaceChildren(
+    element("thead", {}, element("tr", {}, ...cells("th", head))),
+    element("tbody", {}, ...rows.map((row) => element("tr", {}, ...cells("td", row)))),
+  );
+}

@@ -182,14 +182,6 @@ function drawForPrint(printed) {
   timePanel.fit(printed ? PRINTED_WIDTH : 0);
 }
 
-function fillTable(table, head, rows) {
-  const cells = (tag, row) => row.map((cell, i) => element(tag === "td" && i === 0 ? "th" : tag, tag === "th" ? { scope: "col" } : i ? {} : { scope: "row" }, cell));
-  table.replaceChildren(
-    element("thead", {}, element("tr", {}, ...cells("th", head))),
-    element("tbody", {}, ...rows.map((row) => element("tr", {}, ...cells("td", row)))),
-  );
-}
-
 function showNumbers() {
   const ranges = { alpha: range("alpha"), kappa: range("kappa") };
   const shown = [["this tire", now], ["as loaded", loaded], ...(other ? [[other.data.name, other]] : [])];

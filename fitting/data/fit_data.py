@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from tirefmu.measurements import (
 )
 from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.measurements.quality.row_exclusion import check_inputs
+from tirefmu.measurements.row_selection.selected import matching
 from tirefmu.symbolic.model import Model
 
 #: The inputs of which at least one has to vary by `MIN_VARIATION` for a channel to be fitted; none for My.
@@ -83,12 +84,14 @@ def prepare(
     *,
     screening: bool = True,
     rows: str = "condition",
+    factors: Mapping[str, float] | None = None,
 ) -> FitData:
     """Combine recordings in one table, mark excluded rows, and set the weights of rows.
 
     `screening`: whether to exclude rows (`tirefmu.measurements.exclude_rows`). `rows`: weights of rows: a name of
-    `ROWS`. Raises `UnknownName` if `rows` is not a name of `ROWS`. Raises `DataError` if a recording has no measured
-    output, or every row is excluded. Raises `FitError` if no output varies over a varying slip.
+    `ROWS`. `factors`: of the weights, by the expression of their rows. Raises `UnknownName` if `rows` is not a name of
+    `ROWS`. Raises `DataError` if a recording has no measured output, or every row is excluded. Raises `FitError` if no
+    output varies over a varying slip.
     """
     if rows not in ROWS:
         raise UnknownName("weighting of rows", rows, ROWS)
@@ -103,6 +106,9 @@ def prepare(
         included, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
         excluded_rows += found
         weight = _weights(recording, included, rows)
+        for expression, factor in (factors or {}).items():
+            weight = np.where(matching(recording, expression), factor, 1.0) * weight
+            weight = weight / weight[included].mean() if included.any() else weight
         segment = recording.segment_numbers() + segments
         segments = int(segment[-1]) + 1
         table, unfitted_here = _without_information(recording.with_signs("adapted-sae").table, included, model)

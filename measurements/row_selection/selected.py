@@ -48,15 +48,11 @@ def selected(recording: Recording, where: str) -> Recording:
     >>> selected(bench, "t > 0.5 and p in 80..90 kPa").table["p"].tolist()
     [83000.0]
     """
-    expression = _expression(where)
-    condition = parse_selection(expression)
-    for name in condition.names:
-        if name in CHANNELS and name not in recording.table:
-            present = ", ".join(channel for channel in CHANNELS if channel in recording.table)
-            raise DataError(f"where {quoted(expression)}: {recording.source} has no channel {name}; it has {present}")
-    chosen = condition.matches(cache(lambda name: _numbers(recording, name)), recording.source)
+    chosen = matching(recording, where)
     if not chosen.any():
-        ranges = "; ".join(_range(recording, name) for name in sorted(condition.names - {"file"}))
+        expression = expression_of(where)
+        names = sorted(parse_selection(expression).names - {"file"})
+        ranges = "; ".join(_range(recording, name) for name in names)
         raise DataError(
             f"where {quoted(expression)} selects none of {len(recording)} rows of {recording.source}"
             f"{f': {ranges}' if ranges else ''}"
@@ -66,8 +62,25 @@ def selected(recording: Recording, where: str) -> Recording:
     return replace(recording, table=table, about={**recording.about, "selected": count})
 
 
-def _expression(where: str) -> str:
-    """Return the expression, from a file if the text is the path of one."""
+def matching(recording: Recording, where: str) -> NDArray[np.bool_]:
+    """Return for each row of a recording whether it satisfies an expression, shape (n,).
+
+    `where`: as for `selected`. Raises `DataError` if the expression is invalid or a channel is missing.
+    """
+    expression = expression_of(where)
+    condition = parse_selection(expression)
+    for name in condition.names:
+        if name in CHANNELS and name not in recording.table:
+            present = ", ".join(channel for channel in CHANNELS if channel in recording.table)
+            raise DataError(f"where {quoted(expression)}: {recording.source} has no channel {name}; it has {present}")
+    return condition.matches(cache(lambda name: _numbers(recording, name)), recording.source)
+
+
+def expression_of(where: str) -> str:
+    """Return the expression, from a file if the text is the path of one.
+
+    Raises `DataError` if the file cannot be read.
+    """
     if not where.strip().endswith(SUFFIXES):
         return where
     path = Path(where.strip())

@@ -44,6 +44,7 @@ def project(tmp_path):
     text = project_text(["a.csv", "b.csv"], "mf96", {"Fz0": 220.0, "R0": 0.23}, ["load_friction"], "iso")
     text = text.replace('# recipe = "progressive"', 'recipe = "own.toml"').replace("# where", "where")
     text = text.replace("# constraints", "constraints").replace("# tolerance", "tolerance").replace("# fmi", "fmi")
+    text = text.replace("[export]", 'weights = {"Fz in 1..2 N" = 2.5, "t > 3" = 0.5}\nfixed = {PCY1 = 1.3}\n\n[export]')
     (tmp_path / "tirefmu.toml").write_text(text)
     return read_project(tmp_path / "tirefmu.toml")
 
@@ -89,6 +90,8 @@ def test_the_options_of_every_step_are_accepted_by_its_command(project):
             assert given["effects"] == ("load_friction",)
             assert given["recipe"] == str(project.path.parent / "own.toml")
             assert given["where"] == "t > 120 and p in 70..90 kPa"
+            assert given["weights"] == {"Fz in 1..2 N": 2.5, "t > 3": 0.5}
+            assert given["fixed"] == {"PCY1": 1.3}
 
 
 def test_only_what_has_changed_is_repeated(project):
@@ -298,3 +301,43 @@ def test_init_refuses_in_one_line(command, tmp_path, arguments, message):
     assert (outcome.status, outcome.err.count("\n")) == (2, 1)
     assert message in outcome.err
     assert not list(tmp_path.iterdir())
+
+
+def test_some_steps_are_run_with_those_that_they_need(project):
+    commands = Commands(project)
+    outcomes = run_project(project, commands, Terminal(quiet=True), only=("check",))
+    assert commands.ran == ["fit", "export", "check a", "check b"]
+    assert [each.step.name for each in outcomes] == commands.ran
+    page = (project.folder / "index.html").read_text(encoding="utf-8")
+    assert "Not run: inspect, explore, diagnose a, diagnose b." in page
+    commands.ran.clear()
+    outcomes = run_project(project, commands, Terminal(quiet=True), only=("inspect",), force=True)
+    assert commands.ran == ["inspect"]
+    assert [each.step.name for each in outcomes] == ["inspect", "fit", "export", "check a", "check b"]
+    assert repeated(project, commands) == ["explore", "diagnose a", "diagnose b"]
+    commands.ran.clear()
+    commands.text = "another tire"
+    outcomes = run_project(project, commands, Terminal(quiet=True), only=("fit",), force=True)
+    assert commands.ran == ["fit"]
+    assert [each.step.name for each in outcomes] == ["inspect", "fit"]  # the others were up to date before
+
+
+def test_excluded_rows_are_in_no_step_and_held_out_rows_not_in_the_fit(project):
+    text = project.path.read_text().replace(
+        "[fit]", 'exclude = ["sample in 1..9", "t > 5"]\n[fit]\nhold_out = ["p > 3"]'
+    )
+    rows = "(t > 120 and p in 70..90 kPa\n) and not (sample in 1..9) and not (t > 5)"
+
+    def where(text):
+        project.path.write_text(text)
+        return {step.command: step.arguments[step.arguments.index("--where") + 1]
+                for step in steps_of(read_project(project.path)) if "--where" in step.arguments}  # fmt: skip
+
+    found = where(text)
+    assert found.pop("fit") == f"{rows} and not (p > 3)"
+    assert set(found) == {"inspect", "explore", "export", "check", "diagnose"}
+    assert set(found.values()) == {rows}
+    (project.path.parent / "own.where").write_text("alpha > 0 # steady")
+    own = re.sub('where = ".*"', 'where = "own.where"', text)
+    assert where(own)["inspect"].startswith("(alpha > 0 # steady\n) and not (sample")
+    assert where(re.sub("where = .*", "", text))["fit"] == "not (sample in 1..9) and not (t > 5) and not (p > 3)"

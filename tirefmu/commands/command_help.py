@@ -7,7 +7,7 @@ import click
 #: Commands under their headings.
 SECTIONS = {
     "From a recording to a tire": ("inspect", "fit", "explore", "export", "check", "diagnose", "plan", "drive"),
-    "All steps, many tires": ("init", "run", "fit-many", "study"),
+    "All steps, many tires": ("studio", "init", "run", "fit-many", "study"),
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
     "What there is": ("models", "effects", "published", "schema"),
@@ -75,6 +75,7 @@ EXAMPLES = {
         "example --tire my.tir --program program/program.csv --bench bench.toml -o measured.csv",
     ),
     "init": ("init cornering.mat drivebrake.mat --model mf61 --nominal Fz0=1100,R0=0.2", "init"),
+    "studio": ("studio", "studio cornering.mat drivebrake.mat"),
     "run": ("run", "run tirefmu.toml --force"),
     "demo": ("demo -o demo-output",),
     "benchmark": (

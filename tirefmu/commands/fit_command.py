@@ -22,6 +22,7 @@ from ..arguments import (
     Pairs,
     Selection,
     Spread,
+    Weight,
     check_input_paths,
     check_output_paths,
     command_line,
@@ -90,6 +91,10 @@ class Checks:
 @click.option("--rows", default="condition", show_default=True,
               help="Weights of rows: condition (equal per operating condition), equal, independent (by effective "
                    "sample size), or load (errors relative to the load).")  # fmt: skip
+@click.option("--weight", "weights", type=Weight(), multiple=True, callback=lambda context, option, given: dict(given),
+              help="Multiply the weights of rows by a factor: '2: Fz in 200..240 N'. Repeatable.")  # fmt: skip
+@click.option("--fix", "fixed", type=Pairs(), callback=lambda context, option, given: given or {},
+              help="Coefficients that are not fitted, with their values in ISO-W: PCY1=1.3,PHY1=0.")  # fmt: skip
 @click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
               help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
 @click.option("--temperature", metavar="COLUMN",

@@ -1,10 +1,12 @@
-"""``tirefmu init`` and ``tirefmu run``: a project file, and the run of all its steps."""
+"""``tirefmu init``, ``run`` and ``studio``: a project file, the run of all its steps, a window over it."""
 
 from __future__ import annotations
 
 import os
 import sys
+import webbrowser
 from contextlib import redirect_stdout
+from importlib.util import find_spec
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -17,7 +19,18 @@ from tirefmu.boundary.json_schema import write_toml
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from tirefmu.symbolic import DEFAULT_MODEL
 
-from ..arguments import FILE, MODEL, SIGNS, Pairs, all_commands, check_output_paths, common, names, write_json
+from ..arguments import (
+    FILE,
+    MODEL,
+    SIGNS,
+    Pairs,
+    all_commands,
+    check_input_paths,
+    check_output_paths,
+    common,
+    names,
+    write_json,
+)
 
 #: The project file where none is given.
 DEFAULT = Path("tirefmu.toml")
@@ -99,10 +112,15 @@ def _relative(path: Path, folder: Path) -> str:
 @click.command()
 @click.argument("project", type=FILE, default=DEFAULT)
 @click.option("--force", is_flag=True, help="Repeat all steps, also those whose results are up to date.")
+@click.option("--only", callback=names, default="none",
+              help="Only steps of these commands, such as fit,check, and those whose results they read.")  # fmt: skip
 @click.option("--outside", is_flag=True, help="Results may be outside the folder of PROJECT.")
 @common
 @click.pass_context
-def run(context: click.Context, project: Path, force: bool, outside: bool, quiet: bool, json_file: Path | None) -> int:
+def run(
+    context: click.Context, project: Path, force: bool, only: tuple[str, ...], outside: bool, quiet: bool,
+    json_file: Path | None,
+) -> int:  # fmt: skip
     """Run the steps of PROJECT that are out of date.
 
     The steps of a project file: inspect, fit, explore, export, check, diagnose, and a page over all results. Only steps
@@ -128,12 +146,16 @@ def run(context: click.Context, project: Path, force: bool, outside: bool, quiet
         return int(status or 0)
 
     read = read_project(project)
+    commands = dict.fromkeys(step.command for step in steps_of(read))
+    for name in only:
+        if name not in commands:
+            raise UnknownName("step of a project", name, commands)
     for step in steps_of(read):  # a wrong option of a late step is found before the first one
         try:
             group.commands[step.command].make_context(step.command, list(step.arguments))
         except click.UsageError as error:
             raise TirefmuError(f"{project}: step {step.name}: {' '.join(error.format_message().split())}") from error
-    outcomes = run_project(read, command, terminal, force=force, outside=outside)
+    outcomes = run_project(read, command, terminal, force=force, outside=outside, only=only)
     failed = [each.step.name for each in outcomes if each.status]
     steps = [
         {"name": each.step.name, "ok": each.status == 0, "repeated": each.repeated, "summary": list(each.summary)}
@@ -145,3 +167,41 @@ def run(context: click.Context, project: Path, force: bool, outside: bool, quiet
         "", f"{'check failed: ' + ', '.join(failed) if failed else 'all checks passed'}; index page: {index}"
     )
     return 1 if failed else 0
+
+
+@click.command()
+@click.argument("given", metavar="[FILES]...", type=FILE, nargs=-1)
+@click.option("--project", type=FILE, default=DEFAULT, show_default=True, help="Project file; written if missing.")
+@click.option("--no-browser", is_flag=True, help="Print the address only.")
+def studio(given: tuple[Path, ...], project: Path, no_browser: bool) -> int:
+    """Open a window to work in: data, fit, comparison, diagnosis, export.
+
+    FILES are bench files that are added to the project. The window is a page in the browser, served on this computer
+    only. Its state is the project: every click changes PROJECT, and 'tirefmu run' repeats the work without the window.
+    Ctrl-C ends it; nothing is lost.
+    """
+    for name in ("starlette", "tomlkit", "uvicorn", "websockets"):
+        if find_spec(name) is None:
+            raise TirefmuError(f"the window needs {name}: pip install 'tirefmu[studio]'")
+    check_input_paths(*given)
+    if not project.absolute().parent.is_dir():
+        raise TirefmuError(f"{project}: no folder {project.parent}")
+    from tirefmu.studio.project_state import ProjectState
+    from tirefmu.studio.serve import serve
+
+    from ..terminal import Terminal
+
+    for path in given:
+        if not path.is_file():
+            raise TirefmuError(f"{path}: no such file")
+    state = ProjectState(project)
+    state.add_named([_relative(path, state.folder) for path in given])
+    terminal = Terminal()
+
+    def opened(address: str) -> None:
+        terminal.print(f"studio: {address}", "Ctrl-C ends it")
+        if not no_browser:
+            webbrowser.open(address)
+
+    serve(state, opened)
+    return 0

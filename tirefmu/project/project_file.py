@@ -24,11 +24,13 @@ KINDS = {
     "names": "a list of names",
     "number": "a number",
     "pairs": "a table of numbers, such as {Fz0 = 1000.0, R0 = 0.25}",
+    "weights": 'a table of expressions and numbers, such as {"Fz in 200..240 N" = 2.0}',
     "flag": "true or false",
 }
 #: Types of values; those of other kinds are texts.
 TYPES: dict[str, Any] = {
-    "files": list[str], "names": list[str], "number": float, "pairs": dict[str, float], "flag": bool,
+    "files": list[str], "names": list[str], "number": float, "pairs": dict[str, float],
+    "weights": dict[str, float], "flag": bool,
 }  # fmt: skip
 
 
@@ -52,7 +54,8 @@ SECTIONS: dict[str, dict[str, Key]] = {
     "data": {
         "tables": Key("files", meaning="Bench files."),
         "signs": Key("text", "--signs"),
-        "where": Key("name or file", "--where"),
+        "where": Key("name or file", meaning="Rows to use: an expression, or a file with one (.where, .txt)."),
+        "exclude": Key("names", meaning="Rows that no step uses: expressions."),
     },
     "fit": {
         "model": Key("text", "--model"),
@@ -65,9 +68,12 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "without_constraints": Key("names", "--without-constraint"),
         "loss": Key("text", "--loss"),
         "rows": Key("text", "--rows"),
+        "weights": Key("weights", "--weight"),
+        "fixed": Key("pairs", "--fix"),
         "stiffness_weight": Key("number", "--stiffness-weight"),
         "temperature": Key("text", "--temperature"),
         "cross_validate": Key("number", "--cross-validate"),
+        "hold_out": Key("names", meaning="Rows that are checked but not fitted: expressions."),
     },
     "export": {
         "fmi": Key("text", "--fmi"),
@@ -110,7 +116,7 @@ class Project:
     @property
     def tables(self) -> tuple[Path, ...]:
         """The tables of the fit and the checks."""
-        return tuple(map(self.located, self.get("data", "tables")))
+        return tuple(map(self.located, self.get("data", "tables", ())))
 
     @property
     def diagnosed(self) -> tuple[Path, ...]:
@@ -130,12 +136,34 @@ class Project:
         """The folder of all results."""
         return self.located(self.get("output", "folder", "results"))
 
+    def rows(self, *, fitted: bool = False) -> str | None:
+        """Return the expression or file that selects the rows of all steps; None for all rows.
+
+        `fitted`: that of the fit, without the rows that are held out.
+        """
+        where = self.get("data", "where")
+        excluded = [*self.get("data", "exclude", ()), *(self.get("fit", "hold_out", ()) if fitted else ())]
+        if not excluded:
+            return None if where is None else self._argument("name or file", where)
+        from tirefmu.measurements.row_selection.selected import expression_of  # loads NumPy
+
+        # An expression may end in a comment.
+        included = [] if where is None else [f"({expression_of(self._argument('name or file', where))}\n)"]
+        return " and ".join([*included, *(f"not ({each})" for each in excluded)])
+
+    def data_options(self, *, fitted: bool = False) -> list[str]:
+        """Return the options of a command that reads the tables; `fitted` as for `rows`."""
+        rows = self.rows(fitted=fitted)
+        return self.options("data") + ([] if rows is None else ["--where", rows])
+
     def options(self, section: str) -> list[str]:
         """Return the options of a command: those of a section that the file has."""
         found: list[str] = []
         for name, key in SECTIONS[section].items():
             value = self.get(section, name)
-            if key.option and value is not None:
+            if key.kind == "weights" and value is not None:
+                found += [part for each, factor in value.items() for part in (key.option, f"{factor!r}: {each}")]
+            elif key.option and value is not None:
                 found += [key.option, self._argument(key.kind, value)]
         return found
 
@@ -166,7 +194,14 @@ def read_project(path: Path) -> Project:
     Raises `TirefmuError` if it cannot be read, is not TOML, or has no tables. Raises `UnknownName` if a section or a
     key does not exist.
     """
-    content = toml_file(path, TirefmuError)
+    return checked_project(path, toml_file(path, TirefmuError))
+
+
+def checked_project(path: Path, content: Mapping[str, Any], *, empty: bool = False) -> Project:
+    """Return the project for the content of a project file.
+
+    `empty`: whether it may be without tables. Raises as `read_project`.
+    """
     for section, keys in content.items():
         if section not in SECTIONS:
             raise UnknownName(f"section of {path}", section, SECTIONS)
@@ -180,7 +215,7 @@ def read_project(path: Path) -> Project:
                 raise TirefmuError(f"{path}: [{section}] {name} is {quoted(value)}: expected {kind}")
     if not content.get("diagnose", {}).get("time_limit", TIME_LIMIT) > 0:
         raise TirefmuError(f"{path}: [diagnose] time_limit is not positive: a number of seconds is expected")
-    if not content.get("data", {}).get("tables"):
+    if not empty and not content.get("data", {}).get("tables"):
         raise TirefmuError(f"{path}: [data] tables is missing: the list of bench files")
     return Project(path, content)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from ..terminal import Terminal
 from .limited import TimeLimitReached
 from .project_file import Project
 from .records import NAME, Records, files_of
-from .steps import Step, steps_of
+from .steps import Step, needed, steps_of
 from .summaries import Headline, headline_of, summary_of
 
 #: Name of the page over all results, in their folder.
@@ -44,16 +44,18 @@ class Outcome:
 
 
 def run_project(
-    project: Project, command: Command, terminal: Terminal, *, force: bool = False, outside: bool = False
-) -> list[Outcome]:
+    project: Project, command: Command, terminal: Terminal, *, force: bool = False, outside: bool = False,
+    only: Collection[str] = (),
+) -> list[Outcome]:  # fmt: skip
     """Run the steps of a project and write the page ``index.html`` after each.
 
     `command`: runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
     `terminal`: shows the outcome of each step, a line or a few. `force`: repeat also the steps whose results are up to
-    date. `outside`: results may be outside the folder of the project. Raises `TirefmuError` if a table does not exist,
-    a result would be outside the folder of the project, a folder or file cannot be written, or a step has invalid
-    input; steps before it are recorded. Raises `KeyboardInterrupt` if a step was interrupted; it is repeated by the
-    next run.
+    date. `outside`: results may be outside the folder of the project. `only`: run only the steps of these commands and
+    those whose results they read; of the others, the outcomes that are up to date are included. Raises `TirefmuError`
+    if a table does not exist, a result would be outside the folder of the project, a folder or file cannot be written,
+    or a step has invalid input; steps before it are recorded. Raises `KeyboardInterrupt` if a step was interrupted; it
+    is repeated by the next run.
     """
     for table in (*project.tables, *project.diagnosed):
         if not table.is_file():
@@ -67,14 +69,21 @@ def run_project(
         raise TirefmuError(f"{project.folder}: cannot be created ({error.strerror or error})") from error
     records = Records.of(project.folder)
     outcomes: list[Outcome] = []
+    chosen = needed(steps, only) if only else steps
+    skipped: set[str] = set()
     for number, step in enumerate(steps, 1):
+        if step not in chosen and records.status(step) is None:
+            skipped.add(step.name)
+            continue
         terminal.begin(f"{number}/{len(steps)} {step.name}")
-        outcome = _run(step, records, command, terminal, force)
+        outcome = _run(step, records, command, terminal, force and step in chosen)
         outcomes.append(outcome)
         state = outcome.headline.text + ("" if outcome.repeated else " (up to date)")
         terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
         terminal.print(*(f"  {line}" for line in outcome.summary))
-        _write_index(project, outcomes, [each.name for each in steps[number:]])
+        _write_index(
+            project, outcomes, [each.name for i, each in enumerate(steps) if i >= number or each.name in skipped]
+        )
     return outcomes
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -35,11 +36,18 @@ class Step:
 
 def steps_of(project: Project) -> list[Step]:
     """Return the steps of a project in their order."""
-    folder, tables, data = project.folder, project.tables, project.options("data")
+    folder, tables, data = project.folder, project.tables, project.data_options()
     given = (*tables, *project.files_of("data"))
     tire, fmu, fitted = folder / "tire.tir", folder / "tire.fmu", folder / "fit.json"
     inspection, report, explorer = folder / "inspect.html", folder / "fit.html", folder / "explorer.html"
-    fit_options = [*data, *project.options("fit"), "-o", str(tire), "--report", str(report)]
+    fit_options = [
+        *project.data_options(fitted=True),
+        *project.options("fit"),
+        "-o",
+        str(tire),
+        "--report",
+        str(report),
+    ]
     explore_options = [*data, "--fit", str(fitted), "-o", str(explorer)]
     steps = [
         _step(folder, "inspect", [*data, "-o", str(inspection)], tables, given, inspection),
@@ -60,6 +68,15 @@ def steps_of(project: Project) -> list[Step]:
     return steps
 
 
+def needed(steps: Sequence[Step], commands: Collection[str]) -> list[Step]:
+    """Return the steps of some commands, and those whose results they read."""
+    chosen = {step.name for step in steps if step.command in commands}
+    for step in reversed(steps):  # a step reads results of earlier ones
+        if step.name in chosen:
+            chosen |= {each.name for each in steps if {*each.outputs} & {*step.inputs}}
+    return [step for step in steps if step.name in chosen]
+
+
 def _export(project: Project, tire: Path, fmu: Path, fitted: Path, given: tuple[Path, ...]) -> Step:
     """Return the step that exports; a native FMU with slip inputs has a proof over the first table by default."""
     options = project.options("export")
@@ -71,7 +88,7 @@ def _export(project: Project, tire: Path, fmu: Path, fitted: Path, given: tuple[
         options += ["--proof", str(project.tables[0])]
     inputs: tuple[Path, ...] = (tire,)
     if "--proof" in options and table != "none":
-        options += ["--fit", str(fitted), *project.options("data")]
+        options += ["--fit", str(fitted), *project.data_options()]
         inputs = (tire, fitted, *given, *project.files_of("export"))
     return _step(fmu.parent, "export", [*options, "-o", str(fmu)], (tire,), inputs, None, fmu)
 

@@ -1,0 +1,218 @@
+"""What the window shows of the tables: columns, time histories with the state of each row, operating conditions."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.escaping import excerpt, toml_string
+from tirefmu.measurements import (
+    CHANNELS,
+    EXCLUSION_REASONS,
+    Recording,
+    data_findings,
+    exclude_rows,
+    held_levels,
+    recording_from,
+)
+from tirefmu.measurements.inspection.inspection import inspect
+from tirefmu.measurements.inspection.tables import TEXTS, channel_table, title
+from tirefmu.measurements.row_selection.selected import matching
+from tirefmu.project.project_file import Project
+from tirefmu.tires.drawing.labels import drawn_unit, per_si
+
+#: States of a row, in the order of their codes in `series`.
+STATES = ("fitted", "excluded by the project", "held out", *EXCLUSION_REASONS)
+#: Upper limit of the rows of a time history; of more, every k-th is shown.
+MAX_SHOWN = 100_000
+#: Inputs of the grid of operating conditions: across, down, one grid for each.
+GRID = ("Fz", "gamma", "p")
+
+
+@lru_cache(maxsize=32)
+def _read(path: Path, changed: int, size: int, signs: str | None) -> Recording:
+    return recording_from(path, signs=signs)
+
+
+def recording_of(path: Path, project: Project) -> Recording:
+    """Return all rows of a table; a file that has not changed is read once. Raises `TirefmuError`."""
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise TirefmuError(f"{path}: cannot be read ({error.strerror or error})") from error
+    return _read(path, status.st_mtime_ns, status.st_size, project.get("data", "signs"))
+
+
+def selected_recordings(project: Project, *, fitted: bool) -> list[Recording]:
+    """Return the recordings of the steps, or with `fitted` those of the fit. Raises `TirefmuError`."""
+    rows = project.rows(fitted=fitted)
+    return [recording_from(recording_of(path, project), where=rows) for path in project.tables]
+
+
+@dataclass(frozen=True)
+class RowStates:
+    """The state of each row of a recording.
+
+    - `codes`, shape (n,): indices of `STATES`.
+    """
+
+    codes: NDArray[np.uint8]
+
+    @classmethod
+    def of(cls, recording: Recording, project: Project) -> RowStates:
+        """Return the states of all rows of a recording. Raises `TirefmuError` for an invalid selection."""
+        codes = np.zeros(len(recording), dtype=np.uint8)
+        rows, fitted = project.rows(), project.rows(fitted=True)
+        used = np.ones(len(recording), dtype=np.bool_) if rows is None else matching(recording, rows)
+        if used.any():
+            part = recording if used.all() else recording_from(recording, where=rows)
+            reasons = exclude_rows(part).reasons
+            known = {reason: STATES.index(reason) for reason in EXCLUSION_REASONS}
+            codes[used] = [known.get(reason, 0) for reason in reasons]
+        codes[~used] = 1
+        if fitted != rows and fitted is not None:
+            codes[used & ~matching(recording, fitted)] = 2
+        return cls(codes)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Rows of each state that occurs."""
+        numbers = np.bincount(self.codes, minlength=len(STATES))
+        return {state: int(number) for state, number in zip(STATES, numbers, strict=True) if number}
+
+
+def tables_view(project: Project) -> list[dict[str, Any]]:
+    """Return what is shown of each table: a summary, or the error in place of it."""
+    found: list[Recording | str] = []
+    for path in project.tables:
+        try:
+            found.append(recording_of(path, project))
+        except TirefmuError as error:
+            found.append(excerpt(error))
+    # An expression is applied to every table.
+    common = [name for name in GRID if all(isinstance(each, str) or name in each.table for each in found)]
+    return [_table_view(path, each, common, project) for path, each in zip(project.tables, found, strict=True)]
+
+
+def _table_view(path: Path, recording: Recording | str, common: Sequence[str], project: Project) -> dict[str, Any]:
+    shown: dict[str, Any] = {"name": path.name}
+    if isinstance(recording, str):
+        return shown | {"error": recording}
+    try:
+        states = RowStates.of(recording, project)
+        (found,), _ = inspect([recording])
+    except TirefmuError as error:
+        return shown | {"error": excerpt(error)}
+    header, rows = channel_table(found)
+    return shown | {
+        "title": title(found),
+        "signs": recording.signs,
+        "counts": states.counts,
+        "columns": {"header": header, "rows": rows, "texts": sorted(TEXTS.intersection(header))},
+        "channels": [name for name in CHANNELS if name in recording.table and name != "t"],
+        "ignored": [excerpt(name, 40) for name in map(str, recording.table.columns) if name not in CHANNELS][:50],
+        "findings": [str(each) for each in data_findings([recording])],
+        "grid": condition_grid(recording, states, common),
+    }
+
+
+def series(recording: Recording, channel: str, project: Project) -> dict[str, Any]:
+    """Return a time history: samples from 1, values in the unit of figures, states, first and last row of sweeps.
+
+    Columns are base64 texts of little-endian numbers. Raises `TirefmuError` if the recording lacks the channel.
+    """
+    if channel not in CHANNELS or channel not in recording.table:
+        raise TirefmuError(f"{recording.source} has no channel {excerpt(channel, 40)}")
+    step = -(-len(recording) // MAX_SHOWN)
+    values = recording.table[channel].to_numpy(dtype=np.float64)[::step] * per_si(channel)
+    codes = RowStates.of(recording, project).codes[::step]
+    (found,), _ = inspect([recording])
+    clock = recording.table["t"].to_numpy(dtype=np.float64)[::step] if "t" in recording.table else None
+    return {
+        "step": step,
+        "unit": drawn_unit(channel),
+        "values": _encoded(values, "<f4"),
+        "t": None if clock is None else _encoded(clock, "<f4"),
+        "codes": _encoded(codes, "<u1"),
+        "sweeps": [[each.first, each.last, " and ".join(each.moving)] for each in found.sweeps],
+    }
+
+
+def _encoded(values: NDArray[Any], kind: str) -> str:
+    return b64encode(values.astype(kind).tobytes()).decode("ascii")
+
+
+def rows_expression(source: str, first: int, last: int, *, inside: bool) -> str:
+    """Return the expression of consecutive rows of a file, or of its rows outside of them.
+
+    `source`: name of the file. `first`, `last`: numbers of rows from 1.
+
+    >>> rows_expression("run.csv", 3, 9, inside=True)
+    'file == "run.csv" and sample in 3..9'
+    """
+    if '"' in source or not source.isprintable():
+        raise TirefmuError("rows of a file with such a name are not selected: rename it")
+    return f"file == {toml_string(source)} and sample {'in' if inside else 'not in'} {first}..{last}"
+
+
+def condition_grid(recording: Recording, states: RowStates, inputs: Sequence[str] = GRID) -> list[dict[str, Any]]:
+    """Return the cells of load x camber x pressure that have rows: levels, rows, states, expression of its rows.
+
+    `inputs`: channels of the recording, of `GRID`.
+    """
+    numbers, edges = [], {}
+    for name in inputs:
+        values = recording.table[name].to_numpy(dtype=np.float64)
+        values = -values if name == "Fz" and recording.signs == "sae" else values
+        edges[name] = _edges(held_levels(recording.table[name].abs() if name == "Fz" else recording.table[name]))
+        numbers.append(np.clip(np.searchsorted(edges[name][0], values, side="right") - 1, 0, None))
+    if not numbers:
+        return []
+    found, cell_of = np.unique(np.stack(numbers), axis=1, return_inverse=True)
+    cells = []
+    for index, place in enumerate(found.T):
+        codes = states.codes[cell_of.ravel() == index]
+        parts = [f"file == {toml_string(recording.source)}"] + [
+            _between(name, edges[name][0][at], edges[name][0][at + 1]) for name, at in zip(inputs, place, strict=True)
+        ]
+        levels = {name: edges[name][1][at] * per_si(name) for name, at in zip(inputs, place, strict=True)}
+        cells.append(
+            {
+                "levels": {name: None if level != level else round(level, 3) + 0.0 for name, level in levels.items()},
+                "units": {name: drawn_unit(name) for name in inputs},
+                "rows": len(codes),
+                "fitted": int(np.count_nonzero(codes == 0)),
+                "excluded": int(np.count_nonzero(codes == 1)),
+                "held_out": int(np.count_nonzero(codes == 2)),
+                "expression": " and ".join(part for part in parts if part),
+            }
+        )
+    return cells
+
+
+def _edges(found: Sequence[float]) -> tuple[list[float], list[float]]:
+    """Return the edges between levels, and the levels; a channel without levels is one cell."""
+    if not len(found):
+        return [-inf, inf], [float("nan")]
+    ordered = sorted(found)
+    middles = [0.5 * (a + b) for a, b in pairwise(ordered)]
+    return [-inf, *middles, inf], list(ordered)
+
+
+def _between(name: str, low: float, high: float) -> str:
+    """Return the expression of a range in the unit of figures; empty for all values."""
+    unit = drawn_unit(name).replace("-", "")
+    scale = per_si(name)
+    parts = [f"{name} > {low * scale:.6g} {unit}"] if low > -inf else []
+    parts += [f"{name} <= {high * scale:.6g} {unit}"] if high < inf else []
+    return " and ".join(parts)

@@ -1,0 +1,175 @@
+"""Messages of the page: what they show is what the files and commands have; whatever is malformed has an answer."""
+
+from __future__ import annotations
+
+import json
+import random
+
+import numpy as np
+import pytest
+
+from tirefmu.cli import main
+from tirefmu.evaluation import predicted_outputs
+from tirefmu.measurements import recording_from
+from tirefmu.project.steps import steps_of
+from tirefmu.tires import published, read_tir
+
+from .conftest import ORIGIN, SOCKET, TOKEN, Page
+
+pytest.importorskip("starlette", reason="the extra studio is not installed")
+
+
+def test_the_tables_are_shown_with_the_state_of_each_row(window):
+    page = window.page
+    rows = len(recording_from(window.state.folder / "run.csv"))
+    (table,) = page.result("data")
+    assert table["counts"] == {"fitted": rows}
+    assert sum(cell["rows"] for cell in table["grid"]) == rows
+    page.edit("rows", table=0, first=11, last=20, how="exclude")
+    page.edit("rows", table=0, first=16, last=30, how="hold_out")
+    (table,) = page.result("data")
+    assert table["counts"] == {"fitted": rows - 20, "excluded by the project": 10, "held out": 10}
+    cell = table["grid"][1]
+    page.edit("set", section="data", key="exclude", value=[cell["expression"]])
+    (table,) = page.result("data")
+    again = next(each for each in table["grid"] if each["expression"] == cell["expression"])
+    assert again["excluded"] == cell["rows"]
+    assert table["counts"]["excluded by the project"] == cell["rows"]
+    page.edit("set", section="fit", key="hold_out", value=None)
+    page.edit("rows", table=0, first=1, last=100, how="keep")
+    assert page.result("state")["sections"]["data"]["exclude"][-1] == 'file == "run.csv" and sample not in 1..100'
+    for _ in range(5):
+        page.edit("undo")
+    assert page.result("data")[0]["counts"] == {"fitted": rows}
+
+
+def test_a_table_that_cannot_be_read_has_its_error_and_can_be_removed(window):
+    answer = window.client.post(f"/{TOKEN}/upload/bad.csv", content=b"alpha,Fz\nx,y\n", headers={"origin": ORIGIN})
+    assert (answer.status_code, answer.text) == (200, "bad.csv")
+    good, bad = window.page.result("data")
+    assert "error" not in good
+    assert "bad.csv: line 2" in bad["error"]
+    assert window.page.edit("tables", tables=["run.csv"])["result"] is None
+    assert len(window.page.result("data")) == 1
+
+
+def test_uploads_are_new_files_of_known_kinds_in_the_folder(window):
+    def upload(name, content=b"alpha,Fz,Fy\n0.1,900,-3\n"):
+        return window.client.post(f"/{TOKEN}/upload/{name}", content=content, headers={"origin": ORIGIN})
+
+    for name in ("run.csv", "tirefmu.toml", "x.py", "x", "..%2F..%2Frun.csv"):
+        answer = upload(name)
+        assert answer.status_code in (400, 404), name
+    assert upload("..%5C%3Cb%3E.csv").text == "b_.csv"
+    names = {path.name for path in window.state.folder.iterdir()}
+    assert names == {"b_.csv", "run.csv", "studio", "tirefmu.toml"}
+    assert not list((window.state.folder / "studio").glob("*.part"))
+
+
+def test_an_upload_has_a_limit(window, monkeypatch):
+    monkeypatch.setattr("tirefmu.studio.serve.MAX_UPLOAD", 100)
+    answer = window.client.post(f"/{TOKEN}/upload/a.csv", content=b"1" * 101, headers={"origin": ORIGIN})
+    assert (answer.status_code, "larger than" in answer.text) == (400, True)
+    assert not (window.state.folder / "a.csv").exists()
+
+
+def test_a_stale_change_of_a_second_page_is_refused(window):
+    version = window.page.result("state")["version"]
+    with window.client.websocket_connect(SOCKET, headers={"origin": ORIGIN}) as socket:
+        second = Page(socket)
+        assert second.edit("set", section="fit", key="model", value="mf61")["result"] is None
+        answer = window.page.call("set", section="fit", key="model", value="mf52", version=version)
+        assert answer["stale"]
+        assert {"event": "changed"} in window.page.events
+        assert window.page.result("state") == second.result("state")
+        assert second.result("state")["sections"]["fit"]["model"] == "mf61"
+
+
+def test_errors_of_sliders_are_those_of_python(window):
+    page = window.page
+    tire = page.result("tire", tire="live")
+    values = {each["name"]: each["value"] for each in tire["coefficients"]}
+    effects = [each["name"] for each in tire["effects"] if each["on"]]
+    for change in ({}, {"PDY1": values["PDY1"] * 1.1}):
+        content = {"tire": "live", "model": "mf96", "effects": effects, "values": values | change}
+        found = page.result("errors", condition=0, **content)
+        assert page.edit("start_from", **content)["result"] is None
+        started = read_tir(window.state.folder / "start.tir")
+        assert started.values["PDY1"] == values["PDY1"] * (1.1 if change else 1.0)
+        recording = recording_from(window.state.folder / "run.csv").with_signs("iso")
+        computed = predicted_outputs(started, recording)
+        for name, each in found.items():
+            error = (recording.table[name] - computed[name]).to_numpy()
+            assert each["all"]["rows"] == len(recording)
+            assert each["all"]["rmse"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-9)
+    assert page.result("state")["sections"]["fit"]["start"] == "start.tir"
+    assert page.call("errors", condition=0, **{**content, "values": {"NONE": 1.0}})["error"]
+    assert page.call("errors", condition=0, **{**content, "model": "mf61"})["error"]
+
+
+def test_a_rejected_effect_is_no_candidate_of_the_next_diagnosis(window):
+    assert "no fitted tire" in window.page.edit("reject", effect="temp_friction")["error"]
+    (window.state.folder / "results").mkdir()
+    published("trento_hoosier").save(window.state.folder / "results" / "tire.tir")
+    assert window.page.edit("reject", effect="nothing")["error"]
+    for effect in ("temp_friction", "heat_friction"):
+        assert window.page.edit("reject", effect=effect)["result"] is None
+    tested = window.page.result("state")["sections"]["diagnose"]["candidates"]
+    assert not {"temp_friction", "heat_friction"} & set(tested)
+    assert "wear_drift" in tested
+
+
+def test_code_of_a_tire_is_served_by_its_digest(window):
+    tire = window.page.result("tire", tire="live")
+    answer = window.client.get(f"/{TOKEN}/code/{tire['code']}.js")
+    assert answer.text.startswith("export default (() =>")
+    assert "javascript" in answer.headers["content-type"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[", "3", "null", "[1]", "{}", '{"do": 3}', '{"do": "__init__"}', '{"do": "state_"}', "[" * 100_000,
+     '{"do": "set"}', '{"do": "errors", "values": {}}'],
+)  # fmt: skip
+def test_a_malformed_message_has_an_error(window, text):
+    window.page.websocket.send_text(text)
+    answer = window.page.websocket.receive_json()
+    assert answer["error"]
+    assert "internal" not in answer["error"]
+
+
+def test_a_thousand_malformed_messages_change_nothing(window):
+    """Random values for every argument of every action: an answer each, no internal error."""
+    rng = random.Random(1)
+    before = window.state.text()
+    odd = [None, True, -1, 0, 2**70, 1e308, "", "x", "a\0b", "../x", "/etc/passwd", [], [[]], ["x"], [1], {},
+           {"a": "b"}, {"a": 1.0}, "\ud800", "live", "result", "9" * 5000]  # fmt: skip
+    names = ["version", "section", "key", "value", "tables", "table", "first", "last", "how", "channel", "tire",
+             "model", "effects", "values", "condition", "steps", "fit", "text", "id"]  # fmt: skip
+    actions = [each for each in window.server.window._actions if each not in ("run", "stop")]
+    for _ in range(1000):
+        message = {name: rng.choice(odd) for name in rng.sample(names, rng.randrange(len(names)))}
+        message["do"] = rng.choice([*actions, *odd])
+        window.page.websocket.send_text(json.dumps(message))
+        answer = window.page.websocket.receive_json()
+        assert "internal" not in answer.get("error", ""), (message, answer)
+    window.page.websocket.send_bytes(b"\xff\x00")
+    assert window.page.websocket.receive_json()["error"]
+    assert window.state.text() == before
+
+
+def test_the_step_that_the_window_runs_is_that_of_the_command(window, monkeypatch, tmp_path):
+    """`tirefmu run` afterwards finds the window's results up to date."""
+    started = {}
+
+    async def start(title, arguments):
+        started[title] = arguments
+
+    monkeypatch.setattr(window.server.window.work, "start", start)
+    window.page.result("run", steps=["inspect"])
+    assert main([*started["inspect"], "--quiet"]) == 0
+    (inspect, *others) = window.page.result("state")["steps"]
+    assert (inspect["status"], inspect["headline"]) == (0, "data ready for a fit")
+    assert [each["status"] for each in others] == [None] * len(others)
+    assert [each["name"] for each in (inspect, *others)] == [step.name for step in steps_of(window.state.project())]
+    assert window.page.call("run", steps=["rm"])["error"]
