@@ -350,8 +350,8 @@ class FitRun:
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
         sources = distinct(recordings)
-        channels = channel_fits(self._fit_data, tire, sources, self._fitted, effective)
         residuals, solved = Residuals.of(self._data, sources, self._tire), [self._solved(*end) for end in self._ends]
+        channels = channel_fits(self._fit_data, residuals, effective)
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             FitRecord(tuple(self._stages), self._plan.name, self._options.method, seconds, self._interrupted()),

@@ -227,7 +227,8 @@ class FitResult:
         """Return the result as JSON values; a missing bound is null."""
         plain = {
             "ok": self.verdict.usable,
-            "verdict": vars(self.verdict),
+            "verdict": self.verdict.word,
+            "reasons": list(self.verdict.reasons),
             "status": self.status,
             "recipe": self.run.recipe,
             "method": self.run.method,

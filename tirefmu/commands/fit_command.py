@@ -118,7 +118,7 @@ def fit(
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES under physical constraints.
 
-    TABLES are bench files, CSV or Parquet. The output starts with a verdict: usable, usable with limits, or not usable
+    TABLES are bench files, CSV or Parquet. The output starts with a verdict: good, usable with limits, or not usable
     (exit code 1), with the reasons.
 
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
