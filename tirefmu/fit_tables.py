@@ -97,11 +97,18 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
     )  # fmt: skip
     remarkable = {name for each in result.findings.undetermined for name in each.coefficients}
     remarkable |= {profile.name for profile in result.profiles}
+    consequences = {each.name: each.text() for each in result.bounds}
     every = every or bool(result.bootstrap)
     for c in result.coefficients:
         if not (every or c.at_bound or c.from_family or not c.determined or c.name in remarkable):
             continue
-        remark = "at bound" if c.at_bound else "from the family" if c.from_family else ""
+        remark = (
+            f"at bound: {consequences.get(c.name, '')}".rstrip(": ")
+            if c.at_bound
+            else "from the family"
+            if c.from_family
+            else ""
+        )
         remark = remark if c.determined or c.at_bound else "not determined"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
         resampled = [bootstrap_text(result, c.name)] * bool(result.bootstrap)

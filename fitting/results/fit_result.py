@@ -18,10 +18,10 @@ from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
-from ..evidence.uncertainty import Direction
 from ..temperature.fitted_temperature import FittedTemperature
+from ..uncertainty.sandwich import Direction
 from .intervals import interval, listed_intervals
-from .records import ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
+from .records import BoundConsequence, ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
 from .resampled import Bootstrap, Profile
 from .solved_stage import FitSolution
 from .summary import fit_html, fit_text
@@ -68,6 +68,8 @@ class FitResult:
         Profile likelihoods, if requested.
     temperature : FittedTemperature or None
         The fit of the heat balance to recorded temperatures, if requested.
+    bounds : tuple of BoundConsequence
+        What changes without the bound of each coefficient at a bound.
     solution : FitSolution
         What `findings`, `interval`, bootstrap and profiles are computed from.
     """
@@ -87,6 +89,7 @@ class FitResult:
     bootstrap: Bootstrap | None = None
     profiles: tuple[Profile, ...] = ()
     temperature: FittedTemperature | None = None
+    bounds: tuple[BoundConsequence, ...] = ()
     solution: FitSolution = field(default_factory=FitSolution, repr=False, compare=False)
 
     @property
@@ -209,8 +212,9 @@ class FitResult:
         Returns
         -------
         pandas.DataFrame
-            ``value``, ``error`` (standard error under time-correlated noise), ``lower`` and ``upper`` by row. The
-            intervals contain neither errors of the formula nor differences between recordings.
+            ``value``, ``error`` (standard error under time-correlated noise and errors of the form of the model, see
+            `tirefmu.fitting.uncertainty.discrepancy`), ``lower`` and ``upper`` by row. The intervals do not contain
+            constant offsets of sensors.
 
         Raises
         ------
@@ -238,7 +242,7 @@ class FitResult:
             "signs": self.signs,
             "values": dict(self.tire.values),
         }
-        for name in ("coefficients", "channels", "stages", "margins", "directions"):
+        for name in ("coefficients", "channels", "stages", "margins", "directions", "bounds"):
             plain[name] = [vars(item) for item in getattr(self, name)]
         plain["set_aside"] = [vars(rows) for rows in self.excluded_rows]
         plain["held_out"] = [vars(error) for error in self.held_out]

@@ -23,7 +23,7 @@ from ..evidence.continuity import Discontinuity
 from ..evidence.diagnostics import Findings
 from ..evidence.residuals import Residuals, condition_text
 from ..evidence.slip_stiffness import SlipStiffness
-from .records import ChannelFit, FittedCoefficient
+from .records import BoundConsequence, ChannelFit, FittedCoefficient
 from .solved_stage import FitSolution
 
 GOOD, LIMITED, UNUSABLE = "good", "usable with limits", "not usable"
@@ -37,6 +37,9 @@ STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: RMSE over noise floor above which a channel lacks something, if the error beyond the floor is not negligible: above
 #: this share of the standard deviation of the channel. Above the last share it is that of another tire. Judgement.
 ABOVE_FLOOR, NEGLIGIBLE, WRONG_MODEL = 2.0, 0.01, 0.1
+#: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
+#: share of the channel.
+CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
 #: Relative errors beyond two standard errors of the data that are reported, by quantity. Judgement.
 CHARACTERISTIC_LIMITS = {"peak friction": 0.05, "peak slip": 0.25, "trail": 0.2}
 #: Fitted rows for each coefficient below which a fit is limited; below one it is not usable.
@@ -95,6 +98,10 @@ class Judged(Protocol):
         """Margins of the constraints."""
 
     @property
+    def bounds(self) -> Sequence[BoundConsequence]:
+        """What changes without the bounds of coefficients."""
+
+    @property
     def excluded_rows(self) -> Sequence[ExcludedRows]:
         """Rows that were not fitted."""
 
@@ -119,6 +126,7 @@ def verdict_of(result: Judged) -> Verdict:
         *_missing_forces(result),
         *(_quality_reason(c) for c in result.channels if c.channel in FORCES and 0.0 <= c.fitted_r2 < POOR_R2),
         *(floor_reason(c) for c in result.channels if lacks_something(c)),
+        *_structure(result),
         *_stiffness_reasons(result.findings),
         *_characteristic_reasons(result.findings),
         *(_discontinuity_reason(d) for d in result.findings.discontinuities),
@@ -160,6 +168,24 @@ def floor_reason(c: ChannelFit) -> str:
         f"{c.recording}: {c.channel}: RMSE {c.fitted_rmse:.3g} {c.unit} is {c.above_floor:.1f} times the noise floor"
         f"{because}: diagnose"
     )
+
+
+def _structure(result: Judged) -> Iterator[str]:
+    """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
+    found = result.solution.discrepancies
+    limit = CHANCE / max(2 * len(found), 1)
+    far = {c.channel for c in result.channels if lacks_something(c)}
+    texts = [
+        f"{size:.1%} of {each.channel} depend on {cause}"
+        for each in found
+        if each.channel not in far and each.own
+        for size, chance, cause in (
+            (each.form, each.form_chance, "the inputs"), (each.state, each.state_chance, "time or the past")
+        )
+        if chance < limit and size > NEGLIGIBLE_FORM
+    ]  # fmt: skip
+    if texts:
+        yield f"small errors that are not noise, which the intervals contain: {', '.join(texts)}: diagnose"
 
 
 def _clipped_reason(c: Clipped) -> str:
@@ -238,8 +264,13 @@ def _not_imposed(result: Judged) -> Iterator[str]:
 
 def _at_bounds(result: Judged) -> Iterator[str]:
     names = [c.name for c in result.coefficients if c.at_bound]
-    if names:
-        yield f"{len(names)} of {len(result.coefficients)} coefficients at bounds: {_listed(names)}"
+    harmless = {each.name for each in result.bounds if each.matters is False}
+    known = {each.name: each for each in result.bounds}
+    for name in (name for name in names if name in known and name not in harmless):
+        yield f"{name} at a bound: {known[name].text()}"
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        yield f"{len(unknown)} of {len(result.coefficients)} coefficients at bounds: {_listed(unknown)}"
 
 
 def _excluded(result: Judged) -> Iterator[str]:

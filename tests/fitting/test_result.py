@@ -14,8 +14,8 @@ from hypothesis.extra.numpy import arrays
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.evidence.uncertainty import QUANTILE
 from tirefmu.fitting.results.records import StageFit, quality
+from tirefmu.fitting.uncertainty.sandwich import QUANTILE
 
 NUMBERS = arrays(np.float64, st.integers(2, 30), elements=st.floats(-1e4, 1e4))
 

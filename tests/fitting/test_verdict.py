@@ -40,7 +40,8 @@ def judged(side_fit):
     good = {
         "ok": True, "status": "converged", "tire": result.tire, "coefficients": (),
         "channels": tuple(replace(result.channels[0], channel=name, recording="a.csv") for name in ("Fx", "Fy")),
-        "excluded_rows": (), "solution": FitSolution(), "findings": Findings(stiffnesses=(stiffness(0.02),)),
+        "excluded_rows": (), "bounds": (), "solution": FitSolution(),
+        "findings": Findings(stiffnesses=(stiffness(0.02),)),
     }  # fmt: skip
     names = [each.name for own in chosen_constraints(result.tire.model).values() for each in own]
     good["margins"] = [Margin(name, 0.0, 1.0, {}, name) for name in names]
