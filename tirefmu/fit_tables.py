@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from rich.console import RenderableType
@@ -28,6 +29,8 @@ WORDS = {
 FEW = 3
 #: The longest text in a cell, in characters.
 LONGEST_CELL = 200
+#: Columns of a line of the verdict.
+LINE = 100
 
 
 class PlainTable(Table):
@@ -51,7 +54,8 @@ def plain_table(*columns: str, title: str = "") -> Table:
 def verdict_lines(verdict: Verdict) -> Iterator[str]:
     """Yield the verdict of a fit and its reasons, a line each."""
     yield f"verdict: {verdict.word}"
-    yield from (f"  - {reason}" for reason in verdict.reasons)
+    for reason in verdict.reasons:
+        yield from wrap(visible(f"- {reason}"), LINE, initial_indent="  ", subsequent_indent="    ")
 
 
 def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:

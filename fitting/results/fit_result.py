@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import nan
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -187,6 +188,26 @@ class FitResult:
         if violated:
             return f"constraint {violated[0].constraint} violated by {-violated[0].margin:.3g}"
         return "converged"
+
+    @property
+    def rmse(self) -> dict[str, float]:
+        """Root mean square error over the fitted rows by channel, over all recordings, in the channel's unit."""
+        sums: dict[str, tuple[int, float]] = {}
+        for c in self.channels:
+            if c.fitted_rows:
+                rows, squares = sums.get(c.channel, (0, 0.0))
+                sums[c.channel] = rows + c.fitted_rows, squares + c.fitted_rows * c.fitted_rmse**2
+        return {channel: float(np.sqrt(squares / rows)) for channel, (rows, squares) in sums.items()}
+
+    def save(self, path: str | Path) -> None:
+        """Write the tire to a .tir file; see `Tire.save`.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file to write.
+        """
+        self.tire.save(path)
 
     def channel(self, recording: str, channel: str) -> ChannelFit:
         """Return the goodness of fit of a channel of a recording."""

@@ -126,12 +126,12 @@ def verdict_of(result: Judged) -> Verdict:
         *_missing_forces(result),
         *(_quality_reason(c) for c in result.channels if c.channel in FORCES and 0.0 <= c.fitted_r2 < POOR_R2),
         *(floor_reason(c) for c in result.channels if lacks_something(c)),
-        *_structure(result),
         *_stiffness_reasons(result.findings),
         *_characteristic_reasons(result.findings),
         *(_discontinuity_reason(d) for d in result.findings.discontinuities),
         *(_clipped_reason(c) for c in result.findings.clipped if c.channel not in FORCES),
         *(_quality_reason(c) for c in result.channels if c.channel not in FORCES and c.fitted_r2 < 0.0),
+        *_structure(result),
         *_few_rows(result, ROWS_PER_COEFFICIENT),
         *_not_imposed(result),
         *_at_bounds(result),
@@ -176,16 +176,16 @@ def _structure(result: Judged) -> Iterator[str]:
     limit = CHANCE / max(2 * len(found), 1)
     far = {c.channel for c in result.channels if lacks_something(c)}
     texts = [
-        f"{size:.1%} of {each.channel} depend on {cause}"
+        f"{each.channel} {size:.1%} over {cause}"
         for each in found
         if each.channel not in far and each.own
         for size, chance, cause in (
-            (each.form, each.form_chance, "the inputs"), (each.state, each.state_chance, "time or the past")
+            (each.form, each.form_chance, "the inputs"), (each.state, each.state_chance, "time")
         )
         if chance < limit and size > NEGLIGIBLE_FORM
     ]  # fmt: skip
     if texts:
-        yield f"small errors that are not noise, which the intervals contain: {', '.join(texts)}: diagnose"
+        yield f"small errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
 
 
 def _clipped_reason(c: Clipped) -> str:

@@ -32,6 +32,7 @@ from ..arguments import (
 )
 
 if TYPE_CHECKING:
+    from tirefmu.fitting import FitResult
     from tirefmu.measurements import Finding, Recording
     from tirefmu.tires import Tire
 
@@ -197,7 +198,25 @@ def fit(
         terminal.print(f"report: {report}")
     if not result.run.interrupted:
         finished_stages.unlink(missing_ok=True)  # last: until then --resume has every result without the fit
+        terminal.print(f"next: {_next_command(result, output, tables, chosen)}")
     return 0 if result.verdict.usable else 1
+
+
+def _next_command(result: FitResult, tire: Path, tables: Sequence[Path], chosen: Sequence[str]) -> str:
+    """Return the diagnosis of the recording whose error is farthest above its noise floor, or the export.
+
+    The options `chosen` select and interpret the rows.
+    """
+    from tirefmu.fitting.results.verdict import lacks_something
+
+    sources = list(dict.fromkeys(c.recording for c in result.channels))
+    lacking = [c for c in result.channels if lacks_something(c)]
+    if not lacking or len(sources) != len(tables):
+        return command_text("export", tire, "-o", tire.with_suffix(".fmu"))
+    worst = max(lacking, key=lambda c: c.above_floor)
+    table = tables[sources.index(worst.recording)]
+    folder = tire.with_name(f"{file_name(table.stem)}_diagnosis")
+    return command_text("diagnose", table, "--tire", tire, *chosen, "-o", folder)
 
 
 def _one_by_one(
