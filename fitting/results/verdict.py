@@ -35,8 +35,9 @@ POOR_R2 = 0.5
 #: handling of a vehicle changes noticeably; above the second, over all loads, it is that of another tire. Judgement.
 STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: RMSE over noise floor above which a channel lacks something, if the error beyond the floor is not negligible: above
-#: this share of the standard deviation of the channel. Above the last share it is that of another tire. Judgement.
-ABOVE_FLOOR, NEGLIGIBLE, WRONG_MODEL = 2.0, 0.01, 0.1
+#: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
+#: repeats is too large for any tire. Judgement.
+ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
 #: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
 #: share of the channel.
 CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
@@ -119,7 +120,7 @@ def verdict_of(result: Judged) -> Verdict:
     wrong = [] if result.ok else [result.status]
     wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
     wrong += [_clipped_reason(c) for c in result.findings.clipped if c.channel in FORCES]
-    wrong += _wrong_model(result.channels)
+    wrong += _wrong_data(result.channels)
     wrong += _wrong_stiffness(result.findings)
     wrong += _few_rows(result, 1)
     limits = [
@@ -147,11 +148,12 @@ def lacks_something(c: ChannelFit) -> bool:
     return c.above_floor > ABOVE_FLOOR and c.model_error > NEGLIGIBLE
 
 
-def _wrong_model(channels: Sequence[ChannelFit]) -> Iterator[str]:
-    """Yield the forces with an error beyond the floor that is large compared with the force in any recording."""
+def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
+    """Yield the forces of which a large share depends on time or differs between repeats, in any recording."""
     for c in channels:
         largest = max(other.spread for other in channels if other.channel == c.channel)
-        if c.channel in FORCES and lacks_something(c) and c.model_error * c.spread > WRONG_MODEL * largest:
+        unsteady = float(np.hypot(c.explained_by_time, c.between_repeats))
+        if c.channel in FORCES and lacks_something(c) and unsteady > WRONG_DATA * largest:
             yield floor_reason(c)
 
 
