@@ -11,13 +11,14 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.fitting import FitResult
+from tirefmu.fitting.results.verdict import GOOD, LIMITED
 
 
 @dataclass(frozen=True)
 class JobResult:
     """The result of one fit of a batch.
 
-    - `status`: the verdict of the fit ("usable", "usable with limits", "not usable"); "failed" for invalid data or
+    - `status`: the verdict of the fit ("good", "usable with limits", "not usable"); "failed" for invalid data or
       options, "lost" if the process ended or the program has an error.
     - `reasons`: in order of weight.
     - `rows`: measured rows.
@@ -38,7 +39,7 @@ class JobResult:
     @property
     def usable(self) -> bool:
         """Whether there is a usable tire."""
-        return self.status.startswith("usable")
+        return self.status in (GOOD, LIMITED)
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as JSON values; a number that is not finite is null."""

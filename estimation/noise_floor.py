@@ -75,14 +75,14 @@ def noise_floor(
     rows = np.arange(n)[:: max(1, -(-n // MAX_ROWS))]
     length = max(MIN_ROWS, round(BLOCK / (step * (rows[1] - rows[0])))) if timed and step > 0.0 else MIN_ROWS
     part = (np.arange(len(rows)) // length) % PARTS
-    inputs, scales = _inputs(table)
+    inputs, scales = varying_inputs(table)
     columns = [(inputs, scales)]
     if with_history:
-        history = _history(table, t, step) if timed and step > 0.0 else []
+        history = slip_history(table, t, step) if timed and step > 0.0 else []
         columns.append(([*inputs, *history], [*scales, *[1.0] * len(history)]))
     targets = np.stack([residual[rows] for residual in residuals.values()])
     errors = [
-        _cross_validated(_features([column[rows] for column in own], lengths), targets, part)
+        _cross_validated(random_features([column[rows] for column in own], lengths), targets, part)
         for own, lengths in columns
     ]
     floors = {}
@@ -97,7 +97,7 @@ def noise_floor(
     return floors
 
 
-def _inputs(table: pd.DataFrame) -> tuple[list[FloatArray], list[float]]:
+def varying_inputs(table: pd.DataFrame) -> tuple[list[FloatArray], list[float]]:
     """Return the inputs that vary, from -1 to 1, and their length scales."""
     columns, scales = [], []
     for name in (*SLIPS, *OTHERS):
@@ -114,7 +114,7 @@ def _inputs(table: pd.DataFrame) -> tuple[list[FloatArray], list[float]]:
     return columns, scales
 
 
-def _history(table: pd.DataFrame, t: FloatArray, step: float) -> list[FloatArray]:
+def slip_history(table: pd.DataFrame, t: FloatArray, step: float) -> list[FloatArray]:
     """Return the direction in which each slip changes, and time, from -1 to 1."""
     width = max(3, round(DIRECTION_TIME / step))
     columns = [2.0 * (t - t[0]) / max(float(t[-1] - t[0]), 1e-9) - 1.0]
@@ -127,7 +127,7 @@ def _history(table: pd.DataFrame, t: FloatArray, step: float) -> list[FloatArray
     return columns
 
 
-def _features(columns: Sequence[FloatArray], scales: Sequence[float]) -> FloatArray:
+def random_features(columns: Sequence[FloatArray], scales: Sequence[float]) -> FloatArray:
     """Return random Fourier features, shape (n, FEATURES + 1); the same for the same inputs."""
     rng = np.random.default_rng(0)
     n = len(columns[0]) if columns else 0
@@ -141,23 +141,37 @@ def _features(columns: Sequence[FloatArray], scales: Sequence[float]) -> FloatAr
 
 def _cross_validated(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
     """Return the root mean square error of each target in parts that the regression did not use, the best penalty."""
-    errors = np.full(len(targets), np.nan)
+    errors = targets - out_of_sample(features, targets, part)
+    known = np.isfinite(errors)
+    squares, counts = np.where(known, errors**2, 0.0).sum(axis=1), known.sum(axis=1)
+    return np.where(counts > 0, np.sqrt(squares / np.maximum(counts, 1)), np.nan)
+
+
+def out_of_sample(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
+    """Return a ridge regression of each target in parts that it did not use, with the best penalty.
+
+    `features`, shape (n, n_features). `targets`, shape (n_targets, n): NaN in rows that are not used. `part`, shape
+    (n,): from 0 to `PARTS` - 1. Returns shape (n_targets, n): NaN in rows that are not used, and of a target with too
+    few rows.
+    """
+    predicted = np.full(targets.shape, np.nan)
     masks = np.isfinite(targets)
     for mask in {mask.tobytes(): mask for mask in masks}.values():
         same = np.flatnonzero((masks == mask).all(axis=1))
         if int(mask.sum()) >= PARTS * MIN_ROWS and len(features):
-            errors[same] = _errors(features[mask], targets[np.ix_(same, np.flatnonzero(mask))].T, part[mask])
-    return errors
+            at = np.ix_(same, np.flatnonzero(mask))
+            predicted[at] = _predicted(features[mask], targets[at].T, part[mask]).T
+    return predicted
 
 
-def _errors(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
+def _predicted(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
     pieces = [(features[part == k], targets[part == k]) for k in range(PARTS)]
     matrices, products = [x.T @ x for x, _ in pieces], [x.T @ y for x, y in pieces]
     matrix, product = np.sum(matrices, axis=0), np.sum(products, axis=0)
-    squares = np.zeros((len(PENALTIES), targets.shape[1]))
-    for (x, y), own, own_product in zip(pieces, matrices, products, strict=True):
+    predicted = np.empty((len(PENALTIES), *targets.shape))
+    for number, ((x, _), own, own_product) in enumerate(zip(pieces, matrices, products, strict=True)):
         for k, penalty in enumerate(PENALTIES):
             ridge = penalty * len(features) * np.eye(features.shape[1])
-            estimate = dposv(matrix - own + ridge, product - own_product)[1]
-            squares[k] += np.sum((y - x @ estimate) ** 2, axis=0)
-    return np.asarray(np.sqrt(squares.min(axis=0) / len(features)))
+            predicted[k, part == number] = x @ dposv(matrix - own + ridge, product - own_product)[1]
+    best = np.sum((targets - predicted) ** 2, axis=1).argmin(axis=0)
+    return np.asarray(predicted[best, :, np.arange(targets.shape[1])].T)

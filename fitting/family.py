@@ -24,11 +24,11 @@ from tirefmu.tires import TireLike
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.tire_argument import tires_from
 
-from .evidence.intervals import sensitivities
-from .evidence.uncertainty import QUANTILE
 from .problem.influence import typical_size
 from .problem.prior import Prior
 from .results.records import FittedCoefficient
+from .uncertainty.sandwich import QUANTILE
+from .uncertainty.sensitivities import sensitivities
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -17,6 +17,7 @@ from tirefmu.tires import TireLike
 
 from .fit_run import FitRun
 from .options import FitOptions
+from .resampling.bounds import with_consequences
 from .results.checkpoint import Checkpoint
 from .results.fit_result import FitResult
 from .setup import FEATURES, Plan, Setup
@@ -114,7 +115,8 @@ def fit(
         run.run(saved)
     interruption.raise_failure()
     with one_blas_thread():
-        result = run.result(names, time.perf_counter() - began).in_signs("iso")
+        result = run.result(names, time.perf_counter() - began)
+        result = (result if result.run.interrupted else with_consequences(result)).in_signs("iso")
         if not (column and not result.run.interrupted):
             return result
         tire, temperature = fit_temperature(result.tire, heated, column)

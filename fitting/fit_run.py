@@ -20,7 +20,6 @@ from .constraints.physical import operating_range
 from .constraints.verification import VerifiedConstraints
 from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
-from .evidence.uncertainty import uncertainty_of_stages
 from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
 from .problem.recipe import Freed, Stage
@@ -38,6 +37,7 @@ from .solvers.interruption import Interruption
 from .solvers.restarts import best_end
 from .stage_solution import StageSolver
 from .stiffness_targets import StiffnessTargets
+from .uncertainty.sandwich import uncertainty_of_stages
 
 #: Strength of the regularization of scaled coefficients, by the weights of the stage: with noise weights the cost is
 #: about 1/2, with equal weights about the share of noise.
@@ -337,7 +337,7 @@ class FitRun:
         tire = replace(self._tire, values=values, ranges=ranges, about=about, other_entries=entries)  # inputs in ISO
         fitted = {name: self._fitted_coefficient(name) for name in self._model.coefficients if name in self._freed}
         ends = [(self._plan.stages[end.stage].name, problem, end.x) for end, problem in self._ends]
-        intervals, directions, effective, covariance, complete = uncertainty_of_stages(
+        intervals, directions, effective, covariance, complete, errors = uncertainty_of_stages(
             ends,
             {name: one.stage for name, one in fitted.items()},
             {name for name, one in fitted.items() if one.at_bound},
@@ -351,14 +351,14 @@ class FitRun:
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
         sources = distinct(recordings)
-        channels = channel_fits(self._fit_data, tire, sources, self._fitted, effective)
         residuals, solved = Residuals.of(self._data, sources, self._tire), [self._solved(*end) for end in self._ends]
+        channels = channel_fits(self._fit_data, residuals, effective)
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             FitRecord(tuple(self._stages), self._plan.name, self._options.method, seconds, self._interrupted()),
             self._constraints.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), self._fit_data.findings, directions, self._fit_data.excluded_rows,
-            covariance=covariance, solution=FitSolution(residuals, complete, tuple(solved)),
+            covariance=covariance, solution=FitSolution(residuals, complete, tuple(solved), errors),
         )  # fmt: skip
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:

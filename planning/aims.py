@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.errors import UnknownName
-from tirefmu.fitting.evidence.intervals import sensitivities
+from tirefmu.fitting.uncertainty.sensitivities import sensitivities
 from tirefmu.tires import Tire
 
 from .bench_file import SWEPT, Bench

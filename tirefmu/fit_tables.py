@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from rich.console import RenderableType
@@ -28,6 +29,8 @@ WORDS = {
 FEW = 3
 #: The longest text in a cell, in characters.
 LONGEST_CELL = 200
+#: Columns of a line of the verdict.
+LINE = 100
 
 
 class PlainTable(Table):
@@ -51,7 +54,8 @@ def plain_table(*columns: str, title: str = "") -> Table:
 def verdict_lines(verdict: Verdict) -> Iterator[str]:
     """Yield the verdict of a fit and its reasons, a line each."""
     yield f"verdict: {verdict.word}"
-    yield from (f"  - {reason}" for reason in verdict.reasons)
+    for reason in verdict.reasons:
+        yield from wrap(visible(f"- {reason}"), LINE, initial_indent="  ", subsequent_indent="    ")
 
 
 def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
@@ -97,11 +101,18 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
     )  # fmt: skip
     remarkable = {name for each in result.findings.undetermined for name in each.coefficients}
     remarkable |= {profile.name for profile in result.profiles}
+    consequences = {each.name: each.text() for each in result.bounds}
     every = every or bool(result.bootstrap)
     for c in result.coefficients:
         if not (every or c.at_bound or c.from_family or not c.determined or c.name in remarkable):
             continue
-        remark = "at bound" if c.at_bound else "from the family" if c.from_family else ""
+        remark = (
+            f"at bound: {consequences.get(c.name, '')}".rstrip(": ")
+            if c.at_bound
+            else "from the family"
+            if c.from_family
+            else ""
+        )
         remark = remark if c.determined or c.at_bound else "not determined"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
         resampled = [bootstrap_text(result, c.name)] * bool(result.bootstrap)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from tirefmu.boundary.errors import UnknownName
+
 from .definition import TireDefinition
 from .evaluation import Conventions, evaluate, forces
 from .forces import Forces
@@ -65,6 +67,34 @@ class Tire(TireDefinition):
     >>> round(float(tire.forces(alpha=0.1, Fz=1000.0)["Fy"]))
     1886
     """
+
+    def __getitem__(self, name: str) -> float:
+        """Return the value of a coefficient.
+
+        Parameters
+        ----------
+        name : str
+            Its .tir name.
+
+        Returns
+        -------
+        float
+            In the unit of its declaration.
+
+        Raises
+        ------
+        UnknownName
+            If the model has no such coefficient.
+
+        Examples
+        --------
+        >>> from tirefmu.tires import published
+        >>> published("trento_hoosier")["FNOMIN"]
+        220.0
+        """
+        if name not in self.values:
+            raise UnknownName(f"coefficient of {self.model}", name, self.values)
+        return float(self.values[name])
 
     def forces(self, *, code: str = "auto", **inputs: npt.ArrayLike) -> Forces:
         """Return forces and moments in the tire's own signs, in steady state.

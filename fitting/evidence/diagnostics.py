@@ -10,7 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .characteristics import Characteristic, characteristics
+from .clipping import Clipped, clipped_channels
 from .consistency import Disagreement, disagreeing_files, disagreeing_segments, sweep_differences
+from .continuity import Discontinuity, discontinuities
 from .residuals import Residuals
 from .ripple import Ripple, ripple
 from .slip_stiffness import SlipStiffness, slip_stiffnesses
@@ -47,6 +50,12 @@ class Findings:
         Goodness of fit at each operating condition.
     stiffnesses : tuple of SlipStiffness
         Slip stiffness, measured and computed, at each load.
+    characteristics : tuple of Characteristic
+        Peak friction, its slip, and trail, measured and computed, at each load.
+    discontinuities : tuple of Discontinuity
+        Jumps and kinks of the tire over the tested slips.
+    clipped : tuple of Clipped
+        Channels that are cut off at the end of a sensor's range.
     undetermined : tuple of Undetermined
         Coefficients that the data do not determine, with the reason.
     files, segments, sweeps : tuple of Disagreement
@@ -57,6 +66,9 @@ class Findings:
 
     conditions: tuple[ConditionFit, ...] = ()
     stiffnesses: tuple[SlipStiffness, ...] = ()
+    characteristics: tuple[Characteristic, ...] = ()
+    discontinuities: tuple[Discontinuity, ...] = ()
+    clipped: tuple[Clipped, ...] = ()
     undetermined: tuple[Undetermined, ...] = ()
     files: tuple[Disagreement, ...] = ()
     segments: tuple[Disagreement, ...] = ()
@@ -84,7 +96,8 @@ def find(
     reasons = undetermined(residuals, free, sets, effective)
     reasons += at_bounds(residuals, [*free, *bounded], bounded, effective)
     return Findings(
-        by_condition(residuals), slip_stiffnesses(residuals), reasons,
+        by_condition(residuals), slip_stiffnesses(residuals), characteristics(residuals), discontinuities(residuals),
+        clipped_channels(residuals), reasons,
         disagreeing_files(residuals), disagreeing_segments(residuals), sweep_differences(residuals), ripple(residuals),
     )  # fmt: skip
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import nan
 
@@ -27,8 +27,27 @@ MIN_SIGNIFICANT = 5.0
 MODEL_ERROR = 0.05
 
 
+class Compared:
+    """A number read from the data, with its standard error, and from the tire."""
+
+    read: float
+    fitted: float
+    error: float
+
+    @property
+    def off(self) -> float:
+        """Relative error of the tire."""
+        return self.fitted / self.read - 1.0
+
+    @property
+    def reliable_error(self) -> float:
+        """Relative error of the tire beyond two standard errors of the data; 0 within them."""
+        noise = 2.0 * self.error / self.read if np.isfinite(self.error) else 0.0
+        return float(np.sign(self.off)) * max(abs(self.off) - noise, 0.0)
+
+
 @dataclass(frozen=True)
-class SlipStiffness:
+class SlipStiffness(Compared):
     """The slope of a force at zero slip, at one load.
 
     - `load`: N.
@@ -47,17 +66,6 @@ class SlipStiffness:
     fitted: float
     conditions: int
     error: float = nan
-
-    @property
-    def off(self) -> float:
-        """Relative error of the tire."""
-        return self.fitted / self.read - 1.0
-
-    @property
-    def reliable_error(self) -> float:
-        """Relative error of the tire beyond two standard errors of the data; 0 within them."""
-        noise = 2.0 * self.error / self.read if np.isfinite(self.error) else 0.0
-        return float(np.sign(self.off)) * max(abs(self.off) - noise, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,15 +90,18 @@ class ReadStiffness:
     conditions: int
 
 
-def read_stiffnesses(residuals: Residuals) -> tuple[ReadStiffness, ...]:
+def read_stiffnesses(
+    residuals: Residuals, slopes: Sequence[tuple[str, str]] = tuple(FORCES.items())
+) -> tuple[ReadStiffness, ...]:
     """Read slip stiffnesses from the measured rows in each operating condition, and average them by load.
 
-    The result is by recording, channel and load; empty without a sweep through zero slip at zero other slip.
+    `slopes`: the slip and the channel of each slope. The result is by recording, channel and load; empty without a
+    sweep through zero slip at zero other slip.
     """
     loads = np.array(residuals.levels.get("Fz", ()))
     found = []
     for number in range(len(residuals.sources)):
-        for slip, channel in FORCES.items():
+        for slip, channel in slopes:
             if channel not in residuals.channels or slip not in residuals.table:
                 continue
             by_level: dict[int, list[tuple[float, Slope]]] = {}

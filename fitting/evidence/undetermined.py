@@ -19,8 +19,8 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from ..problem.weights import MIN_NOISE, OWN_SLIP
+from ..uncertainty.sandwich import LARGEST_SD
 from .residuals import Residuals
-from .uncertainty import LARGEST_SD
 
 FloatArray = npt.NDArray[np.float64]
 

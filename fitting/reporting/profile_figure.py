@@ -8,9 +8,9 @@ from tirefmu.tires.drawing.figure import Figure, Panel, Series, in_rows
 from tirefmu.tires.drawing.labels import note
 from tirefmu.tires.drawing.style import BLUE, DASHED, ORANGE
 
-from ..evidence.uncertainty import QUANTILE
 from ..results.fit_result import FitResult
 from ..results.resampled import Profile
+from ..uncertainty.sandwich import QUANTILE
 
 
 def profile_curves(result: FitResult) -> Figure:

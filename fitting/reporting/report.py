@@ -19,6 +19,7 @@ from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
 from ..results.intervals import listed_intervals
 from .figures import figures_of
+from .load_table import load_rows
 from .report_text import (
     SIGNIFICANT,
     bootstrap_summary,
@@ -93,13 +94,26 @@ def report_page(
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
     largest = [each for each in errors if each[2]]
     return page_text(
-        "tirefmu.fitting.reporting", filters, result=result, figures=figures, largest=largest, findings=findings,
+        "tirefmu.fitting.reporting", filters, result=result, overview=overview(figures), figures=figures,
+        loads=list(load_rows(result)), consequences={each.name: each.text() for each in result.bounds},
+        largest=largest, findings=findings,
         differences=significant_differences(result), significant=SIGNIFICANT,
         intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
         bootstrap=bootstrap_summary(result.bootstrap) if result.bootstrap else "",
         ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
         correlations=correlated_pairs(result.correlation), correlated=CORRELATED, origin=origin,
     )  # fmt: skip
+
+
+def overview(figures: Sequence[Figure]) -> Figure | None:
+    """Return Fy over alpha and Fx over kappa at all measured loads, side by side; None without such curves."""
+    first = {each.name: each for each in figures if each.name in ("pure_Fy", "pure_Fx") and each.panels}
+    panels = tuple(first[name].panels[0] for name in ("pure_Fy", "pure_Fx") if name in first)
+    return (
+        Figure("overview", "Forces at all measured loads", (panels,), next(iter(first.values())).note)
+        if first
+        else None
+    )
 
 
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:

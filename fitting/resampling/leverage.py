@@ -24,9 +24,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import stdtrit
 
-from ..evidence.uncertainty import MIN_CURVATURE, QUANTILE
 from ..problem.regularization import Ridge
 from ..results.solved_stage import SolvedStage
+from ..uncertainty.sandwich import MIN_CURVATURE, QUANTILE
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -7,7 +7,7 @@ of its gradient and the direction v = H^-1 e along which the coefficient changes
     deviance = 2 (cost - least cost) v'Hv / v'Mv.
 
 If the cost is quadratic, its square root is the distance in standard errors, and the interval is that of the sandwich
-estimator (`evidence.uncertainty`). Otherwise the interval is not symmetric, and it respects bounds and constraints.
+estimator (`uncertainty.sandwich`). Otherwise the interval is not symmetric, and it respects bounds and constraints.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from scipy.interpolate import PchipInterpolator
 from tirefmu.boundary.errors import FitError, UnknownName
 
 from ..constraints.constraint_functions import ConstraintFunctions
-from ..evidence.uncertainty import QUANTILE, sandwich
 from ..results.fit_result import FitResult
 from ..results.resampled import Profile
 from ..results.solved_stage import SolvedStage
+from ..uncertainty.sandwich import QUANTILE, sandwich
 from .near_solution import solve_near
 
 FloatArray = npt.NDArray[np.float64]

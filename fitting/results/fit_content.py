@@ -10,12 +10,11 @@ from tirefmu.measurements import Finding
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings
-from ..evidence.uncertainty import Direction
 from ..temperature.fitted_temperature import FittedTemperature
+from ..uncertainty.sandwich import Direction
 from .intervals import ListedInterval
-from .records import ChannelFit, FittedCoefficient, HeldOut, StageFit
+from .records import BoundConsequence, ChannelFit, FittedCoefficient, HeldOut, StageFit
 from .resampled import Bootstrap, Profile
-from .verdict import Verdict
 
 #: Version of fit.json. New keys increment the second number, changed meanings the first.
 VERSION = "1.0"
@@ -33,7 +32,8 @@ class FitContent(TypedDict):
 
     version: str
     ok: Annotated[bool, "whether the tire is usable, possibly with limits"]
-    verdict: Verdict
+    verdict: Annotated[str, "good, usable with limits, or not usable"]
+    reasons: Annotated[list[str], "of the verdict, in order of weight"]
     status: str
     recipe: str
     method: str
@@ -48,6 +48,7 @@ class FitContent(TypedDict):
     margins: tuple[Margin, ...]
     margins_signs: str
     directions: tuple[Direction, ...]
+    bounds: Annotated[tuple[BoundConsequence, ...], "what changes beyond the bound of a coefficient at one"]
     set_aside: Annotated[tuple[ExcludedRows, ...], "rows that were not fitted"]
     held_out: tuple[HeldOut, ...]
     findings: Findings

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import nan
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,11 +20,11 @@ from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
 from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
-from ..evidence.uncertainty import Direction
 from ..temperature.fitted_temperature import FittedTemperature
+from ..uncertainty.sandwich import Direction
 from .fit_content import VERSION, FitContent
 from .intervals import interval, listed_intervals
-from .records import ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
+from .records import BoundConsequence, ChannelFit, FitRecord, FittedCoefficient, HeldOut, StageFit
 from .resampled import Bootstrap, Profile
 from .solved_stage import FitSolution
 from .summary import fit_html, fit_text
@@ -70,6 +71,8 @@ class FitResult:
         Profile likelihoods, if requested.
     temperature : FittedTemperature or None
         The fit of the heat balance to recorded temperatures, if requested.
+    bounds : tuple of BoundConsequence
+        What changes without the bound of each coefficient at a bound.
     solution : FitSolution
         What `findings`, `interval`, bootstrap and profiles are computed from.
     """
@@ -89,6 +92,7 @@ class FitResult:
     bootstrap: Bootstrap | None = None
     profiles: tuple[Profile, ...] = ()
     temperature: FittedTemperature | None = None
+    bounds: tuple[BoundConsequence, ...] = ()
     solution: FitSolution = field(default_factory=FitSolution, repr=False, compare=False)
 
     @property
@@ -187,6 +191,26 @@ class FitResult:
             return f"constraint {violated[0].constraint} violated by {-violated[0].margin:.3g}"
         return "converged"
 
+    @property
+    def rmse(self) -> dict[str, float]:
+        """Root mean square error over the fitted rows by channel, over all recordings, in the channel's unit."""
+        sums: dict[str, tuple[int, float]] = {}
+        for c in self.channels:
+            if c.fitted_rows:
+                rows, squares = sums.get(c.channel, (0, 0.0))
+                sums[c.channel] = rows + c.fitted_rows, squares + c.fitted_rows * c.fitted_rmse**2
+        return {channel: float(np.sqrt(squares / rows)) for channel, (rows, squares) in sums.items()}
+
+    def save(self, path: str | Path) -> None:
+        """Write the tire to a .tir file; see `Tire.save`.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file to write.
+        """
+        self.tire.save(path)
+
     def channel(self, recording: str, channel: str) -> ChannelFit:
         """Return the goodness of fit of a channel of a recording."""
         (found,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
@@ -211,8 +235,9 @@ class FitResult:
         Returns
         -------
         pandas.DataFrame
-            ``value``, ``error`` (standard error under time-correlated noise), ``lower`` and ``upper`` by row. The
-            intervals contain neither errors of the formula nor differences between recordings.
+            ``value``, ``error`` (standard error under time-correlated noise and errors of the form of the model, see
+            `tirefmu.fitting.uncertainty.discrepancy`), ``lower`` and ``upper`` by row. The intervals do not contain
+            constant offsets of sensors.
 
         Raises
         ------
@@ -232,7 +257,8 @@ class FitResult:
         content: FitContent = {
             "version": VERSION,
             "ok": self.verdict.usable,
-            "verdict": self.verdict,
+            "verdict": self.verdict.word,
+            "reasons": list(self.verdict.reasons),
             "status": self.status,
             "recipe": self.run.recipe,
             "method": self.run.method,
@@ -246,6 +272,7 @@ class FitResult:
             "stages": self.stages,
             "margins": self.margins,
             "directions": self.directions,
+            "bounds": self.bounds,
             "set_aside": self.excluded_rows,
             "held_out": self.held_out,
             "findings": self.findings,

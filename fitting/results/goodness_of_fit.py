@@ -8,55 +8,63 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.estimation.noise_floor import NoiseFloor, noise_floor
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from ..data.fit_data import FitData
+from ..evidence.error_split import ErrorSplit, error_split
+from ..evidence.residuals import Residuals
 from ..problem.rows import BLOCK, Rows
 from .records import ChannelFit, Moments
 
 FloatArray = npt.NDArray[np.float64]
 
 
-def channel_fits(
-    data: FitData, tire: Tire, sources: Sequence[str], fitted: Sequence[str], effective: FloatArray
-) -> tuple[ChannelFit, ...]:
+def channel_fits(data: FitData, residuals: Residuals, effective: FloatArray) -> tuple[ChannelFit, ...]:
     """Return the goodness of fit of each measured channel of each recording.
 
-    `tire`: in the signs of the data. `sources`: name of each recording. `fitted`: the channels that were fitted.
-    `effective`, shape (n_recordings, n_outputs): effective sample size.
+    `residuals`: of the fitted rows. `effective`, shape (n_recordings, n_outputs): effective sample size.
     """
+    tire, sources = residuals.tire, residuals.sources
     units = {quantity.name: quantity.unit for quantity in tire.symbolic_model.outputs}
     found = []
     for number, name in enumerate(sources):
         table = data.table if len(sources) == 1 else data.table[data.table["recording"] == number]
-        every, included, floors = _compared(table, tire, fitted)
+        every, included = _compared(table, tire, residuals.channels)
+        splits = _splits(residuals, number)
         for index, channel in enumerate(tire.outputs):
             n, rmse, r2, uncentred = every[index].quality
             if n:
-                floor, effective_rows = floors[channel].floor, float(effective[number, index])
+                split = splits.get(channel, ErrorSplit())
                 own = included[index].quality[:3]
                 found.append(
-                    ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, effective_rows, *own)
-                )
+                    ChannelFit(
+                        name, channel, units[channel], n, rmse, r2, uncentred, split.noise,
+                        float(effective[number, index]), *own, split.inputs, split.time, split.repeats,
+                    )
+                )  # fmt: skip
     return tuple(found)
 
 
-def _compared(
-    table: pd.DataFrame, tire: Tire, fitted: Sequence[str]
-) -> tuple[list[Moments], list[Moments], dict[str, NoiseFloor]]:
-    """Return the sums of each output over all rows and over the included ones, and noise floors of fitted channels."""
+def _splits(residuals: Residuals, number: int) -> dict[str, ErrorSplit]:
+    """Return the parts of the error of each channel of a recording over the fitted rows."""
+    own = residuals.recording == number
+    measured = {name: values[own] for name, values in residuals.measured_minus_computed.items()}
+    known = {name: values for name, values in measured.items() if np.isfinite(values).any()}
+    if not known:
+        return {}
+    return error_split(residuals.table[own], known, residuals.segment[own], residuals.cell[own])
+
+
+def _compared(table: pd.DataFrame, tire: Tire, fitted: Sequence[str]) -> tuple[list[Moments], list[Moments]]:
+    """Return the sums of each output over all rows and over the included ones."""
     every = [Moments() for _ in tire.outputs]
     included = list(every)
-    residuals = {channel: np.empty(len(table)) for channel in fitted}
     for start in range(0, len(table), BLOCK):
         part = table.iloc[start : start + BLOCK]
         rows, own = Rows.of(part, tire, fitted), part["included"].to_numpy()
         computed = fastest_code(tire.symbolic_model).forces(rows.inputs, tire.parameters())
-        for index, (channel, measured) in enumerate(zip(tire.outputs, rows.measured.T, strict=True)):
+        for index, measured in enumerate(rows.measured.T):
             every[index] += Moments.of(measured, computed[index])
             included[index] += Moments.of(measured[own], computed[index][own])
-            if channel in residuals:
-                residuals[channel][start : start + BLOCK] = measured - computed[index]
-    return every, included, noise_floor(table, residuals, with_history=False)
+    return every, included

@@ -6,22 +6,28 @@ from collections.abc import Iterator
 from typing import Protocol, TypedDict
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 from scipy.special import ndtri
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.measurements import TableLike, recording_from
+from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
-from ..evidence.intervals import standard_errors
+from ..uncertainty.sensitivities import sensitivities
 from .solved_stage import FitSolution
+
+FloatArray = npt.NDArray[np.float64]
 
 #: Roles of the quantities over load, and the forces over their own slip.
 OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
 OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 #: Number of loads and slips of the listed intervals.
 LOADS, SLIPS = 5, 9
+#: Slips among which the peak of a force is found, for the error of the form at the peak.
+PEAK_SLIPS = tuple(np.linspace(0.02, 0.3, 15).tolist())
 
 
 class ListedInterval(TypedDict):
@@ -83,11 +89,40 @@ def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, lev
     declarations = tire.symbolic_model.coefficients
     covariance = result.solution.covariance
     flips = np.array([-1.0 if formula != result.signs and declarations[n].flips else 1.0 for n in covariance.index])
-    value, error = standard_errors(tire, quantity, inputs, covariance * np.outer(flips, flips))
+    value, slopes, names = sensitivities(tire, quantity, inputs)
+    by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=covariance.index, fill_value=0.0)
+    variance = np.einsum("ni,ij,nj->n", by_name, covariance * np.outer(flips, flips), by_name)
+    in_adapted = by_name * [-1.0 if formula == "iso" and declarations[n].flips else 1.0 for n in covariance.index]
+    for each in result.solution.discrepancies:  # the covariance has what they do to the coefficients
+        at = _place(tire, quantity, each.channel, inputs) if each.own else None
+        if at is not None:
+            own = in_adapted[list(each.names)].to_numpy().T
+            variance += each.variance(own, value, at) - each.variance(own, 0.0 * value, at)
+    error = np.sqrt(np.maximum(variance, 0.0))
     written = convert_signs(pd.DataFrame({quantity: value}), formula, signs)[quantity].to_numpy()
     half = float(ndtri(0.5 + 0.5 * level)) * error
     found = {"value": written, "error": error, "lower": written - half, "upper": written + half}
     return pd.DataFrame(found, rows.index)
+
+
+def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> FloatArray | None:
+    """Return the inputs at which a channel determines a quantity that is proportional to it; None for others."""
+    if quantity == channel:
+        return inputs
+    model, slip, axis = tire.symbolic_model, {"Fx": "kappa", "Fy": "alpha"}.get(channel), channel[-1:]
+    roles = {model.quantity(f"{kind}_{axis}"): kind for kind in ("stiffness", "friction") if slip}
+    if slip is None or quantity not in roles:
+        return None
+    at, own = inputs.copy(), tire.inputs.index(slip)
+    at[[tire.inputs.index("kappa"), tire.inputs.index("alpha")]] = 0.0
+    if roles[quantity] == "friction":
+        forces = []
+        for value in PEAK_SLIPS:
+            at[own] = value
+            computed = fastest_code(model).forces(tire.effective_inputs(at), tire.parameters())
+            forces.append(np.abs(computed[tire.outputs.index(channel)]))
+        at[own] = np.array(PEAK_SLIPS)[np.argmax(forces, axis=0)]
+    return at
 
 
 def listed_intervals(result: Predicting) -> Iterator[ListedInterval]:

@@ -10,6 +10,10 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Change of a channel without a bound, as a share of its standard deviation, and reduction of its error, from which a
+#: bound has a consequence. Judgement.
+VISIBLE_CHANGE, VISIBLE_GAIN = 0.02, 0.01
+
 
 @dataclass(frozen=True)
 class FittedCoefficient:
@@ -51,8 +55,9 @@ class ChannelFit:
     - `rmse`: over all rows, in the channel's unit.
     - `r2`: coefficient of determination over all rows: 1 - residual variance over variance about the mean.
     - `r2_uncentred`: 1 - sum of squared residuals over sum of squares, as in the Trento report.
-    - `noise_floor`: error that a smooth function of the inputs, added to the model, would leave
-      (`tirefmu.estimation.noise_floor`); NaN with few rows.
+    - `noise_floor`, `explained_by_inputs`, `explained_by_time`, `between_repeats`: the parts of `fitted_rmse`, whose
+      squares add up to its square (`evidence.error_split`): what no model of inputs and time could remove,
+      what a function of the inputs explains, what depends on time or the past, what differs between repeats.
     - `effective_rows`: effective sample size: the residuals of the last stage are correlated in time.
     - `fitted_rmse`, `fitted_r2`: the same over the fitted rows, without excluded ones.
     """
@@ -69,6 +74,60 @@ class ChannelFit:
     fitted_rows: int = 0
     fitted_rmse: float = nan
     fitted_r2: float = nan
+    explained_by_inputs: float = nan
+    explained_by_time: float = nan
+    between_repeats: float = nan
+
+    @property
+    def above_floor(self) -> float:
+        """RMSE over the fitted rows divided by the noise floor; NaN if one of them is not known."""
+        return self.fitted_rmse / max(self.noise_floor, 1e-300) if self.noise_floor >= 0.0 else nan
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the measured values of the fitted rows, in the channel's unit."""
+        return float(self.fitted_rmse / np.sqrt(max(1.0 - self.fitted_r2, 1e-300)))
+
+    @property
+    def model_error(self) -> float:
+        """Error beyond the noise floor, as a share of `spread`."""
+        beyond = float(np.sqrt(max(self.fitted_rmse**2 - self.noise_floor**2, 0.0)))
+        return beyond / self.spread if self.spread > 0.0 else nan
+
+
+@dataclass(frozen=True)
+class BoundConsequence:
+    """What changes if the bound of a coefficient is moved and the stage is solved again, in adapted SAE.
+
+    - `value`: of the coefficient then; NaN if no solution was found.
+    - `channel`: the channel that changes most.
+    - `rmse_at_bound`, `rmse_beyond`: root mean square error of this channel, in its unit.
+    - `change`: largest change of the channel at a measured row, as a share of its standard deviation.
+    """
+
+    name: str
+    value: float = nan
+    channel: str = ""
+    rmse_at_bound: float = nan
+    rmse_beyond: float = nan
+    change: float = nan
+
+    @property
+    def matters(self) -> bool | None:
+        """Whether the bound changes the tire visibly; None if no solution was found."""
+        if not np.isfinite(self.change):
+            return None
+        gain = 1.0 - self.rmse_beyond / self.rmse_at_bound if self.rmse_at_bound > 0.0 else 0.0
+        return bool(self.change > VISIBLE_CHANGE or gain > VISIBLE_GAIN)
+
+    def text(self) -> str:
+        """Return the consequence in a few words."""
+        if self.matters is None:
+            return "no solution beyond the bound"
+        if not self.matters:
+            return "no consequence"
+        rmse = f"RMSE of {self.channel} {self.rmse_at_bound:.3g} -> {self.rmse_beyond:.3g}"
+        return f"beyond the bound, at {self.value:.4g}: {rmse}, {self.channel} changes by up to {self.change:.1%}"
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import pandas as pd
 from ..constraints.verification import ConstraintPoints
 from ..evidence.residuals import Residuals
 from ..problem.weighted_residuals import Problem
+from ..uncertainty.discrepancy import Discrepancy
 from .checkpoint import Ended
 
 FloatArray = npt.NDArray[np.float64]
@@ -59,11 +60,13 @@ class FitSolution:
     - `covariance`: of the coefficients by name, without NaN: coefficients that are not identifiable have the plausible
       deviation of one size, and those at a bound 0.
     - `stages`: the solutions of the stages with all their rows, always in adapted SAE.
+    - `discrepancies`: errors of the form of the model, which are part of the covariance; always in adapted SAE.
     """
 
     residuals: Residuals | None = None
     covariance: pd.DataFrame = field(default_factory=pd.DataFrame)
     stages: tuple[SolvedStage, ...] = ()
+    discrepancies: tuple[Discrepancy, ...] = ()
 
     def in_signs(self, signs: str, flips: FloatArray) -> FitSolution:
         """Return the same in another sign convention, with the changes of sign of the covariance, shape (n, n)."""

@@ -1,4 +1,7 @@
-"""Verdict on a fit: usable, usable with limits, or not usable, with the reasons in order of weight."""
+"""Verdict on a fit: good, usable with limits, or not usable, with the reasons in order of weight.
+
+The numbers are in docs/is_my_fit_good.md.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +17,16 @@ from tirefmu.tires.tire import Tire
 from ..constraints.physical import chosen_constraints
 from ..constraints.verification import Margin
 from ..data.fit_data import EXCITED_BY, ExcludedRows
+from ..evidence.characteristics import Characteristic
+from ..evidence.clipping import Clipped
+from ..evidence.continuity import Discontinuity
 from ..evidence.diagnostics import Findings
-from ..evidence.residuals import Residuals
+from ..evidence.residuals import Residuals, condition_text
 from ..evidence.slip_stiffness import SlipStiffness
-from .records import ChannelFit, FittedCoefficient
+from .records import BoundConsequence, ChannelFit, FittedCoefficient
 from .solved_stage import FitSolution
 
-USABLE, LIMITED, UNUSABLE = "usable", "usable with limits", "not usable"
+GOOD, LIMITED, UNUSABLE = "good", "usable with limits", "not usable"
 #: The forces, without which a tire is not usable.
 FORCES = ("Fx", "Fy")
 #: R2 below which a channel is described poorly; below 0 its mean is a better description.
@@ -28,6 +34,17 @@ POOR_R2 = 0.5
 #: Relative errors of the slip stiffness: above the first, at one load and beyond two standard errors of the data, the
 #: handling of a vehicle changes noticeably; above the second, over all loads, it is that of another tire. Judgement.
 STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
+#: RMSE over noise floor above which a channel lacks something, if the error beyond the floor is not negligible: above
+#: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
+#: repeats is too large for any tire. Judgement.
+ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
+#: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
+#: share of the channel.
+CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
+#: Relative errors beyond two standard errors of the data that are reported, by quantity. Judgement.
+CHARACTERISTIC_LIMITS = {"peak friction": 0.05, "peak slip": 0.25, "trail": 0.2}
+#: Fitted rows for each coefficient below which a fit is limited; below one it is not usable.
+ROWS_PER_COEFFICIENT = 3
 #: Share of the rows of a recording whose exclusion is reported. Judgement.
 MANY_EXCLUDED = 0.1
 #: Share of the largest kappa from which a row has combined slip, and share of the largest slip angle that combined slip
@@ -41,8 +58,8 @@ MAX_NAMES = 8
 class Verdict:
     """Whether a fitted tire can be used, and why not or with which limits.
 
-    - `word`: "usable", "usable with limits" or "not usable".
-    - `reasons`: in order of weight; empty if the tire is usable without limits.
+    - `word`: "good", "usable with limits" or "not usable".
+    - `reasons`: in order of weight; empty if the tire is good.
     """
 
     word: str
@@ -82,6 +99,10 @@ class Judged(Protocol):
         """Margins of the constraints."""
 
     @property
+    def bounds(self) -> Sequence[BoundConsequence]:
+        """What changes without the bounds of coefficients."""
+
+    @property
     def excluded_rows(self) -> Sequence[ExcludedRows]:
         """Rows that were not fitted."""
 
@@ -98,18 +119,104 @@ def verdict_of(result: Judged) -> Verdict:
     """Return the verdict on a fit."""
     wrong = [] if result.ok else [result.status]
     wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
+    wrong += [_clipped_reason(c) for c in result.findings.clipped if c.channel in FORCES]
+    wrong += _wrong_data(result.channels)
     wrong += _wrong_stiffness(result.findings)
+    wrong += _few_rows(result, 1)
     limits = [
         *_missing_forces(result),
         *(_quality_reason(c) for c in result.channels if c.channel in FORCES and 0.0 <= c.fitted_r2 < POOR_R2),
+        *(floor_reason(c) for c in result.channels if lacks_something(c)),
         *_stiffness_reasons(result.findings),
+        *_characteristic_reasons(result.findings),
+        *(_discontinuity_reason(d) for d in result.findings.discontinuities),
+        *(_clipped_reason(c) for c in result.findings.clipped if c.channel not in FORCES),
         *(_quality_reason(c) for c in result.channels if c.channel not in FORCES and c.fitted_r2 < 0.0),
+        *_structure(result),
+        *_few_rows(result, ROWS_PER_COEFFICIENT),
         *_not_imposed(result),
         *_at_bounds(result),
         *_excluded(result),
         *([] if result.solution.residuals is None else _extrapolated(result.solution.residuals)),
     ]
-    return Verdict(UNUSABLE if wrong else LIMITED if limits else USABLE, (*wrong, *limits))
+    reasons = tuple(dict.fromkeys((*wrong, *limits)))
+    return Verdict(UNUSABLE if wrong else LIMITED if limits else GOOD, reasons)
+
+
+def lacks_something(c: ChannelFit) -> bool:
+    """Return whether the error of a channel is far above its noise floor and not negligible: a diagnosis finds why."""
+    return c.above_floor > ABOVE_FLOOR and c.model_error > NEGLIGIBLE
+
+
+def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
+    """Yield the forces of which a large share depends on time or differs between repeats, in any recording."""
+    for c in channels:
+        largest = max(other.spread for other in channels if other.channel == c.channel)
+        unsteady = float(np.hypot(c.explained_by_time, c.between_repeats))
+        if c.channel in FORCES and lacks_something(c) and unsteady > WRONG_DATA * largest:
+            yield floor_reason(c)
+
+
+def floor_reason(c: ChannelFit) -> str:
+    """Return how far the error of a channel is above its noise floor, and what it depends on."""
+    parts = (
+        (c.explained_by_inputs, "depends on the inputs"),
+        (c.explained_by_time, "depends on time or the past"),
+        (c.between_repeats, "differs between repeats"),
+    )
+    texts = [f"{size:.3g} {c.unit} {text}" for size, text in sorted(parts, reverse=True) if size > c.noise_floor]
+    because = f" ({', '.join(texts)})" if texts else ""
+    return (
+        f"{c.recording}: {c.channel}: RMSE {c.fitted_rmse:.3g} {c.unit} is {c.above_floor:.1f} times the noise floor"
+        f"{because}: diagnose"
+    )
+
+
+def _structure(result: Judged) -> Iterator[str]:
+    """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
+    found = result.solution.discrepancies
+    limit = CHANCE / max(2 * len(found), 1)
+    far = {c.channel for c in result.channels if lacks_something(c)}
+    texts = [
+        f"{each.channel} {size:.1%} over {cause}"
+        for each in found
+        if each.channel not in far and each.own
+        for size, chance, cause in (
+            (each.form, each.form_chance, "the inputs"), (each.state, each.state_chance, "time")
+        )
+        if chance < limit and size > NEGLIGIBLE_FORM
+    ]  # fmt: skip
+    if texts:
+        yield f"small errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
+
+
+def _clipped_reason(c: Clipped) -> str:
+    ends = [f"{value:.4g}" for value in (c.lower, c.upper) if np.isfinite(value)]
+    return f"{c.recording}: {c.channel} is cut off at {' and '.join(ends)} {c.unit} in {c.share:.0%} of the rows"
+
+
+def _characteristic_reasons(findings: Findings) -> Iterator[str]:
+    """Yield the largest error of each quantity of a recording and channel beyond its limit."""
+    found = [c for c in findings.characteristics if abs(c.reliable_error) > CHARACTERISTIC_LIMITS[c.quantity]]
+    worst: dict[tuple[str, str, str], Characteristic] = {}
+    for c in sorted(found, key=lambda c: -abs(c.reliable_error)):
+        worst.setdefault((c.recording, c.channel, c.quantity), c)
+    for (recording, channel, quantity), c in worst.items():
+        at = condition_text(c.at) if c.at else f"{c.load:.0f} N"
+        yield f"{recording}: the {quantity} of {channel} differs by {c.off:+.0%} at {at}"
+
+
+def _discontinuity_reason(d: Discontinuity) -> str:
+    where = condition_text({d.slip: d.position, **d.at})
+    size = f"jumps by {abs(d.size):.3g} {d.unit}" if d.kind == "jump" else "has a kink"
+    return f"{d.channel} of the tire {size} at {where}"
+
+
+def _few_rows(result: Judged, each: int) -> Iterator[str]:
+    """Yield that there are fewer rows than a multiple of the coefficients."""
+    evidence, count = result.solution.residuals, sum(c.determined for c in result.coefficients)
+    if evidence is not None and len(evidence.table) < each * count:
+        yield f"{len(evidence.table)} rows for {count} coefficients: the tire follows the noise of the rows"
 
 
 def _quality_reason(c: ChannelFit) -> str:
@@ -159,8 +266,13 @@ def _not_imposed(result: Judged) -> Iterator[str]:
 
 def _at_bounds(result: Judged) -> Iterator[str]:
     names = [c.name for c in result.coefficients if c.at_bound]
-    if names:
-        yield f"{len(names)} of {len(result.coefficients)} coefficients at bounds: {_listed(names)}"
+    harmless = {each.name for each in result.bounds if each.matters is False}
+    known = {each.name: each for each in result.bounds}
+    for name in (name for name in names if name in known and name not in harmless):
+        yield f"{name} at a bound: {known[name].text()}"
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        yield f"{len(unknown)} of {len(result.coefficients)} coefficients at bounds: {_listed(unknown)}"
 
 
 def _excluded(result: Judged) -> Iterator[str]:

@@ -19,9 +19,8 @@ def read_verdict(path: Path) -> tuple[str, ...]:
     `path`: JSON of `tirefmu fit`. Raises `FmuError` if it is not that.
     """
     try:
-        verdict = json.loads(read_bounded(path, LARGEST))["verdict"]
-        word, reasons = (verdict["word"], verdict["reasons"])
-        return (excerpt(str(word)), *(excerpt(str(reason)) for reason in reasons))
+        fit = json.loads(read_bounded(path, LARGEST))
+        return (excerpt(str(fit["verdict"])), *(excerpt(str(reason)) for reason in fit["reasons"]))
     except OSError as error:
         raise FmuError(f"{path}: cannot be read ({error.strerror or error})") from error
     except (ValueError, KeyError, TypeError, RecursionError) as error:

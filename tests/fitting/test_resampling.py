@@ -10,7 +10,6 @@ import pytest
 
 from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.fitting import fit
-from tirefmu.fitting.evidence.uncertainty import QUANTILE, sandwich
 from tirefmu.fitting.resampling.bootstrap import (
     MIN_SWEEPS,
     bootstrap_of,
@@ -22,6 +21,7 @@ from tirefmu.fitting.resampling.bootstrap import (
 from tirefmu.fitting.resampling.leverage import corrections, corrections_of
 from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
 from tirefmu.fitting.results.solved_stage import FitSolution
+from tirefmu.fitting.uncertainty.sandwich import QUANTILE, sandwich
 from tirefmu.measurements import Noise
 
 
@@ -151,10 +151,14 @@ def test_a_profile_of_a_nearly_linear_coefficient_is_its_standard_error(noisy):
     (found,) = profiled(result, "PDY1").profiles
     (linear,) = (one for one in result.coefficients if one.name == "PDY1")
     assert (found.lower_end, found.upper_end) == ("likelihood", "likelihood")
-    assert found.upper - found.lower == pytest.approx(2.0 * linear.interval, rel=0.05)
+    # A profile does not contain errors of the form of the model.
+    errors = [(each, each.names.index("PDY1")) for each in result.solution.discrepancies if "PDY1" in each.names]
+    form = sum(each.covariance[place, place] for each, place in errors)
+    half = np.sqrt(linear.interval**2 - QUANTILE**2 * form)
+    assert found.upper - found.lower == pytest.approx(2.0 * half, rel=0.05)
     assert found.lower < linear.value < found.upper
     roots = np.sqrt(found.deviances)
-    distance = np.abs(np.array(found.values) - found.value) * QUANTILE / linear.interval
+    distance = np.abs(np.array(found.values) - found.value) * QUANTILE / half
     np.testing.assert_allclose(roots, distance, rtol=0.1, atol=0.05)
 
 

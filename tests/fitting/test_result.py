@@ -14,8 +14,9 @@ from hypothesis.extra.numpy import arrays
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.evidence.uncertainty import QUANTILE
 from tirefmu.fitting.results.records import StageFit, quality
+from tirefmu.fitting.uncertainty.sandwich import QUANTILE
+from tirefmu.tires import read_tir
 
 NUMBERS = arrays(np.float64, st.integers(2, 30), elements=st.floats(-1e4, 1e4))
 
@@ -184,3 +185,12 @@ def test_the_stages_report_rows_and_coefficients(side_fit):
     assert all(stage.iterations > 0 for stage in result.stages[:-1])
     assert last.converged  # it continues the stage before it, here with the same rows, and may start at the optimum
     assert last.r2_uncentred == pytest.approx(result.channels[0].r2_uncentred, abs=1e-9)
+
+
+def test_a_result_is_saved_and_has_its_errors_and_coefficients(side_fit, tmp_path):
+    result, _ = side_fit
+    result.save(tmp_path / "side.tir")
+    assert read_tir(tmp_path / "side.tir")["PDY1"] == result.tire["PDY1"] == result.tire.values["PDY1"]
+    assert result.rmse == {"Fy": pytest.approx(result.channels[0].fitted_rmse)}
+    with pytest.raises(UnknownName, match="PDY1"):
+        result.tire["PDYI"]

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.fitting.evidence.uncertainty import uncertainty
 from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.uncertainty.sandwich import uncertainty
 from tirefmu.tires import Tire
 
 N, SEGMENTS = 12_000, 6

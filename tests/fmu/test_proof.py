@@ -239,7 +239,7 @@ def test_invalid_segments_and_tables_are_refused(proved, segments, stimuli, tmp_
 def test_the_command_writes_and_repeats_a_proof(tmp_path, table, capsys):
     run, fmu, fit = tmp_path / "run.csv", tmp_path / "my.fmu", tmp_path / "fit.json"
     table.to_csv(run, index=False)
-    fit.write_text('{"verdict": {"word": "usable with limits", "reasons": ["few loads"]}}')
+    fit.write_text('{"verdict": "usable with limits", "reasons": ["few loads"]}')
     assert main(["export", "trento_hoosier", "-o", str(fmu), "--proof", str(run), "--fit", str(fit)]) == 0
     assert json.loads(contents(fmu)[PROOF])["verdict"] == ["usable with limits", "few loads"]
     assert main(["check", str(fmu)]) == 0

@@ -25,7 +25,7 @@ from .conftest import EFFECTS
 #: A JSON result of each command with what a summary reads.
 RESULTS = {
     "inspect": {"findings": [{"serious": True, "text": "too few loads"}]},
-    "fit": {"model": "mf96", "verdict": {"word": "usable", "reasons": ["one"]},
+    "fit": {"model": "mf96", "verdict": "good", "reasons": ["one"],
             "channels": [{"recording": "a", "channel": "Fy", "rmse": 1.0, "unit": "N", "r2": None}]},
     "explore": {"bytes": 10},
     "export": {"fmi": 3, "inputs": "slip", "bytes": 2048},
@@ -180,7 +180,7 @@ def test_a_command_is_ended_at_its_time_limit(project, tmp_path):
 def test_the_page_links_to_every_result(project):
     run_project(project, Commands(project, {"fit": 1}), Terminal(quiet=True))
     page = (project.folder / "index.html").read_text(encoding="utf-8")
-    assert re.search(r'<p class="verdict bad">Tire usable; FMU check passed; no missing effect', page)
+    assert re.search(r'<p class="verdict bad">Tire good; FMU check passed; no missing effect', page)
     for step in steps_of(project):
         for output in step.outputs:
             file = output if output.suffix else output / "report.html"

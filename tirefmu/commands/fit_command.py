@@ -33,6 +33,7 @@ from ..arguments import (
 )
 
 if TYPE_CHECKING:
+    from tirefmu.fitting import FitResult
     from tirefmu.measurements import Finding, Recording
     from tirefmu.tires import Tire
 
@@ -123,7 +124,7 @@ def fit(
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES under physical constraints.
 
-    TABLES are bench files, CSV or Parquet. The output starts with a verdict: usable, usable with limits, or not usable
+    TABLES are bench files, CSV or Parquet. The output starts with a verdict: good, usable with limits, or not usable
     (exit code 1), with the reasons.
 
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
@@ -202,7 +203,25 @@ def fit(
         terminal.print(f"report: {report}")
     if not result.run.interrupted:
         finished_stages.unlink(missing_ok=True)  # last: until then --resume has every result without the fit
+        terminal.print(f"next: {_next_command(result, output, tables, chosen)}")
     return 0 if result.verdict.usable else 1
+
+
+def _next_command(result: FitResult, tire: Path, tables: Sequence[Path], chosen: Sequence[str]) -> str:
+    """Return the diagnosis of the recording whose error is farthest above its noise floor, or the export.
+
+    The options `chosen` select and interpret the rows.
+    """
+    from tirefmu.fitting.results.verdict import lacks_something
+
+    sources = list(dict.fromkeys(c.recording for c in result.channels))
+    lacking = [c for c in result.channels if lacks_something(c)]
+    if not lacking or len(sources) != len(tables):
+        return command_text("export", tire, "-o", tire.with_suffix(".fmu"))
+    worst = max(lacking, key=lambda c: c.above_floor)
+    table = tables[sources.index(worst.recording)]
+    folder = tire.with_name(f"{file_name(table.stem)}_diagnosis")
+    return command_text("diagnose", table, "--tire", tire, *chosen, "-o", folder)
 
 
 def _one_by_one(

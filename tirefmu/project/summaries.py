@@ -25,7 +25,7 @@ def headline_of(command: str, result: Mapping[str, Any], status: int) -> Headlin
 
     `status`: the command's exit code.
 
-    >>> headline_of("fit", {"verdict": {"word": "usable with limits", "reasons": ["combined slip"]}}, 0)
+    >>> headline_of("fit", {"verdict": "usable with limits", "reasons": ["combined slip"]}, 0)
     Headline(text='tire usable with limits', rating='limited')
     """
     text, limited = _HEADLINES[command](result)
@@ -38,7 +38,7 @@ def _inspect_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
 
 
 def _fit_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
-    return f"tire {result['verdict']['word']}", bool(result["verdict"]["reasons"])
+    return f"tire {result['verdict']}", bool(result["reasons"])
 
 
 def _check_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
@@ -78,7 +78,7 @@ def _inspect(result: Mapping[str, Any]) -> Iterator[str]:
 
 def _fit(result: Mapping[str, Any]) -> Iterator[str]:
     yield f"model {result['model']}"
-    yield from result["verdict"]["reasons"]
+    yield from result["reasons"]
     for each in result["channels"]:
         quality = f"RMSE {_short(each['rmse'])} {each['unit']}, R2 {_short(each['r2'])}"
         yield f"{each['recording']}, {each['channel']}: {quality}"

@@ -16,7 +16,10 @@ class Overturning(Section, title="OVERTURNING_COEFFICIENTS", channels=("Mx",)):
     QSX6 = Coefficient("the same, stiffness over load", "1", -20.0, 20.0, assumed=10.0)
     QSX7 = Coefficient("the same, change with inclination", "1/rad", -20.0, 20.0)
     QSX8 = Coefficient("the same, shape over Fy", "1", -10.0, 10.0)
-    QSX9 = Coefficient("the same, stiffness over Fy", "1", -10.0, 10.0, flips=True, assumed=0.4)
+    # atan(QSX9 Fy/Fz0) is complete at a side force of a few Fz0/|QSX9|. The contact moves with the carcass, by Fy over
+    # its lateral stiffness, and cannot move by half its width under less than about the nominal load: |QSX9| <= 1.
+    # Larger values make a step of Mx at Fy = 0.
+    QSX9 = Coefficient("the same, stiffness over Fy", "1", -1.0, 1.0, flips=True, assumed=0.4)
     QSX10 = Coefficient("inclination and load, size", "1/rad", -10.0, 10.0)
     QSX11 = Coefficient("inclination and load, stiffness over load", "1", -20.0, 20.0, assumed=5.0)
     QSX12 = Coefficient("inclination squared", "1/rad^2", -20.0, 20.0)

@@ -27,6 +27,7 @@ from tirefmu.estimation.one_thread import one_blas_thread
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
 from .correlated_noise import CorrelatedSums, NoiseCorrelation
+from .discrepancy import Discrepancy, discrepancies
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -66,6 +67,7 @@ class Uncertainty:
       finite interval. Half an interval is `QUANTILE` times the root of the diagonal.
     - `complete`: the same for predictions, without NaN: a direction that is not identifiable has the plausible
       deviation of one size.
+    - `discrepancies`: errors of the form of the model by channel; covariance and intervals contain them.
     """
 
     intervals: dict[str, float]
@@ -73,6 +75,7 @@ class Uncertainty:
     effective_rows: FloatArray
     covariance: pd.DataFrame
     complete: pd.DataFrame
+    discrepancies: tuple[Discrepancy, ...] = ()
 
 
 def across_stages(covariance: pd.DataFrame) -> pd.DataFrame:
@@ -95,14 +98,15 @@ def uncertainty_of_stages(
     last_stage: Mapping[str, str],
     at_bound: Collection[str],
     shape: tuple[int, int],
-) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame]:
+) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame, tuple[Discrepancy, ...]]:
     """Return the uncertainty of a fit in stages: each value is that of the last stage that freed the coefficient.
 
     `ends`: name, problem and solution of each stage, in order. `last_stage`: the last stage that freed each fitted
     coefficient. `shape`: number of recordings and of outputs. Returns `intervals`: half widths of 95 % intervals.
     Returns `directions`: directions that are not identifiable. Returns `effective`, shape (n_recordings, n_outputs):
     effective sample sizes; NaN if not fitted. Returns `covariance`: of the fitted coefficients; see `across_stages`.
-    Returns `complete`: as `covariance`, 0 where it is not known; see `Uncertainty.complete`.
+    Returns `complete`: as `covariance`, 0 where it is not known; see `Uncertainty.complete`. Returns `discrepancies`:
+    of each stage, for the coefficients whose last stage it is.
     """
     names = list(last_stage)
     intervals: dict[str, float] = {}
@@ -110,6 +114,7 @@ def uncertainty_of_stages(
     covariance = pd.DataFrame(np.nan, index=names, columns=names)
     complete = pd.DataFrame(0.0, index=names, columns=names)
     effective = np.full(shape, np.nan)
+    discrepant: list[Discrepancy] = []
     for stage, problem, x in ends:
         last = {name for name in problem.free if last_stage[name] == stage}
         if not last:
@@ -119,10 +124,13 @@ def uncertainty_of_stages(
         block = [name for name in known.covariance.index if name in last]
         covariance.loc[block, block] = known.covariance.loc[block, block]
         complete.loc[block, block] = known.complete.loc[block, block]
+        new = {each.channel for each in known.discrepancies}
+        discrepant = [replace(each, own=each.own and each.channel not in new) for each in discrepant]
+        discrepant += [each.of(last) for each in known.discrepancies]
         directions += tuple(d for d in known.directions if last.intersection(d.coefficients))
         rows = effective[: len(known.effective_rows)]
         rows[known.effective_rows > 0] = known.effective_rows[known.effective_rows > 0]
-    return intervals, directions, effective, across_stages(covariance), complete
+    return intervals, directions, effective, across_stages(covariance), complete, tuple(discrepant)
 
 
 def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> Uncertainty:
@@ -158,13 +166,24 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncer
     variance = np.einsum("ik,kl,il->i", vectors, spread, vectors)
     undetermined = np.sum(vectors[:, unidentified] ** 2, axis=1) > MIN_PART
     scale = problem.scale[unfixed]
-    half = np.where(undetermined, np.inf, QUANTILE * np.sqrt(np.maximum(variance, 0.0)) * scale)
-    covariance = vectors @ spread @ vectors.T * np.outer(scale, scale)
-    np.fill_diagonal(covariance, np.maximum(variance, 0.0) * scale**2)
+    found = _discrepancies(problem, x, unfixed, (vectors * np.where(unidentified, 0.0, inverse)) @ vectors.T)
+    added = sum((each.covariance[np.ix_(unfixed, unfixed)] for each in found), np.zeros((len(names), len(names))))
+    covariance = vectors @ spread @ vectors.T * np.outer(scale, scale) + added
+    np.fill_diagonal(covariance, np.maximum(variance, 0.0) * scale**2 + np.diag(added))
+    half = np.where(undetermined, np.inf, QUANTILE * np.sqrt(np.diag(covariance)))
     complete = pd.DataFrame(covariance, index=names, columns=names)
     masked = pd.DataFrame(covariance.copy(), index=names, columns=names)
     masked.loc[undetermined, :] = masked.loc[:, undetermined] = np.nan
-    return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete)
+    return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete, found)
+
+
+def _discrepancies(
+    problem: Problem, x: FloatArray, unfixed: npt.NDArray[np.int64], inverse: FloatArray
+) -> tuple[Discrepancy, ...]:
+    """Return the errors of the form; `inverse` is of the curvature of the unfixed coefficients."""
+    whole = np.zeros((len(problem.free), len(problem.free)))
+    whole[np.ix_(unfixed, unfixed)] = inverse
+    return discrepancies(problem, x, whole)
 
 
 def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

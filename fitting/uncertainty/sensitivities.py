@@ -1,4 +1,4 @@
-"""Standard errors of forces and named quantities, from the covariance of the coefficients (delta method)."""
+"""Derivatives of forces and named quantities by the coefficients."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.symbolic.model import Model
@@ -19,27 +18,11 @@ from tirefmu.tires.tire import Tire
 FloatArray = npt.NDArray[np.float64]
 
 
-def standard_errors(
-    tire: Tire, name: str, inputs: FloatArray, covariance: pd.DataFrame
-) -> tuple[FloatArray, FloatArray]:
-    """Return the values of a force or named quantity at rows, and their standard errors.
-
-    `name`: "Fy", "K_yalpha", ... `inputs`, shape (n_inputs, n): in the model's order, SI, in the signs of the tire.
-    `covariance`: of coefficients by name, in their units and the signs of the tire. All others are known. Returns shape
-    (n,): in the unit of the quantity. Raises `UnknownName` if the model has no such output or quantity.
-    """
-    values, slopes, names = sensitivities(tire, name, inputs)
-    shared = [i for i, each in enumerate(names) if each in covariance.index]
-    jacobian, determined = slopes[shared], [names[i] for i in shared]
-    own = covariance.loc[determined, determined].to_numpy()
-    variance = np.einsum("in,ij,jn->n", jacobian, own, jacobian)
-    return values, np.sqrt(np.maximum(variance, 0.0))
-
-
 def sensitivities(tire: Tire, name: str, inputs: FloatArray) -> tuple[FloatArray, FloatArray, list[str]]:
     """Return the values of a force or named quantity at rows, and its derivatives by coefficients.
 
-    `name`, `inputs`: as in `standard_errors`. Returns shapes (n,) and (k, n), and the names of the k coefficients on
+    `name`: "Fy", "K_yalpha", ... `inputs`, shape (n_inputs, n): in the model's order, SI, in the signs of the tire.
+    Returns shapes (n,) and (k, n), and the names of the k coefficients on
     which it depends; further parameters, such as options, may be among them. Raises `UnknownName` if the model has no
     such output or quantity.
     """

@@ -1,0 +1,146 @@
+"""How often 95 % intervals contain the truth: noise alone, sensor offsets, a memory, an effect that the model lacks.
+
+    python benchmarks/coverage.py [--recordings N] [--seed SEED]
+
+Each group has N recordings (10) of tires with random coefficients, at five loads and three camber angles. The truth of
+a memory is the tire at its mean state over the recording. It prints for each group the share of intervals that contain
+the truth, and in how many recordings the verdict names a missing part.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from math import radians
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
+from known_tires import LOADS, NOMINAL, SIZES, known_tire, moved
+
+from tirefmu.fitting import FitResult, fit
+from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
+from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
+from tirefmu.tires import Tire
+
+FloatArray = npt.NDArray[np.float64]
+CAMBERS = [radians(angle) for angle in (0, 2, 4)]
+GROUPS = ("noise", "offsets", "memory", "static effect")
+FORCES = ("Fx", "Fy", "Mz")
+
+
+@dataclass(frozen=True)
+class Made:
+    """A recording and its truth.
+
+    - `factor`: of the forces over the load and the own slip, at the mean state of a memory.
+    """
+
+    tire: Tire
+    recording: Recording
+    factor: Callable[[FloatArray, FloatArray], FloatArray]
+
+
+def made(group: str, seed: int) -> Made:
+    """Return a recording of a group."""
+    rng = np.random.default_rng([GROUPS.index(group), seed])
+    tire = moved(known_tire("mf96"), 0.1, seed).in_signs("iso")
+    lateral = alpha_sweeps(LOADS, CAMBERS, sample_rate=20.0)
+    driven = kappa_sweeps(LOADS, [radians(angle) for angle in (0, 3, 6)], CAMBERS[::2], sample_rate=20.0)
+    exact = VirtualBench(tire, Noise.none()).truth(concatenate([lateral, driven], signs="iso"))
+    offsets = {name: part.offset for name, part in Noise().channels.items()} if group == "offsets" else {}
+    noise = Noise({n: ChannelNoise(SIZES.get(n, 0.0), offset=offsets.get(n, 0.0)) for n in {*offsets, *SIZES}})
+    factor = _static(rng) if group == "static effect" else lambda load, slip: np.ones_like(load)
+    load = exact["Fz"].to_numpy()
+    scales = {name: factor(load, exact[slip].to_numpy()) for name, slip in (("Fx", "kappa"), ("Fy", "alpha"))}
+    if group == "memory":
+        state = _heat(exact, float(rng.uniform(20.0, 60.0)))
+        scales = dict.fromkeys(FORCES, 1.0 - 0.04 * (state - state.mean()) / np.ptp(state))
+    for name, scale in scales.items():
+        exact[name] = exact[name] * scale
+    t = exact["t"].to_numpy()
+    recorded = {n: noise.record(n, exact[n].to_numpy(), t, rng) for n in exact.columns.drop("t")}
+    return Made(tire, Recording(exact.assign(**recorded), "iso", f"{group} {seed}"), factor)
+
+
+def _heat(table: pd.DataFrame, time: float) -> FloatArray:
+    """Return a state that follows the power of sliding with a delay."""
+    power = (table["Fy"] * np.tan(table["alpha"])).abs() + (table["Fx"] * table["kappa"]).abs()
+    state, found = 0.0, []
+    for step, drive in zip(np.diff(table["t"], prepend=0.0), power, strict=True):
+        state += (1.0 - np.exp(-step / time)) * (drive - state)
+        found.append(state)
+    return np.array(found)
+
+
+def _static(rng: np.random.Generator) -> Callable[[FloatArray, FloatArray], FloatArray]:
+    """Return an effect that no coefficient describes: of one load, or of the sliding part of a curve."""
+    size = rng.choice([-1.0, 1.0]) * rng.uniform(0.04, 0.1)
+    if rng.uniform() < 0.5:
+        load_at, width = rng.choice(LOADS[1:-1]), rng.uniform(300.0, 600.0)
+        return lambda load, slip: 1.0 + size * np.exp(-(((load - load_at) / width) ** 2))
+    return lambda load, slip: 1.0 + size * np.tanh((np.abs(slip) / 0.12) ** 2)
+
+
+def covered(case: Made, result: FitResult) -> Iterator[tuple[str, float]]:
+    """Yield names and shares of intervals that contain the truth."""
+    rng = np.random.default_rng(0)
+    for force, slip, largest in (("Fx", "kappa", 0.28), ("Fy", "alpha", 0.2), ("Mz", "alpha", 0.2)):
+        columns = {"Fz": rng.uniform(410.0, 2790.0, 200), slip: rng.uniform(-largest, largest, 200)}
+        table = pd.DataFrame({**columns, "gamma": rng.choice(CAMBERS, 200), "p": NOMINAL["p0"], "V": NOMINAL["V0"]})
+        scale = case.factor(columns["Fz"], columns[slip]) if force != "Mz" else 1.0
+        yield force, _inside(result, force, table, case.tire.evaluate(table)[force] * scale)
+    table = pd.DataFrame({"Fz": LOADS, "p": NOMINAL["p0"], "V": NOMINAL["V0"]})
+    for name, slip, largest in (("mu_x", "kappa", 0.28), ("mu_y", "alpha", 0.2)):
+        swept = np.linspace(0.0, largest, 200)
+        scale = [float(_curve(case, load, slip, swept).max()) for load in LOADS]
+        plain = [
+            float((_curve(replace(case, factor=lambda a, b: np.ones_like(a)), load, slip, swept)).max())
+            for load in LOADS
+        ]
+        truth = case.tire.evaluate(table)[name] * np.array(scale) / np.array(plain)
+        yield name, _inside(result, name, table, truth)
+    for name in ("K_xkappa", "K_yalpha"):
+        zero = case.factor(np.array(LOADS), np.zeros(len(LOADS)))
+        yield name, _inside(result, name, table, case.tire.evaluate(table)[name] * zero)
+    held = [c for c in result.coefficients if np.isfinite(c.interval) and not c.at_bound]
+    inside = [abs(c.value - case.tire.values[c.name]) <= c.interval for c in held]
+    yield "coefficients", float(np.mean(inside))
+
+
+def _curve(case: Made, load: float, slip: str, swept: FloatArray) -> FloatArray:
+    force = case.tire.evaluate(pd.DataFrame({slip: swept, "Fz": load}))["Fx" if slip == "kappa" else "Fy"]
+    return np.abs(force.to_numpy()) * case.factor(np.full(len(swept), load), swept)
+
+
+def _inside(result: FitResult, name: str, table: pd.DataFrame, truth: pd.Series) -> float:
+    found = result.interval(name, table)
+    return float(np.mean((found["lower"] <= truth) & (truth <= found["upper"])))
+
+
+def main() -> None:
+    """Print the coverage of each group."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--recordings", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+    for group in GROUPS:
+        shares: dict[str, list[float]] = {}
+        named = 0
+        for seed in range(arguments.seed, arguments.seed + arguments.recordings):
+            case = made(group, seed)
+            result = fit([case.recording], "mf96", nominal=NOMINAL, recipe="joint")
+            named += any("diagnose" in reason for reason in result.verdict.reasons)
+            for name, share in covered(case, result):
+                shares.setdefault(name, []).append(share)
+        texts = [f"{name} {100.0 * np.mean(values):.0f}" for name, values in shares.items()]
+        print(f"{group}: {', '.join(texts)} %; a missing part named in {named}")
+
+
+if __name__ == "__main__":
+    main()

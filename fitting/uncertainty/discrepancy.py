@@ -1,0 +1,242 @@
+"""Errors of the form of a model: how large they are, and what they do to coefficients and predictions.
+
+A Magic Formula describes no tire exactly, and a tire whose state changes with time is not one tire. Such an error is
+described as an unknown relative change of a channel, F (1 + d): a random smooth function of the inputs (form), and of
+time (state). A fit absorbs much of it in its coefficients, so its residual is smaller than the error. What a fit of
+weights W with Jacobian J leaves of a function f is f - J H^-1 J^T W f, with H = J^T W J. The variances of both random
+functions are those for which the sums of squared projections of the residual on what is left of them have their
+expected values (method of moments, as Rao's MINQUE, 1971). The noise in these sums is that of projections on functions
+that change faster than any tire.
+
+Both random functions are sums of random Fourier features (Rahimi and Recht, 2007), d = sum of w_k cos(a_k x + b_k) with
+independent w_k. The error of a coefficient is a linear function of the w_k, and so is that of a prediction: what the
+coefficients change minus the function itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import nnls
+from scipy.stats import gamma, norm, t
+
+from ..problem.rows import Rows
+from ..problem.weighted_residuals import Problem
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Number of features of each random function, and largest number of rows.
+FEATURES, MAX_ROWS = 120, 4000
+#: Length scales of the form, as shares of half the range of an input: of slips; of others, by half of the features.
+SLIP_SCALE, SCALES = 0.4, (1.5, 0.4)
+SLIPS = ("kappa", "alpha")
+#: Shortest and longest length scale of the state, as shares of all rows; rows and share of the noise.
+SLOW, FAST_ROWS, FAST = (0.01, 0.5), 3.0, 0.0015
+#: The forces: what changes the friction of a tire changes both, so that both have the larger error.
+FORCES = ("Fx", "Fy")
+#: Normal quantile of 95 % intervals.
+QUANTILE = float(norm.ppf(0.975))
+#: Least number of rows.
+MIN_ROWS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Features:
+    """Random cosines of scaled inputs.
+
+    - `lower`, `half`, shape (n_inputs,): the middle of each input's range is ``lower + half``.
+    - `waves`, shape (n_inputs, FEATURES); 0 for an input that does not vary. `phases`, shape (FEATURES,).
+    """
+
+    lower: FloatArray
+    half: FloatArray
+    waves: FloatArray
+    phases: FloatArray
+
+    @classmethod
+    def of(cls, inputs: FloatArray, names: Sequence[str]) -> Features:
+        """Return the features of rows with inputs of shape (n_inputs, n)."""
+        rng = np.random.default_rng(0)
+        lower, upper = np.quantile(inputs, (0.005, 0.995), axis=1)
+        half = 0.5 * (upper - lower)
+        varies = half > 0.005 * np.abs(inputs).max(axis=1)
+        scale = np.repeat([[SLIP_SCALE] * 2 if name in SLIPS else SCALES for name in names], FEATURES // 2, axis=1)
+        waves = np.where(varies[:, None], rng.standard_normal((len(names), FEATURES)) / scale, 0.0)
+        return cls(lower, np.where(varies, half, 1.0), waves, rng.uniform(0.0, 2.0 * np.pi, FEATURES))
+
+    def at(self, inputs: FloatArray) -> FloatArray:
+        """Return the features at inputs of shape (n_inputs, n), shape (n, FEATURES); mean square 1."""
+        scaled = (inputs - self.lower[:, None]) / self.half[:, None] - 1.0
+        return np.asarray(np.sqrt(2.0) * np.cos(scaled.T @ self.waves + self.phases))
+
+
+@dataclass(frozen=True, eq=False)
+class Discrepancy:
+    """Error of the form of a model in one channel.
+
+    - `form`, `state`: standard deviations of the relative error over the inputs, and over time.
+    - `form_chance`, `state_chance`: probabilities of such large sums of squares under noise alone.
+    - `features`: of the form.
+    - `names`: the coefficients, of shape (n_coefficients,) in the following.
+    - `form_response`, `state_response`, shape (n_coefficients, FEATURES): derivatives of the coefficients by weights.
+    - `own`: whether the stage is the last one that fits the channel.
+    """
+
+    channel: str
+    form: float
+    state: float
+    form_chance: float
+    state_chance: float
+    features: Features
+    names: tuple[str, ...]
+    form_response: FloatArray
+    state_response: FloatArray
+    own: bool = True
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the coefficients, shape (n_coefficients, n_coefficients)."""
+        form, state = self.form_response, self.state_response
+        return np.asarray(self.form**2 * form @ form.T + self.state**2 * state @ state.T) / FEATURES
+
+    def of(self, names: Collection[str]) -> Discrepancy:
+        """Return the same for some of the coefficients."""
+        rows = [i for i, name in enumerate(self.names) if name in names]
+        kept = tuple(self.names[i] for i in rows)
+        return replace(
+            self, names=kept, form_response=self.form_response[rows], state_response=self.state_response[rows]
+        )
+
+    def variance(self, slopes: FloatArray, values: FloatArray, inputs: FloatArray) -> FloatArray:
+        """Return the variance of the error of predictions, shape (n,).
+
+        `slopes`, shape (n_coefficients, n): derivatives by the coefficients. `values`, shape (n,): of predictions that
+        are proportional to the channel, otherwise 0. `inputs`, shape (n_inputs, n): where the channel determines them.
+        """
+        form = slopes.T @ self.form_response - values[:, None] * self.features.at(inputs)
+        state = slopes.T @ self.state_response
+        time = np.sum(state**2, axis=1) / FEATURES + values**2
+        return np.asarray(self.form**2 * np.sum(form**2, axis=1) / FEATURES + self.state**2 * time)
+
+
+def discrepancies(problem: Problem, x: FloatArray, inverse: FloatArray) -> tuple[Discrepancy, ...]:
+    """Return the error of the form in each channel that a stage fits.
+
+    `x`, shape (n_free,): scaled free values of the solution. `inverse`, shape (n_free, n_free): of J^T W J; 0 for
+    coefficients that are fixed, and along directions that are not identifiable.
+    """
+    found = []
+    for channel in np.flatnonzero((problem.weights > 0).any(axis=0)):
+        present = np.flatnonzero(np.isfinite(problem.rows.measured[:, channel]))
+        if len(present) >= MIN_ROWS:
+            sample = _Sample.of(problem, x, int(channel), present)
+            each = _of_channel(problem, inverse, problem.tire.outputs[channel], sample)
+            if each:
+                found.append(each)
+    both = [each for each in found if each.channel in FORCES]
+    form, state = (max((getattr(each, name) for each in both), default=0.0) for name in ("form", "state"))
+    return tuple(replace(each, form=form, state=state) if each in both else each for each in found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Sample:
+    """Some rows of a channel at the solution of a stage.
+
+    - `inputs`, shape (n_inputs, n). `jacobian`, shape (n_free, n): of the channel by the scaled free values.
+    - `weight`, `residual`, `computed`, shape (n,). `place`, shape (n,): of each row among all rows, from 0 to 1.
+    - `rows`: number of all rows.
+    """
+
+    inputs: FloatArray
+    jacobian: FloatArray
+    weight: FloatArray
+    residual: FloatArray
+    computed: FloatArray
+    place: FloatArray
+    rows: int
+
+    @classmethod
+    def of(cls, problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[np.int64]) -> _Sample:
+        edges = np.linspace(0, len(present), min(len(present), MAX_ROWS) + 1).astype(np.int64)
+        number = edges[:-1] + np.random.default_rng(0).integers(np.diff(edges))
+        part = replace(problem, rows=_rows(problem.rows, present[number]))
+        jacobian, weight = np.zeros((len(problem.free), len(number))), np.zeros(len(number))
+        start = 0
+        for segments, root, outputs in part.jacobian_chunks(x, len(number)):
+            rows = slice(start, start + len(segments))
+            start = rows.stop
+            weight[rows] = root[channel] ** 2
+            if channel in outputs:
+                free, own = outputs[channel]
+                jacobian[free, rows] = own
+        residual = part.residual(x)[channel]
+        computed = part.rows.measured[:, channel] + residual
+        return cls(part.rows.inputs, jacobian, weight, residual, computed, number / len(present), len(present))
+
+
+def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: _Sample) -> Discrepancy | None:
+    """Return the error of the form in a channel; None if the fit leaves nothing of any function of inputs or time."""
+    features = Features.of(sample.inputs, problem.tire.inputs)
+    rng = np.random.default_rng(1)
+
+    def timed(lengths: FloatArray | float) -> FloatArray:
+        waves = rng.standard_normal(FEATURES) / lengths
+        phases = rng.uniform(0.0, 2.0 * np.pi, FEATURES)
+        return np.asarray(np.sqrt(2.0) * np.cos(sample.place[:, None] * waves + phases))
+
+    slow = timed(SLOW[0] * (SLOW[1] / SLOW[0]) ** rng.uniform(size=FEATURES))
+    functions = [sample.computed[:, None] * each for each in (features.at(sample.inputs), slow)]
+    gradient = sample.jacobian * sample.weight * (sample.rows / len(sample.weight))
+    responses = [inverse @ (gradient @ each) for each in functions]
+    left = [each - sample.jacobian.T @ own for each, own in zip(functions, responses, strict=True)]
+    fast = max(FAST_ROWS / sample.rows, FAST)
+    quick = sample.computed[:, None] * np.concatenate([timed(fast), timed(2.0 * fast)], axis=1)
+    estimate = _estimated(sample, left, quick)
+    if estimate is None:
+        return None
+    form, state, form_chance, state_chance = estimate
+    own = [problem.scale[:, None] * each for each in responses]
+    return Discrepancy(channel, form, state, form_chance, state_chance, features, problem.free, own[0], own[1])
+
+
+def _estimated(
+    sample: _Sample, left: Sequence[FloatArray], quick: FloatArray
+) -> tuple[float, float, float, float] | None:
+    """Return the standard deviations of form and state, and the chances of such sums of squares under noise alone.
+
+    `left`: what the fit leaves of the features of both. `quick`: functions that change faster than any tire.
+    """
+    weighted = [sample.weight[:, None] * each for each in left]
+    fast = sample.weight[:, None] * quick
+    noise = float(np.sum((sample.residual @ fast) ** 2) / max(float(np.sum(fast**2)), 1e-300))
+    expected = noise * np.array([float(np.sum(each**2)) for each in weighted])
+    excess = np.array([float(np.sum((sample.residual @ each) ** 2)) for each in weighted]) - expected
+    matrix = np.array([[float(np.sum((a.T @ b) ** 2)) / FEATURES for b in left] for a in weighted])
+    deviation = noise * np.sqrt(2.0) * np.array([float(np.sqrt(np.sum((w.T @ w) ** 2))) for w in weighted])
+    if not (matrix.diagonal() > 0.0).all() or not (deviation > 0.0).all():
+        return None
+    scale = 1.0 / np.sqrt(matrix.diagonal())
+    variances = nnls(matrix * np.outer(scale, scale), excess * scale)[0] * scale
+    variances *= [_for_few(a.T @ b) for a, b in zip(left, weighted, strict=True)]
+    chances = gamma.sf(excess + expected, (expected / deviation) ** 2, scale=deviation**2 / expected)
+    return float(variances[0] ** 0.5), float(variances[1] ** 0.5), float(chances[0]), float(chances[1])
+
+
+def _for_few(left: FloatArray) -> float:
+    """Return the factor of a variance that was estimated from few independent projections, for 95 % intervals.
+
+    `left`, shape (n_features, n_features): L^T W L of what a fit leaves of the features. The estimate is a sum of
+    squares with weights that are the squares of its eigenvalues: about chi-squared (Satterthwaite, 1946).
+    """
+    squares = np.linalg.eigvalsh(left) ** 2
+    freedom = float(np.sum(squares) ** 2 / np.sum(squares**2))
+    return float((t.ppf(0.975, freedom) / QUANTILE) ** 2)
+
+
+def _rows(rows: Rows, chosen: npt.NDArray[np.int64]) -> Rows:
+    return Rows(
+        rows.inputs[:, chosen], rows.measured[chosen], rows.group[chosen], rows.segment[chosen], rows.weight[chosen]
+    )
