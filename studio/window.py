@@ -18,7 +18,7 @@ from tirefmu.explorer.fit_intervals import fit_intervals
 from tirefmu.fitting.problem.recipe import RECIPES
 from tirefmu.measurements.files.reading import READERS
 from tirefmu.project.records import Records
-from tirefmu.project.steps import Step, steps_of
+from tirefmu.project.steps import Step, reads_results, steps_of
 from tirefmu.project.summaries import headline_of, summary_of
 from tirefmu.symbolic.models import MODELS, model_named
 from tirefmu.tires import Tire, tire_from
@@ -266,7 +266,7 @@ class Window:
             "folder": str(self.state.folder.absolute()),
             "sections": project.sections,
             "undoable": self.state.undoable(),
-            "steps": [_step(step, records.status(step), project.folder) for step in steps],
+            "steps": _steps(steps, records, project.folder),
             "fits": self.fits.summaries(),
             "work": {"running": self.work.running, "title": self.work.title, "lines": list(self.work.lines)},
         }
@@ -317,6 +317,16 @@ class Window:
 @lru_cache(maxsize=64)
 def _read_tire(path: Path, changed: int) -> Tire:
     return tire_from(path)
+
+
+def _steps(steps: Sequence[Step], records: Records, folder: Path) -> list[Event]:
+    """Return what is shown of steps; one that reads results of a step that is out of date is out of date."""
+    shown, stale = [], list[Step]()
+    for step in steps:
+        status = None if reads_results(step, stale) else records.status(step)
+        stale += [step] if status is None else []
+        shown.append(_step(step, status, folder))
+    return shown
 
 
 def _step(step: Step, status: int | None, folder: Path) -> Event:

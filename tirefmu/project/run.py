@@ -17,7 +17,7 @@ from ..terminal import Terminal
 from .limited import TimeLimitReached
 from .project_file import Project
 from .records import NAME, Records, files_of
-from .steps import Step, needed, steps_of
+from .steps import Step, needed, reads_results, steps_of
 from .summaries import Headline, headline_of, summary_of
 
 #: Name of the page over all results, in their folder.
@@ -70,10 +70,11 @@ def run_project(
     records = Records.of(project.folder)
     outcomes: list[Outcome] = []
     chosen = needed(steps, only) if only else steps
-    skipped: set[str] = set()
+    skipped: dict[str, Step] = {}
     for number, step in enumerate(steps, 1):
-        if step not in chosen and records.status(step) is None:
-            skipped.add(step.name)
+        stale = reads_results(step, skipped.values()) or records.status(step) is None
+        if step not in chosen and stale:
+            skipped[step.name] = step
             continue
         terminal.begin(f"{number}/{len(steps)} {step.name}")
         outcome = _run(step, records, command, terminal, force and step in chosen)
