@@ -12,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..channels import CHANNELS
+from ..column_meaning.meanings import ColumnMeaning, column_meanings
 from ..findings.data_findings import data_findings
 from ..findings.finding import Finding
 from ..operating_conditions.grouping import group_by_condition
@@ -92,6 +93,7 @@ class Inspection:
     `interval`, `duration`: median step of the clock and recorded time without interruptions, s. `segments`: number of
     stretches without interruption. `longest_gap`: s, the longest interruption; 0 without one. `conditions`: without the
     rows of transitions, sorted by pressure, camber and load. `exclusion`: the rows that ``fit`` would exclude.
+    `meanings`: what each column was taken for.
     """
 
     recording: Recording
@@ -103,6 +105,7 @@ class Inspection:
     sweeps: tuple[SweepSummary, ...]
     conditions: tuple[ConditionSummary, ...]
     exclusion: RowExclusion
+    meanings: tuple[ColumnMeaning, ...]
 
     def to_json(self) -> dict[str, Any]:
         """Return the contents as JSON values; a range or drift without a number is null."""
@@ -119,6 +122,7 @@ class Inspection:
             "segments": self.segments,
             "longest_gap": self.longest_gap,
             "channels": [_without_nan(vars(channel)) for channel in self.channels],
+            "columns": [vars(meaning) for meaning in self.meanings],
             "sweeps": [vars(sweep) for sweep in self.sweeps],
             "conditions": [{**vars(held), "drift": _without_nan(held.drift)} for held in self.conditions],
             "excluded_rows": self.exclusion.counts,
@@ -150,6 +154,7 @@ def _inspected(recording: Recording) -> Inspection:
         tuple(_sweeps(recording, all_phases)),
         tuple(_conditions(recording, all_phases, interval)),
         exclude_rows(recording),
+        tuple(column_meanings(recording)),
     )
 
 

@@ -8,11 +8,15 @@ from itertools import groupby
 from tirefmu.tires.drawing.labels import drawn_unit, per_si
 
 from ..channels import CHANNELS
+from ..column_meaning.meanings import ASSUMPTIONS
 from .inspection import Inspection, SweepSummary
 
 Table = tuple[list[str], list[list[str]]]
 #: Columns of texts; the others contain numbers.
-TEXTS = {"channel", "meaning", "unit", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason"}
+TEXTS = {
+    "channel", "unit", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason", "taken for",
+    "evidence",
+}  # fmt: skip
 #: Ranges of numbers of sweeps in one cell; more are counted.
 MAX_RUNS = 6
 
@@ -36,6 +40,7 @@ def all_tables(inspection: Inspection) -> list[tuple[str, str, Table]]:
     """Return title, explanation and content of each table; empty ones are omitted."""
     tables = [
         ("Channels", "", channel_table(inspection)),
+        ("Columns", f"Assumed, as no table shows it: {'; '.join(ASSUMPTIONS)}.", meaning_table(inspection)),
         ("Sweeps", "", sweep_table(inspection)),
         (
             "Operating conditions",
@@ -48,8 +53,8 @@ def all_tables(inspection: Inspection) -> list[tuple[str, str, Table]]:
 
 
 def channel_table(inspection: Inspection) -> Table:
-    """Return the channels: units, rows, range, levels."""
-    header = ["channel", "meaning", "unit", "unit from", "rows", "missing", "lowest", "median", "highest", "held at"]
+    """Return the channels: units, rows, ranges, levels."""
+    header = ["channel", "unit", "rows", "missing", "lowest", "median", "highest", "held at"]
     rows = []
     for channel in inspection.channels:
         name = channel.name
@@ -57,8 +62,18 @@ def channel_table(inspection: Inspection) -> Table:
         levels = ", ".join(_number(name, level) for level in channel.levels)
         swept = "swept" if CHANNELS[name].role == "input" and name not in ("t", "T") else ""
         counts = [str(channel.rows), str(channel.missing)]
-        rows.append([name, channel.meaning, drawn_unit(name), channel.unit_from, *counts, *values, levels or swept])
+        rows.append([name, drawn_unit(name), *counts, *values, levels or swept])
     return header, rows
+
+
+def meaning_table(inspection: Inspection) -> Table:
+    """Return what each column was taken for, and why."""
+    sources = {channel.name: channel.unit_from for channel in inspection.channels}
+    rows = [
+        [meaning.channel, meaning.taken_for, sources.get(meaning.channel, "-"), meaning.evidence or "-"]
+        for meaning in inspection.meanings
+    ]
+    return ["channel", "taken for", "unit from", "evidence"], rows
 
 
 def sweep_table(inspection: Inspection) -> Table:

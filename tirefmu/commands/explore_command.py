@@ -8,7 +8,17 @@ import click
 
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
-from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
+from ..arguments import (
+    FILE,
+    SIGNS,
+    Selection,
+    check_input_paths,
+    check_output_paths,
+    common,
+    grouped,
+    table_options,
+    write_json,
+)
 
 
 @click.command()
@@ -18,11 +28,12 @@ from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_path
 @click.option("--compare", type=FILE, help="Second tire, of any model.")
 @click.option("--fit", "fit_json", type=FILE, help="Result of 'fit --json': its 95 % intervals are marked.")
 @click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@WHERE
+@table_options
 @common
+@grouped(selection=Selection)
 def explore(
     tire: Path, tables: tuple[Path, ...], output: Path, compare: Path | None, fit_json: Path | None,
-    signs: str | None, where: str | None, quiet: bool, json_file: Path | None,
+    selection: Selection, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Write a page with sliders and curves of TIRE.
 
@@ -39,7 +50,7 @@ def explore(
 
     terminal = Terminal(quiet)
     intervals = fit_intervals(fit_json, tire) if fit_json else {}
-    recordings = recordings_from(tables, signs=signs, where=where) if tables else []
+    recordings = recordings_from(tables, **vars(selection)) if tables else []
     terminal.selection(*recordings)
     with terminal.working("writing the page"):
         run(tire, output, recordings=recordings, compare=compare, intervals=intervals)

@@ -1,4 +1,4 @@
-"""``tirefmu effects``, ``tirefmu models`` and ``tirefmu published``: what there is to choose from."""
+"""``tirefmu effects``, ``models``, ``published`` and ``columns``: what there is to choose from."""
 
 from __future__ import annotations
 
@@ -97,4 +97,29 @@ def published(quiet: bool, json_file: Path | None) -> int:
     terminal = Terminal(quiet)
     terminal.table("", (["tire", "model", "Fz0 (N)", "R0 (m)", "description"], rows))
     terminal.print("tirefmu info NAME shows source, ranges and coefficients")
+    return 0
+
+
+@click.command()
+@common
+def columns(quiet: bool, json_file: Path | None) -> int:
+    """List the columns of tables with their units and names.
+
+    A header may declare a unit: alpha [deg]. --columns and --units of a command replace headers. A table with the
+    columns ET, SA, IA and FZ is read as an FSAE TTC file, by its names, in its units and in SAE signs.
+    """
+    check_output_paths(json_file)
+    from ..catalogue import columns as known_columns
+    from ..terminal import Terminal
+
+    known = known_columns()
+    write_json(json_file, {"ok": True, "columns": known})
+    rows = [
+        [each["name"], each["meaning"], each["unit"], " ".join(each["units"]), " ".join(each["ttc"]),
+         " ".join(each["aliases"])]
+        for each in known
+    ]  # fmt: skip
+    terminal = Terminal(quiet)
+    header = ["channel", "meaning", "SI unit", "units in a header", "FSAE TTC", "a message suggests it for"]
+    terminal.table("", (header, rows), most=len(rows))
     return 0

@@ -24,6 +24,7 @@ KINDS = {
     "names": "a list of names",
     "number": "a number",
     "pairs": "a table of numbers, such as {Fz0 = 1000.0, R0 = 0.25}",
+    "texts": 'a table of texts, such as {Fy = "FYC", alpha = "-SA"}',
     "flag": "true or false",
 }
 
@@ -39,7 +40,13 @@ class Key:
 #: The keys of each section. Options are those of the command with the name of the section; those of [data] are options
 #: of all commands that read tables.
 SECTIONS: dict[str, dict[str, Key]] = {
-    "data": {"tables": Key("files"), "signs": Key("text", "--signs"), "where": Key("name or file", "--where")},
+    "data": {
+        "tables": Key("files"),
+        "signs": Key("text", "--signs"),
+        "where": Key("name or file", "--where"),
+        "columns": Key("texts", "--columns"),
+        "units": Key("texts", "--units"),
+    },
     "fit": {
         "model": Key("text", "--model"),
         "nominal": Key("pairs", "--nominal"),
@@ -135,6 +142,8 @@ class Project:
             return ",".join(value) or "none"
         if kind == "pairs":
             return ",".join(f"{name}={number!r}" for name, number in value.items())
+        if kind == "texts":
+            return ",".join(f"{name}={text}" for name, text in value.items())
         if kind == "name or file" and self._is_file(value):
             return str(self.located(value))
         return str(value)
@@ -176,6 +185,8 @@ def _is(kind: str, value: Any) -> bool:
         return isinstance(value, list) and all(map(_is_text, value))
     if kind == "pairs":
         return isinstance(value, dict) and all(map(_is_number, value.values()))
+    if kind == "texts":
+        return isinstance(value, dict) and all(map(_is_text, value.values()))
     if kind == "number":
         return _is_number(value)
     return isinstance(value, bool) if kind == "flag" else _is_text(value)
@@ -206,6 +217,7 @@ def project_text(
         f"tables = [{listed}]",
         f"signs = {toml_string(signs)}" if signs else f'# signs = "sae"  # default: {DEFAULT_SIGNS}',
         '# where = "t > 120 and p in 70..90 kPa"',
+        '# columns = {Fy = "FYC"}  # and units = {Fz = "lbf"}, where headers differ',
         "",
         "[fit]",
         f"model = {toml_string(model)}",
