@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..recording import Recording, once
 from .hypotheses import CONVENTION_COST, Hypothesis, combined, hypotheses
 from .sampled_rows import SampledRows
-from .traits import VANISHED, WRONG_THRUST, Traits, traits_of
+from .traits import ONE_SIDED, VANISHED, WRONG_THRUST, Traits, traits_of
 
 #: Logarithm of the odds from which another reading of a table is clearly better than the claimed one, its cost
 #: included, and up to which two readings cannot be told apart.
@@ -114,7 +114,7 @@ def _scored(recording: Recording, readings: Sequence[Hypothesis], claimed: Candi
     candidates = []
     for hypothesis in readings:
         traits = _traits(hypothesis.applied(sample))
-        vanished = claimed.traits.sizes.keys() - traits.sizes.keys()
+        vanished = claimed.traits.sizes.keys() - traits.sizes.keys() - ONE_SIDED
         candidates.append(Candidate(hypothesis, traits, traits.penalty + hypothesis.cost + VANISHED * len(vanished)))
     return sorted(candidates, key=_score)
 

@@ -70,8 +70,9 @@ class Hypothesis:
 
 
 def hypotheses(recording: Recording) -> Iterator[Hypothesis]:
-    """Yield what may be wrong with a table, one fault each."""
-    present = [name for name in CHANNELS if name in recording.table]
+    """Yield what may be wrong with a table, one fault each; channels that the user asserts are right."""
+    asserted = recording.about.get("asserted", "").split()
+    present = [name for name in CHANNELS if name in recording.table and name not in asserted]
     for signs in SIGNS:
         if signs != recording.signs:
             yield Hypothesis(signs, cost=CONVENTION_COST)

@@ -23,7 +23,7 @@ _SIZES = {
     "alpha": ("alpha",),
     "gamma": ("gamma", "thrust"),
     "Fz": ("mu_xy", "mu_y", "mu_x"),
-    "p": ("p", "trail/patch"),
+    "p": ("p", "Fz/p", "trail/patch"),
     "Fx": ("C_x", "C_xy", "mu_x/mu_y", "C_x/C_y"),
     "Fy": ("C_y", "C_xy"),
     "Mz": ("trail", "Mz/Fz"),

@@ -26,8 +26,9 @@ from .sampled_rows import SampledRows
 
 #: Penalty of a sign that no tire has, and of a camber thrust away from the lean, which a strange shift may imitate.
 WRONG_SIGN, WRONG_THRUST = 12.0, 8.0
-#: Penalty of a trait that the claimed table has and another reading has not.
-VANISHED = 3.0
+#: Penalty of a trait that the claimed table has and another reading has not, and traits that a table may lack because
+#: they are within the range: a force that does not saturate is no friction.
+VANISHED, ONE_SIDED = 3.0, frozenset(("mu_x", "mu_y", "mu_xy", "mu_x/mu_y", "Mz/Fz", "Mx/Fz"))
 #: Standard deviations from which the penalty of a size is linear, and from which a size is mentioned.
 FAR, NOTABLE = 3.0, 1.5
 
@@ -82,6 +83,8 @@ SIZES: Mapping[str, Size] = {
     "gamma": Size("the largest |gamma|", "rad", 0.06, 0.9, 0.7),
     "thrust": Size("camber stiffness over cornering stiffness", "", 0.08, 1.0, 0.9),
     "p": Size("p", "Pa", 1.5e5, 0.6, 0.9),
+    # A bicycle has 0.0014 m^2, a racing tire 0.01, a truck tire 0.03.
+    "Fz/p": Size("Fz/p, the contact area,", "m^2", 0.01, 1.3, 0.6),
     "trail/patch": Size("the trail over the root of Fz/p", "", 0.2, 0.5, 0.4),
 }
 
@@ -126,9 +129,10 @@ def traits_of(rows: SampledRows) -> Traits:
         sizes |= _camber_sizes(rows, thrust, sizes.get("C_y", sizes.get("C_xy", np.nan)))
         if "p" in rows and np.nanmedian(rows["p"]) > 0.0:
             sizes["p"] = float(np.nanmedian(rows["p"]))
-            if "trail" in sizes and "Fz" in rows:
-                patch = float(np.sqrt(np.median(rows.load) / sizes["p"]))
-                sizes["trail/patch"] = sizes["trail"] / patch
+            if "Fz" in rows:
+                sizes["Fz/p"] = float(np.median(rows.load)) / sizes["p"]
+                if "trail" in sizes:
+                    sizes["trail/patch"] = sizes["trail"] / np.sqrt(sizes["Fz/p"])
         contradictions = dict(_contradictions(rows, side, along, thrust))
     return Traits(sizes, contradictions, thrust, float(np.median(rows.load)) if rows.count else np.nan)
 

@@ -39,7 +39,8 @@ def table_recording(
         converted, about = channels_in_si(table, columns, source, location)
         return Recording(converted, signs, path.name, about)
     named = [name_and_unit(header) for header in headers]
-    used = {name for channel in CHANNELS.values() for name in channel.bench_names} | set(interpretation.renamed)
+    channels = {name for channel in CHANNELS.values() for name in channel.bench_names}
+    used = channels | {"RL", "N", *interpretation.renamed}
     vectors = {
         name: numbers(table.iloc[:, number].rename(name), source, location) if name in used else np.empty(0)
         for number, (name, _) in enumerate(named)

@@ -10,13 +10,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.boundary.errors import DataError, nearest
+from tirefmu.boundary.errors import DataError, TirefmuError, nearest
 
 from ..channels import CHANNELS, OUTPUTS, Channel
+from ..column_meaning.radii import median_radius
 from ..column_names import intended_channel
 from ..interpretation import Interpretation
 from ..recording import Recording
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
+from ..units import POUND, to_si, unit_named
 from .columns import check_finite, in_si
 
 #: kappa is read from SL, the slip that is zero at zero FX, and never from SR. N is unusable in many runs and ignored.
@@ -79,8 +81,27 @@ def bench_recording(
     if "kappa" not in columns:
         columns["kappa"] = _free_rolling(columns, vectors, source)
         metadata["kappa"] = "no channel SL: FX stays near 0, the wheel rolls freely, kappa is 0"
+    metadata |= _radii(folded, by_name, columns.get("V"))
     ordered = {name: columns[name] for name in CHANNELS if name in columns}
     return Recording(pd.DataFrame(ordered), signs, path.name, metadata)
+
+
+def _radii(
+    folded: Mapping[str, NDArray[np.float64]], units: Mapping[str, str], speed: NDArray[np.float64] | None
+) -> dict[str, str]:
+    """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing."""
+    radii: dict[str, NDArray[np.float64]] = {}
+    try:
+        if "rl" in folded:
+            length = "in" if unit_named(units.get("fz", "N")).factor == POUND else "cm"
+            radii["loaded radius"] = to_si(folded["rl"], units.get("rl", length), "length")
+        if speed is not None and len(folded.get("n", ())) == len(speed):
+            rotation = to_si(folded["n"], units.get("n", "rpm"), "rotation")
+            with np.errstate(divide="ignore", invalid="ignore"):
+                radii["wheel speed"] = np.abs(speed / rotation)
+    except TirefmuError:  # in a unit that is not known: no channel of the contract depends on it
+        return {}
+    return {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
 
 
 def assumed_units(path: Path, vectors: Mapping[str, NDArray[np.float64]]) -> tuple[dict[str, str], str]:

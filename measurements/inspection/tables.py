@@ -5,17 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
+import numpy as np
+
 from tirefmu.tires.drawing.labels import drawn_unit, per_si
 
 from ..channels import CHANNELS
 from ..column_meaning.meanings import ASSUMPTIONS
+from ..quality.row_exclusion import EXCLUSION_REASONS
 from .inspection import Inspection, SweepSummary
 
 Table = tuple[list[str], list[list[str]]]
 #: Columns of texts; the others contain numbers.
 TEXTS = {
     "channel", "unit", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason", "taken for",
-    "evidence",
+    "evidence", "why",
 }  # fmt: skip
 #: Ranges of numbers of sweeps in one cell; more are counted.
 MAX_RUNS = 6
@@ -107,8 +110,14 @@ def condition_table(inspection: Inspection) -> Table:
 
 
 def excluded_table(inspection: Inspection) -> Table:
-    """Return the rows that a fit excludes, by reason."""
-    return ["reason", "rows"], [[reason, str(rows)] for reason, rows in inspection.exclusion.counts.items()]
+    """Return the rows that a fit excludes, by reason, and how many of them are at held conditions."""
+    reasons, held = inspection.exclusion.reasons, inspection.held
+    rows = []
+    for reason, count in inspection.exclusion.counts.items():
+        lost = int(np.count_nonzero((reasons == reason) & held))
+        share = f"{100.0 * lost / max(1, int(np.count_nonzero(held))):.2g}"
+        rows.append([reason, EXCLUSION_REASONS[reason], str(count), str(lost), share])
+    return ["reason", "why", "rows", "at held conditions", "% of these"], rows
 
 
 def _number(name: str, value: float, *, sign: bool = False) -> str:
