@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages docs release fuzz mutants discovery drives compare-methods awkward recovery planning family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages docs release fuzz mutants discovery drives compare-methods awkward wrong-tables recovery planning family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -62,6 +62,9 @@ drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: e
 compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process reach on the memory suite: a table of docs/discovery.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[comparison-methods]"
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/comparison_methods.py $(METHODS_ARGS)
+
+wrong-tables: $(VENV)/installed-dev  ## 60 wrong tables and 40 right ones: how many are refused, with the right option
+	$(BIN)/python benchmarks/wrong_tables.py $(TABLES_ARGS)
 
 awkward: $(VENV)/installed-dev  ## docs/awkward_inputs.md: message and exit code of 46 awkward inputs
 	$(BIN)/python benchmarks/awkward_inputs.py --write

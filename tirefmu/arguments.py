@@ -91,8 +91,8 @@ class Named(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as abov
 
 #: Options of the commands that read tables, apart from --where.
 _COLUMNS = click.option("--columns", type=Named(),
-                        help="Columns by channel, such as Fy=FYC,alpha=-SA (minus: other sign; none: not read); "
-                             "tirefmu columns lists the channels.")  # fmt: skip
+                        help="Columns by channel, such as Fy=FYC,alpha=-SA (minus: other sign; none: not read). "
+                             "Channels: tirefmu columns")  # fmt: skip
 _UNITS = click.option("--units", type=Named(), help="Units of columns, such as Fz=lbf,alpha=deg.")
 
 

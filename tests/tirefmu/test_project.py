@@ -296,3 +296,16 @@ def test_init_refuses_in_one_line(command, tmp_path, arguments, message):
     assert (outcome.status, outcome.err.count("\n")) == (2, 1)
     assert message in outcome.err
     assert not list(tmp_path.iterdir())
+
+
+def test_columns_and_units_are_options_of_every_step_that_reads_tables(tmp_path):
+    path = tmp_path / "p.toml"
+    path.write_text('[data]\ntables = ["a.csv"]\ncolumns = {Fy = "FYC", alpha = "-SA"}\nunits = {Fz = "lbf"}\n')
+    project = read_project(path)
+    assert project.options("data") == ["--columns", "Fy=FYC,alpha=-SA", "--units", "Fz=lbf"]
+    for step in steps_of(project):
+        assert ("--columns" in step.arguments) == (step.command in ("inspect", "fit", "explore", "check", "diagnose") or
+                                                   "--proof" in step.arguments)  # fmt: skip
+    path.write_text('[data]\ntables = ["a.csv"]\ncolumns = ["Fy"]\n')
+    with pytest.raises(TirefmuError, match=r"columns is \['Fy'\]: expected a table of texts"):
+        read_project(path)

@@ -151,3 +151,11 @@ def test_columns_and_units_of_a_dataframe():
         with pytest.raises(TirefmuError) as caught:
             recording_from(rows, **options)
         assert expected in str(caught.value)
+
+
+def test_what_the_user_asserts_is_not_doubted():
+    """An option states a unit: a strange tire can be read as it is."""
+    strange = table().assign(Fz=table()["Fz"] / POUND)
+    with pytest.raises(DataError, match="Fz is in lbf"):
+        check_columns(recording_from(strange))
+    check_columns(recording_from(strange, units={"Fz": "N"}))
