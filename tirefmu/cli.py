@@ -129,7 +129,7 @@ def evaluate(
             write_table(result, output)
         rows, columns = len(result), list(result.columns)
     absent = [name for name in loaded.inputs if name not in recording.table]
-    warnings = column_notes(recording)
+    warnings = column_notes(recording, fitted=False)
     summary = {
         "ok": True, "rows": rows, "signs": recording.signs, **conventions, "nominal": absent,
         "warnings": warnings,
@@ -288,7 +288,7 @@ def draw(
         recordings = recordings_from(tables, **vars(selection))
         terminal.selection(*recordings)
         for recording in recordings:
-            check_columns(recording)
+            check_columns(recording, fitted=False)
         parts = [each.with_signs("iso").table for each in recordings]
         nominal = loaded.in_signs("iso").nominal("Fz")
         points = pd.concat([part.assign(Fz=part.get("Fz", nominal)) for part in parts], ignore_index=True)

@@ -91,7 +91,7 @@ def check(
     """
     fmu_path = path_from(fmu_path, "fmu_path")
     given = recording_from(recording, signs=signs, parameter="recording")
-    check_columns(given)
+    check_columns(given, fitted=False)
     given = given.with_signs("iso")
     table, segments = given.table, given.segments()
     with unpacked(fmu_path) as folder:

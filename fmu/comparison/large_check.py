@@ -45,7 +45,7 @@ def check_large(
     None if the FMU has no embedded tire, or if its results depend on earlier rows: then the table cannot be divided.
     Raises `FmuError`, `DataError`: as `check`.
     """
-    check_columns(table.survey)
+    check_columns(table.survey, fitted=False)
     with unpacked(fmu_path) as folder:
         description = read_description(fmu_path, folder)
         variables = {variable.name: variable for variable in description.modelVariables}

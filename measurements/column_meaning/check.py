@@ -23,13 +23,15 @@ _SIGN_IN_ISO = {"Fy": ("alpha", -1), "Mz": ("alpha", 1), "Fx": ("kappa", 1)}
 
 
 @once
-def column_notes(recording: Recording) -> list[str]:
+def column_notes(recording: Recording, *, fitted: bool = True) -> list[str]:
     """Return a sentence for each way in which the columns of a recording are not what they claim to be.
 
     Parameters
     ----------
     recording : Recording
         With the signs and units that its file or caller states.
+    fitted : bool
+        Whether a tire is fitted to it: absent, constant and copied columns are then wrong as well.
 
     Returns
     -------
@@ -41,16 +43,16 @@ def column_notes(recording: Recording) -> list[str]:
     >>> import numpy as np, pandas as pd
     >>> alpha = np.linspace(-0.2, 0.2, 99)
     >>> sweep = pd.DataFrame({"alpha": alpha, "Fz": 900.0, "Fy": 900.0 * np.tanh(15.0 * alpha)})
-    >>> print(*column_notes(Recording(sweep, "iso", "a.csv")))  # doctest: +NORMALIZE_WHITESPACE
-    a.csv: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae); ...
+    >>> print(*column_notes(Recording(sweep, "iso", "a.csv")))
+    a.csv: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae), or alpha has ...
     """
     source = recording.source
-    found = list(defects(recording))
+    found = list(defects(recording)) if fitted else []
     if found:
         return [f"{source}: {text}" for text in found]
     result = explanation(recording)
     exchanged = result.better and any(result.better[0].hypothesis.exchanges(name) for name in ("alpha", "Fx"))
-    if not exchanged and (unmoved := [f"{source}: {text}" for text in unmoved_slips(recording)]):
+    if fitted and not exchanged and (unmoved := [f"{source}: {text}" for text in unmoved_slips(recording)]):
         return unmoved
     if result.better:
         return [f"{source}: {_facts(result, recording.signs)}: {_advice(result, recording.signs)}"]
@@ -61,13 +63,15 @@ def column_notes(recording: Recording) -> list[str]:
     return []
 
 
-def check_columns(recording: Recording) -> None:
+def check_columns(recording: Recording, *, fitted: bool = True) -> None:
     """Refuse a recording whose columns are not what they claim to be: unit, sign, exchanged, constant or copied.
 
     Parameters
     ----------
     recording : Recording
         With the signs and units that its file or caller states.
+    fitted : bool
+        As for `column_notes`.
 
     Raises
     ------
@@ -84,7 +88,7 @@ def check_columns(recording: Recording) -> None:
     tirefmu.boundary.errors.DataError: a.csv: Fx falls with kappa, in iso it rises: ...
     """
     check_names(map(str, recording.table.columns), recording.source, OUTPUTS)
-    for note in column_notes(recording):
+    for note in column_notes(recording, fitted=fitted):
         raise DataError(note)
 
 

@@ -62,7 +62,7 @@ def explanation(recording: Recording) -> Explanation:
     >>> alpha = np.linspace(-0.2, 0.2, 200)
     >>> table = pd.DataFrame({"alpha": alpha, "Fz": 900.0 / 4.448, "Fy": -1300.0 * np.tanh(14.0 * alpha)})
     >>> explanation(Recording(table, "iso", "a.csv")).better[0].hypothesis.advice("iso")
-    "--units Fz=lbf (or the header 'Fz [lbf]')"
+    "--units Fz=lbf, or the header 'Fz [lbf]'"
     """
     claim = Hypothesis(recording.signs)
     traits = _traits(recording)

@@ -45,7 +45,7 @@ REFUSED = {
         "a.csv: Fz is 0 in every row: it was not measured: name its column (--columns Fz=NAME)",
     ),
     "no slip": (lambda t: [t.drop(columns="kappa")], "a.csv: kappa is missing although Fx changes from -1.6 to 1.6"),
-    "load in lbf": (lambda t: [t.assign(Fz=t["Fz"] / 4.448)], "a.csv: the largest force over load is 6.89 (tires: 0.27"),
+    "load in lbf": (lambda t: [t.assign(Fz=t["Fz"] / 4.448)], "a.csv: the largest force over load is 6.89 (tires"),
     "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows excluded: standing (the wheel does not"),
     "all loads out of range": (lambda t: [t.assign(Fz=5e6)], "a.csv: Fz reaches 5e+06 N: in another unit?"),
     "slip angle under another name": (
