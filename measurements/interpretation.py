@@ -97,8 +97,9 @@ class Interpretation:
     def applied(self, recording: Recording) -> Recording:
         """Return a recording in SI units read in this way; columns named in its file have their channels already.
 
-        The channels are those that the user asserts: no other reading of them is suggested (``about["asserted"]``).
-        Raises `DataError` if a channel that is the source of another one is missing.
+        Channels with a unit, or named as themselves (``alpha=alpha``), are those that the user asserts: no other
+        reading of them is suggested (``about["asserted"]``). Raises `DataError` if a channel that is the
+        source of another one is missing.
         """
         table, about = recording.table.copy(), dict(recording.about)
         renamed = set(self.renamed.values())
@@ -117,7 +118,8 @@ class Interpretation:
                 raise DataError(f"{recording.source}: no column {name!r}, whose unit is given as {unit}")
             table[name] = in_unit(table[name].to_numpy(dtype=np.float64), name, about.get(f"unit of {name}", ""), unit)
             about[f"unit of {name}"] = unit
-        about["asserted"] = " ".join(dict.fromkeys([*about.get("asserted", "").split(), *self.columns, *self.units]))
+        stated = [name for name, text in self.columns.items() if text == name]
+        about["asserted"] = " ".join(dict.fromkeys([*about.get("asserted", "").split(), *stated, *self.units]))
         declared = dict.fromkeys([*about.get("declared", "").split(), *self.units])
         return replace(recording, table=table, about={**about, "declared": " ".join(declared)})
 

@@ -56,7 +56,9 @@ def column_notes(recording: Recording, *, fitted: bool = True) -> list[str]:
         return unmoved
     if result.better:
         return [f"{source}: {_facts(result, recording.signs)}: {_advice(result, recording.signs)}"]
-    signs = [name for name in result.claimed.traits.contradictions if name in (*_SIGN_IN_ISO, "Fz")]
+    asserted = recording.about.get("asserted", "").split()
+    wrong = [name for name in result.claimed.traits.contradictions if name in (*_SIGN_IN_ISO, "Fz")]
+    signs = [name for name in wrong if name not in asserted]
     if signs:
         facts = "; ".join(_sign_fact(name, recording.signs) for name in signs)
         return [f"{source}: {facts}: no reading of the columns fits; check columns, units and signs of the file"]

@@ -159,3 +159,7 @@ def test_what_the_user_asserts_is_not_doubted():
     with pytest.raises(DataError, match="Fz is in lbf"):
         check_columns(recording_from(strange))
     check_columns(recording_from(strange, units={"Fz": "N"}))
+    leaning = table().assign(gamma=-table()["gamma"])
+    check_columns(recording_from(leaning, columns={"gamma": "gamma"}))
+    with pytest.raises(DataError, match="the columns Fx and Fy are exchanged"):
+        check_columns(recording_from(table(), columns={"Fx": "Fy", "Fy": "Fx"}))
