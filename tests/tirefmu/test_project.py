@@ -307,5 +307,5 @@ def test_columns_and_units_are_options_of_every_step_that_reads_tables(tmp_path)
         assert ("--columns" in step.arguments) == (step.command in ("inspect", "fit", "explore", "check", "diagnose") or
                                                    "--proof" in step.arguments)  # fmt: skip
     path.write_text('[data]\ntables = ["a.csv"]\ncolumns = ["Fy"]\n')
-    with pytest.raises(TirefmuError, match="columns is .*: expected a table of texts"):
+    with pytest.raises(TirefmuError, match=r"columns is .*: expected a table of texts"):
         read_project(path)
