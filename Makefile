@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives compare-methods missing-effects awkward recovery planning coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives compare-methods missing-effects awkward wrong-tables recovery planning coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -72,6 +72,9 @@ compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process r
 missing-effects: $(VENV)/installed-dev  ## all entries of the benchmark of missing effects: the tables of docs/missing_effects.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
 	OMP_NUM_THREADS=1 $(BIN)/python -W ignore benchmarks/missing_effects_table.py
+
+wrong-tables: $(VENV)/installed-dev  ## 60 wrong tables and 40 right ones: how many are refused, with the right option
+	$(BIN)/python benchmarks/wrong_tables.py $(TABLES_ARGS)
 
 awkward: $(VENV)/installed-dev  ## docs/awkward_inputs.md: message and exit code of 46 awkward inputs
 	$(BIN)/python benchmarks/awkward_inputs.py --write

@@ -24,7 +24,7 @@ import pandas as pd
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.fitting import fit as fit_tire
-from tirefmu.measurements import check_convention, recordings_from
+from tirefmu.measurements import check_columns, recordings_from
 
 DOCUMENT = Path(__file__).parents[1] / "docs" / "awkward_inputs.md"
 #: A table, or the text of a file.
@@ -173,7 +173,7 @@ def outcome(contents: list[Content], folder: Path, *, fit: bool = True) -> Outco
         try:
             recordings = recordings_from(paths)
             for each in recordings:
-                check_convention(each)
+                check_columns(each)
             fit_tire(recordings, "mf61", progress=_stop_fit)
         except _StartedError:
             pass

@@ -10,7 +10,7 @@ from tirefmu.boundary.errors import UnknownName, no_single_text
 from tirefmu.estimation.nominal_values import check_nominal
 from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.estimation.turn_slip import with_turn_slip
-from tirefmu.measurements import Recording, TableLike, check_convention, recording_from
+from tirefmu.measurements import Recording, TableLike, check_columns, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.added import AddedEffect
 from tirefmu.symbolic.models import model_named, whole_library
@@ -98,7 +98,7 @@ def diagnose(
         If the table or the tire is of another type.
     """
     recording = recording_from(table, signs=signs)
-    check_convention(recording)
+    check_columns(recording)
     if tire is None:
         check_nominal(nominal or {}, model_named(model), [recording.table])
     began = time.perf_counter()

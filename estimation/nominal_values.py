@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import FitError, UnknownName
+from tirefmu.measurements.column_meaning.radii import radii
+from tirefmu.measurements.recording import Recording
 from tirefmu.symbolic.model import Model
 
 #: Names of nominal values, and the coefficient that each sets.
@@ -17,6 +19,34 @@ MEASURED = {"Fz0": "Fz", "p0": "p"}
 #: Largest ratio of a nominal value and the median of its channel, either way: about the geometric mean of 1 and 1000,
 #: the ratio of N and kN, Pa and kPa, m and mm.
 LARGEST_RATIO = 30.0
+#: Largest ratio of the nominal load and the nearest tested load. Beyond it the coefficients of the load dependence,
+#: which are polynomials about the nominal load, are an extrapolation. Judgement.
+LARGEST_LOAD_DISTANCE = 3.0
+#: Largest ratio of the nominal radius and a radius of the recording, either way: the loaded radius is up to 15 %
+#: smaller, and a bench measures it to some percent. Judgement.
+LARGEST_RADIUS_RATIO = 1.35
+
+
+def check_radius(nominal: Mapping[str, float], recordings: Iterable[Recording]) -> None:
+    """Refuse a nominal radius that contradicts the loaded radius, the wheel speed or the size in a recording.
+
+    `nominal`: R0 (m), if it is given. Raises `FitError` with the radius of the recording.
+
+    >>> bench = Recording(pd.DataFrame({"Fz": [900.0]}), "iso", "run.mat", {"tireid": "Hoosier 16x7.5-10"})
+    >>> check_radius({"R0": 0.41}, [bench])
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.FitError: nominal R0 = 0.41 m contradicts run.mat: 0.203 m by the size of its tire
+    """
+    value = nominal.get("R0")
+    if value is None:
+        return
+    for recording in recordings:
+        for source, radius in radii(recording).items():
+            if not 1.0 / LARGEST_RADIUS_RATIO <= value / radius <= LARGEST_RADIUS_RATIO:
+                raise FitError(
+                    f"nominal R0 = {value:g} m contradicts {recording.source}: {radius:.3g} m by the {source}"
+                )
 
 
 def check_nominal(nominal: Mapping[str, float], model: Model, tables: Iterable[pd.DataFrame]) -> None:
@@ -48,6 +78,10 @@ def check_nominal(nominal: Mapping[str, float], model: Model, tables: Iterable[p
         if median > 0.0 and not 1.0 / LARGEST_RATIO < value / median < LARGEST_RATIO:
             near = f"{median:.3g} {coefficient.unit}"
             raise FitError(f"{given} is far from the median of {channel}, {near}: in another unit?")
+        if channel == "Fz" and median > 0.0:
+            low, high = np.nanquantile(np.concatenate(measured), [0.01, 0.99])
+            if not low / LARGEST_LOAD_DISTANCE <= value <= high * LARGEST_LOAD_DISTANCE:
+                raise FitError(f"{given} is far outside the tested loads, {low:.4g} to {high:.4g} N")
         if not median > 0.0 and not coefficient.lower <= value <= coefficient.upper:
             bounds = f"{coefficient.lower:g} .. {coefficient.upper:g} {coefficient.unit}"
             raise FitError(f"{given} is outside {bounds}: in another unit?")

@@ -11,7 +11,7 @@ from typing import Any
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.measurements import TableLike, check_convention, recordings_from
+from tirefmu.measurements import TableLike, check_columns, recordings_from
 from tirefmu.measurements.provenance import table_digest
 from tirefmu.tires import TireLike
 
@@ -101,7 +101,7 @@ def fit(
     if not recordings:
         raise FitError("no table to fit")
     for recording in recordings:
-        check_convention(recording)
+        check_columns(recording)
     names = [recording.source for recording in recordings]
     setup = Setup.of(plan, recordings)
     heated = with_temperature(recordings, column) if column else []

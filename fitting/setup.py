@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from tirefmu.boundary.errors import FitError, TirError, UnknownName, WrongType, no_single_text
-from tirefmu.estimation.nominal_values import NOMINAL, check_nominal
+from tirefmu.estimation.nominal_values import NOMINAL, check_nominal, check_radius
 from tirefmu.measurements import Recording
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.model import Model
@@ -105,6 +105,7 @@ class Setup:
         """
         options, model, start = plan.options, plan.symbolic_model, plan.start
         check_nominal(options.nominal or {}, model, (recording.table for recording in recordings))
+        check_radius(options.nominal or {}, recordings)
         given = start.has if options.effects is None and start is not None else options.effects
         effects = model.default_effects if given is None else model.known_effects(given)
         effects -= model.known_effects(options.without)

@@ -11,6 +11,8 @@ from tirefmu.boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
+    from .column_meaning.check import check_columns, column_notes
+    from .column_meaning.limits import check_plausible
     from .files.reading import READERS, read_recording
     from .files.writing import write_table
     from .findings.data_findings import data_findings
@@ -20,10 +22,8 @@ if TYPE_CHECKING:
     from .operating_conditions.grouping import Grouping, group_by_condition
     from .operating_conditions.levels import held_levels, level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
-    from .quality.convention import check_convention, convention_notes, fitting_conventions
     from .quality.coverage import Coverage, coverage, coverage_notes
     from .quality.outliers import Outlier, outliers
-    from .quality.plausibility import check_plausible
     from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
     from .recording import Recording
     from .row_selection.selected import selected
@@ -64,15 +64,14 @@ _ON_DEMAND = {
     "VirtualBench": "virtual_bench.bench",
     "alpha_sweeps": "virtual_bench.programs",
     "channel": "channels",
-    "check_convention": "quality.convention",
-    "check_plausible": "quality.plausibility",
+    "check_columns": "column_meaning.check",
+    "check_plausible": "column_meaning.limits",
+    "column_notes": "column_meaning.check",
     "concatenate": "virtual_bench.programs",
-    "convention_notes": "quality.convention",
     "coverage": "quality.coverage",
     "coverage_notes": "quality.coverage",
     "data_findings": "findings.data_findings",
     "exclude_rows": "quality.row_exclusion",
-    "fitting_conventions": "quality.convention",
     "group_by_condition": "operating_conditions.grouping",
     "held_levels": "operating_conditions.levels",
     "incomplete_rows": "findings.one_recording",
@@ -116,15 +115,14 @@ __all__ = [
     "VirtualBench",
     "alpha_sweeps",
     "channel",
-    "check_convention",
+    "check_columns",
     "check_plausible",
+    "column_notes",
     "concatenate",
-    "convention_notes",
     "coverage",
     "coverage_notes",
     "data_findings",
     "exclude_rows",
-    "fitting_conventions",
     "group_by_condition",
     "held_levels",
     "incomplete_rows",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import inf, radians
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.boundary.typed_numbers import RANGES
 
 
 @dataclass(frozen=True)
@@ -43,23 +44,23 @@ class Channel:
     tolerance: float | None = None
 
 
-# Limits: slightly more than 90 deg for alpha and gamma, and 10 for kappa (-1 is a locked wheel, a spinning wheel of a
-# slow vehicle reaches several). Values beyond them can only be in another unit.
+# Limits: those of numbers typed by hand (`boundary.typed_numbers`), where a table may not have both signs of the load.
+# Values beyond them can only be in another unit.
 # Tolerances: judgement, from the accuracy with which benches control a held channel; 0.5 deg for angles, 3 kPa for the
 # pressure, 0.5 m/s for the speed, 2 K for the temperature.
 _DECLARATIONS = (
     Channel("t", "time", "s", "time", "input", ("ET",), ("time", "elapsed_time", "timestamp")),
     Channel(
         "kappa", "longitudinal slip (omega R_e - V_x)/|V_x|, a fraction", "-", "ratio", "input", ("SL",),
-        ("slip", "slip_ratio", "longitudinal_slip", "long_slip"), (-10.5, 10.5), 0.01,
+        ("slip", "slip_ratio", "longitudinal_slip", "long_slip"), RANGES["kappa"][:2], 0.01,
     ),
     Channel(
         "alpha", "slip angle", "rad", "angle", "input", ("SA",),
-        ("slip_angle", "side_slip", "lateral_slip", "alfa"), (-1.6, 1.6), radians(0.5),
+        ("slip_angle", "side_slip", "lateral_slip", "alfa"), RANGES["alpha"][:2], radians(0.5),
     ),
     Channel(
         "gamma", "inclination (camber) angle", "rad", "angle", "input", ("IA",),
-        ("camber", "camber_angle", "inclination", "inclination_angle"), (-1.6, 1.6), radians(0.5),
+        ("camber", "camber_angle", "inclination", "inclination_angle"), RANGES["gamma"][:2], radians(0.5),
     ),
     Channel(
         "Fz", "wheel load", "N", "force", "input", ("FZ",),
@@ -67,11 +68,11 @@ _DECLARATIONS = (
     ),
     Channel(
         "p", "inflation pressure, gauge", "Pa", "pressure", "input", ("P",),
-        ("pressure", "inflation_pressure", "tire_pressure", "tyre_pressure"), (0.0, 5e6), 3e3,
+        ("pressure", "inflation_pressure", "tire_pressure", "tyre_pressure"), RANGES["p"][:2], 3e3,
     ),
     Channel(
         "V", "speed of the wheel center", "m/s", "speed", "input", ("V",),
-        ("speed", "velocity", "road_speed", "belt_speed"), (-150.0, 150.0), 0.5,
+        ("speed", "velocity", "road_speed", "belt_speed"), RANGES["V"][:2], 0.5,
     ),
     Channel(
         "T", "temperature at the tread's center", "deg C", "temperature", "input", ("TSTC",),

@@ -20,9 +20,9 @@ from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
 from .channels import CHANNELS, INPUTS
+from .column_meaning.limits import check_plausible
 from .column_names import check_names
 from .files.parquet_table import parquet_header, parquet_parts
-from .quality.plausibility import check_plausible
 from .recording import Recording
 
 #: Rows from which a table is large: with every named quantity of an evaluation they need about 250 MB.

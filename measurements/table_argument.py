@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,11 +12,12 @@ import pandas as pd
 from tirefmu.boundary.errors import DataError, WrongType
 
 from .channels import CHANNELS
+from .column_meaning.limits import check_plausible
 from .column_names import check_names
 from .files.columns import check_finite
 from .files.reading import read_recording
+from .interpretation import Interpretation
 from .quality.incomplete_rows import without_incomplete_rows
-from .quality.plausibility import check_plausible
 from .recording import Recording
 
 #: Types that the functions of the public interface accept as a table.
@@ -24,7 +26,13 @@ ACCEPTED = "the path of a file, a DataFrame or a Recording"
 
 
 def recording_from(
-    table: TableLike, *, signs: str | None = None, where: str | None = None, parameter: str = "table"
+    table: TableLike,
+    *,
+    signs: str | None = None,
+    where: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    parameter: str = "table",
 ) -> Recording:
     """Return the recording for a path, a DataFrame or a recording.
 
@@ -38,6 +46,8 @@ def recording_from(
     where : str, optional
         Rows to select: an expression such as ``t > 120 and p in 70..90 kPa``, or a file with one
         (`tirefmu.measurements.selected`). Default: all.
+    columns, units : mapping of str to str, optional
+        Columns and units that replace those of a file or a DataFrame (`read_recording`).
     parameter : str
         Name of the caller's parameter, for the message.
 
@@ -67,7 +77,10 @@ def recording_from(
     ...
     tirefmu.boundary.errors.WrongType: table is None: it has to be the path of a file, a DataFrame or a Recording
     """
+    reading = {"columns": columns or {}, "units": units or {}}
     if isinstance(table, Recording):
+        if columns or units:
+            raise DataError(f"{table.source}: columns and units are those of a file or a DataFrame, not of a recording")
         if table.checked and where is None and signs in (None, table.signs):
             return table
         if signs is not None and signs != table.signs:
@@ -76,9 +89,12 @@ def recording_from(
             )
         recording = table
     elif isinstance(table, pd.DataFrame):
-        recording = Recording(_numeric(table), "iso" if signs is None else signs, "table")
+        interpretation = Interpretation(**reading)
+        named = table.set_axis(interpretation.headers(map(str, table.columns), "table"), axis=1)
+        recording = Recording(_numeric(named), "iso" if signs is None else signs, "table")
+        recording = interpretation.applied(recording) if interpretation else recording
     elif isinstance(table, (str, os.PathLike)):
-        recording = read_recording(table, signs=signs)
+        recording = read_recording(table, signs=signs, **reading)
     else:
         raise WrongType(parameter, table, ACCEPTED)
     check_names(map(str, recording.table.columns), recording.source)
@@ -94,7 +110,12 @@ def recording_from(
 
 
 def recordings_from(
-    tables: TableLike | Iterable[TableLike], *, signs: str | None = None, where: str | None = None
+    tables: TableLike | Iterable[TableLike],
+    *,
+    signs: str | None = None,
+    where: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> list[Recording]:
     """Return the recordings of one or several tables.
 
@@ -106,6 +127,8 @@ def recordings_from(
         The convention of all tables.
     where : str, optional
         Rows to select in each table; an expression may distinguish them by ``file``.
+    columns, units : mapping of str to str, optional
+        Of each table, as for `recording_from`.
 
     Returns
     -------
@@ -123,11 +146,12 @@ def recordings_from(
     >>> len(recordings_from(rows)), len(recordings_from([rows, rows]))
     (1, 2)
     """
+    how: dict[str, Any] = {"signs": signs, "where": where, "columns": columns, "units": units}
     if isinstance(tables, (Recording, pd.DataFrame, str, os.PathLike)):
-        return [recording_from(tables, signs=signs, where=where, parameter="tables")]
+        return [recording_from(tables, **how, parameter="tables")]
     if not hasattr(tables, "__iter__") or isinstance(tables, (bytes, Mapping, np.ndarray)):
         raise WrongType("tables", tables, f"{ACCEPTED}, or a sequence of them")
-    return [recording_from(table, signs=signs, where=where, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
+    return [recording_from(table, **how, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
 
 
 def _numeric(table: pd.DataFrame) -> pd.DataFrame:

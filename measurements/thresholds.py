@@ -107,7 +107,7 @@ LONGEST_WARM_UP = 0.5
 #: s after a transition until the tire has settled: three relaxation lengths of 0.5 m at 5 m/s.
 SETTLING_TIME = 0.3
 
-# --------------------------------------------------------------- signs and units: `quality.convention`, `.plausibility`
+# ---------------------------------------------------------------- signs and units: `column_meaning`
 
 #: N. If no load is larger, it is taken for kN: the smallest tires known to us run at 60 N and more. Loads of a truck
 #: tire in kN (up to 60) are not recognized.
@@ -125,6 +125,8 @@ MAX_BACKWARD_ROWS = 0.1
 MAX_WRONG_LOADS = 0.5
 #: rad. At larger slip angles the pneumatic trail vanishes, and the aligning moment may change its sign. Judgement.
 SMALL_ANGLE = 0.05
+#: Fraction of the largest slip angle up to which, or up to `SMALL_ANGLE`, the sign of Mz is judged. Judgement.
+ALIGNING_SLIP = 0.4
 #: Correlation of a slip with its force from which a sign is judged. A sweep reaches 0.8 and more. Judgement.
 STRONG_CORRELATION = 0.5
 #: Standard deviation of a slip (rad or 1). Less is sensor noise (0.02 deg, 0.002 of slip) rather than a sweep.
@@ -136,6 +138,30 @@ SMALL_SLIP = 0.03
 #: Fraction of the rows. Larger and smaller forces are limited to the quantile of this fraction before the sign of their
 #: change is determined, twice the share of spikes in the tests. Judgement.
 SPIKE_QUANTILE = 0.02
+#: Rows of a table from which its traits are computed; of more every k-th one.
+MAX_SAMPLED_ROWS = 4000
+#: Fraction of the largest load. Forces at a smaller load are not divided by it. Judgement.
+LIGHT_LOAD = 0.05
+#: Fractions of the largest slip at which a force is linear in it, and at which the tire slides. Judgement.
+NEAR_SLIP, FAR_SLIP = 0.15, 0.7
+#: Rows. A slope over fewer is not computed. Judgement.
+MIN_TRAIT_ROWS = 8
+#: Standard deviation of the abscissa of a slope over its largest value. Over less, noise makes the slope. Judgement.
+MIN_SPREAD = 0.02
+#: Change of a force over the load. With more its slip is swept, whatever its unit is. Judgement.
+MIN_RESPONSE = 0.3
+#: Range of a force over the load. With more its slip was swept, although its column is absent or constant. Judgement.
+SWEPT_RESPONSE = 0.8
+#: Slip stiffness times largest slip over the largest force. With more the largest force is the friction: a brush model
+#: slides at 3. Judgement.
+MIN_SATURATION = 2.5
+#: rad or 1, range of a slip that is swept: an output that stays the same was not measured. Judgement.
+MIN_SWEPT = 0.06
+#: Arm of a moment at large slip angles over that at small ones: at most that of a pneumatic trail, at least that of
+#: the overturning moment. Judgement.
+MAX_FAR_TRAIL, MIN_FAR_ARM = 0.5, 0.7
+#: Side force over load at the largest camber and zero slip angle. Less is a shift. Judgement.
+MIN_CAMBER_RESPONSE = 0.01
 
 # ---------------------------------------------------------------- coverage: `quality.coverage`, `findings.two_tires`
 

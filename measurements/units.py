@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +45,7 @@ UNITS: dict[str, Unit] = {
     "kgf": Unit("force", GRAVITY),
     "nm": Unit("moment"),
     "knm": Unit("moment", 1e3),
+    "nmm": Unit("moment", 1e-3),
     **dict.fromkeys(("ftlb", "lbft", "ftlbf", "lbfft", "ftlbs"), Unit("moment", POUND * FOOT)),
     **dict.fromkeys(("inlb", "lbin", "inlbf", "lbfin"), Unit("moment", POUND * FOOT / 12.0)),
     "pa": Unit("pressure"),
@@ -68,20 +70,55 @@ UNITS: dict[str, Unit] = {
     **dict.fromkeys(("m/s2", "m/s^2"), Unit("acceleration")),
     "g": Unit("acceleration", GRAVITY),
 }
+#: The common units of tables by quantity, in the spelling of lists and messages, SI first.
+UNITS_OF_TABLES: dict[str, tuple[str, ...]] = {
+    "time": ("s", "ms", "min"),
+    "ratio": ("1", "%"),
+    "angle": ("rad", "deg"),
+    "force": ("N", "kN", "daN", "lbf", "kgf"),
+    "moment": ("N m", "kN m", "N mm", "lbf ft", "lbf in"),
+    "pressure": ("Pa", "kPa", "bar", "psi"),
+    "speed": ("m/s", "km/h", "mph"),
+    "temperature": ("deg C", "deg F", "K"),
+    "absolute temperature": ("K", "deg C", "deg F"),
+    "curvature": ("1/m",),
+}
 #: The quantity of a temperature in kelvin, and 0 deg C in kelvin.
 ABSOLUTE, ZERO_CELSIUS = "absolute temperature", 273.15
+_SCALED = re.compile(r"(?P<factor>\d{1,6}(\.\d{1,6})?) ?(?P<unit>[A-Za-z%].*)")
 _IGNORED = str.maketrans("", "", " -.*_\u00b0\u00b7")
 
 
 def unit_named(spelling: str) -> Unit:
     """Return the unit for a spelling in a file.
 
-    `spelling`: "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes are ignored. Raises `UnknownName` if
-    no unit has this spelling.
+    `spelling`: "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes are ignored. A number in front of a
+    unit without an offset multiplies it: "0.1 N". Raises `UnknownName` if no unit has this spelling.
+
+    >>> unit_named("0.1 N").factor
+    0.1
     """
     unit = UNITS.get(spelling.casefold().translate(_IGNORED))
-    if unit is None:
+    if unit is not None:
+        return unit
+    scaled = _SCALED.fullmatch(spelling.strip())
+    unit = UNITS.get(scaled["unit"].casefold().translate(_IGNORED)) if scaled else None
+    if scaled is None or unit is None or unit.offset or not float(scaled["factor"]) > 0.0:
         raise UnknownName("unit", spelling.strip(), UNITS)
+    return Unit(unit.quantity, float(scaled["factor"]) * unit.factor)
+
+
+def unit_of(spelling: str, quantity: str) -> Unit:
+    """Return the unit of a quantity for a spelling; raises `DataError` if it is one of another quantity.
+
+    >>> unit_of("deg C", "absolute temperature").offset
+    273.15
+    """
+    unit = unit_named(spelling)
+    if quantity == ABSOLUTE and unit.quantity == "temperature":
+        unit = Unit(ABSOLUTE, unit.factor, unit.offset + ZERO_CELSIUS)
+    if unit.quantity != quantity:
+        raise DataError(f"unit {spelling.strip()!r} measures {unit.quantity}, not {quantity}")
     return unit
 
 
@@ -116,11 +153,7 @@ def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDAr
     >>> to_si(140.0, "deg F").round(6)
     np.float64(60.0)
     """
-    unit = unit_named(spelling)
-    if quantity == ABSOLUTE and unit.quantity == "temperature":
-        unit = Unit(ABSOLUTE, unit.factor, unit.offset + ZERO_CELSIUS)
-    if quantity is not None and unit.quantity != quantity:
-        raise DataError(f"unit {spelling.strip()!r} measures {unit.quantity}, not {quantity}")
+    unit = unit_named(spelling) if quantity is None else unit_of(spelling, quantity)
     array = np.asarray(values, dtype=np.float64)
     # Without an offset the sign of a zero is preserved; a factor of 1 preserves every bit.
     with np.errstate(over="ignore"):

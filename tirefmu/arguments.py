@@ -94,6 +94,34 @@ RADIUS = click.option(
 )
 
 
+class Named(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
+    """``channel=text,channel=text``."""
+
+    name = "CHANNEL=NAME,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, str]:
+        """Return the pairs as a mapping."""
+        pairs = {}
+        for part in value.split(","):
+            key, equals, text = (piece.strip() for piece in part.partition("="))
+            if not (key and equals and text):
+                self.fail(f"{part!r} is not like Fy=FY", param, ctx)
+            pairs[key] = text
+        return pairs
+
+
+#: Options of the commands that read tables, apart from --where.
+_COLUMNS = click.option("--columns", type=Named(),
+                        help="Columns by channel, such as Fy=FYC,alpha=-SA (minus: other sign; none: not read). "
+                             "Channels: tirefmu columns")  # fmt: skip
+_UNITS = click.option("--units", type=Named(), help="Units of columns, such as Fz=lbf,alpha=deg.")
+
+
+def table_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of commands that read tables: --where, --columns, --units."""
+    return WHERE(_COLUMNS(_UNITS(command)))
+
+
 class Numbers(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
     """``number,number``."""
 
@@ -124,10 +152,27 @@ def common(command: Callable[..., Any]) -> Callable[..., Any]:
 
 @dataclass(frozen=True)
 class Selection:
-    """Which rows of tables are read, and in which sign convention."""
+    """How tables are read: sign convention, rows, columns and units."""
 
     signs: str | None
     where: str | None
+    columns: dict[str, str] | None
+    units: dict[str, str] | None
+
+    @property
+    def whole(self) -> bool:
+        """Whether all rows and columns are read as the table declares them."""
+        return not (self.where or self.columns or self.units)
+
+    @property
+    def arguments(self) -> list[str]:
+        """The options of a command that reads tables in the same way."""
+        given: list[str] = []
+        for name, value in vars(self).items():
+            if value:
+                text = ",".join(f"{key}={part}" for key, part in value.items()) if isinstance(value, dict) else value
+                given += [f"--{name}", text]
+        return given
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What there is to choose from: effects, models, published tires, as plain values."""
+"""What there is to choose from: effects, models, published tires, columns of tables, as plain values."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from math import isfinite
 from typing import Any
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.measurements.channels import CHANNELS
+from tirefmu.measurements.units import UNITS_OF_TABLES
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.declarations import Coefficient, Effect
 from tirefmu.symbolic.effects import EFFECTS
@@ -14,6 +16,26 @@ from tirefmu.tires import published
 
 #: How a tire comes to have an effect: with the model, on request, or as an addition to any model.
 KINDS = ("default", "optional", "library")
+
+
+def columns() -> list[dict[str, Any]]:
+    """Return the columns of tables with their units and names, as JSON values in the order of the contract.
+
+    >>> [each["ttc"] for each in columns() if each["name"] == "alpha"]
+    [['SA']]
+    """
+    return [
+        {
+            "name": channel.name,
+            "meaning": channel.meaning,
+            "role": channel.role,
+            "unit": channel.unit.replace("-", "1"),
+            "units": list(UNITS_OF_TABLES.get(channel.quantity, ())),
+            "ttc": list(channel.bench_names),
+            "aliases": list(channel.aliases),
+        }
+        for channel in CHANNELS.values()
+    ]
 
 
 def effects(name: str | None = None, only_model: str | None = None) -> list[dict[str, Any]]:

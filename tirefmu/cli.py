@@ -22,12 +22,14 @@ from .arguments import (
     FILE,
     RADIUS,
     SIGNS,
-    WHERE,
     Numbers,
+    Selection,
     check_input_paths,
     check_output_paths,
     command_line,
     common,
+    grouped,
+    table_options,
     write_json,
 )
 from .commands.bench_commands import example, plan
@@ -40,7 +42,7 @@ from .commands.fit_command import fit
 from .commands.generate_command import generate
 from .commands.host_commands import convert, lint
 from .commands.inspect_command import inspect
-from .commands.list_commands import effects, models, published, schema
+from .commands.list_commands import columns, effects, models, published, schema
 from .commands.many_commands import fit_many, study
 from .commands.page_commands import compare, explore
 from .commands.project_commands import init, run, studio
@@ -74,7 +76,7 @@ def cli() -> None:
     show_default=True,
     help="MF5.2 to 6.2: alpha* and gamma* are tangent and sine, or the angles.",
 )
-@WHERE
+@table_options
 @click.option("--limits", is_flag=True, help="Clamp the inputs to the valid range of the tire.")
 @click.option("--mirror", is_flag=True, help="Evaluate the tire mounted on the other side of the vehicle.")
 @click.option("--steady", is_flag=True, help="No transient slip: evaluate each row independently.")
@@ -83,12 +85,12 @@ def cli() -> None:
 @click.option("--code", type=click.Choice(["auto", "numpy", "c", "casadi", "batch"]), default="auto",
               show_default=True, help="Generated code to use.")  # fmt: skip
 @common
+@grouped(selection=Selection)
 def evaluate(
     tire: Path,
     table: Path,
     output: Path,
-    signs: str | None,
-    where: str | None,
+    selection: Selection,
     code: str,
     radius: float | None,
     quiet: bool,
@@ -103,7 +105,7 @@ def evaluate(
     """
     check_output_paths(output, json_file)
     check_input_paths(tire, table)
-    from tirefmu.measurements import convention_notes, recording_from, write_table
+    from tirefmu.measurements import column_notes, recording_from, write_table
     from tirefmu.measurements.large_table import LargeTable
     from tirefmu.tires import tire_from
 
@@ -112,13 +114,13 @@ def evaluate(
 
     terminal = Terminal(quiet)
     loaded = tire_from(tire, radius=radius)
-    large = LargeTable.of(table, signs) if where is None else None
+    large = LargeTable.of(table, selection.signs) if selection.whole else None
     if large and large.rows_are_independent(loaded, steady=conventions["steady"]):
         with terminal.working(f"evaluating {large.rows} rows"):
             recording, rows = large.survey, large.rows
             columns = evaluate_to_file(loaded, large, output, code, **conventions)
     else:
-        recording = recording_from(table, signs=signs, where=where)
+        recording = recording_from(table, **vars(selection))
         if incomplete := recording.about.get("incomplete"):
             raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
         terminal.selection(recording)
@@ -127,7 +129,7 @@ def evaluate(
             write_table(result, output)
         rows, columns = len(result), list(result.columns)
     absent = [name for name in loaded.inputs if name not in recording.table]
-    warnings = convention_notes(recording)
+    warnings = column_notes(recording, fitted=False)
     summary = {
         "ok": True, "rows": rows, "signs": recording.signs, **conventions, "nominal": absent,
         "warnings": warnings,
@@ -144,7 +146,7 @@ def evaluate(
 @click.argument("fmu", type=FILE)
 @click.argument("table", type=FILE, required=False)
 @click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
-@WHERE
+@table_options
 @click.option(
     "--tolerance",
     type=click.FloatRange(min=0.0),
@@ -155,8 +157,9 @@ def evaluate(
 @click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and the error over time.")
 @click.option("--report", type=FILE, help="HTML report: verdict, goodness of fit, errors over time and inputs.")
 @common
+@grouped(selection=Selection)
 def check(
-    fmu: Path, table: Path | None, signs: str | None, where: str | None, tolerance: float | None, timeout: float | None,
+    fmu: Path, table: Path | None, selection: Selection, tolerance: float | None, timeout: float | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Simulate FMU over TABLE and compare it with the data.
@@ -169,8 +172,8 @@ def check(
     check_output_paths(json_file, report, folder=figures)
     check_input_paths(fmu, *([table] if table else []))
     if table is None:
-        if signs or where or tolerance is not None or figures or report:
-            raise TirefmuError("--signs, --where, --tolerance, --figures and --report need a TABLE")
+        if selection.arguments or tolerance is not None or figures or report:
+            raise TirefmuError("options of tables, --tolerance, --figures and --report need a TABLE")
         return _repeated_proof(fmu, timeout, json_file, quiet)
     from tirefmu.fmu import check as run
     from tirefmu.fmu.comparison.large_check import check_large
@@ -180,13 +183,13 @@ def check(
     from .terminal import Terminal
 
     terminal, simulating = Terminal(quiet), f"simulating {fmu.name} over {table.name}"
-    large = LargeTable.of(table, signs) if where is None and not (figures or report) else None
+    large = LargeTable.of(table, selection.signs) if selection.whole and not (figures or report) else None
     result = None
     if large:
         with terminal.working(simulating):
             result = check_large(fmu, large, tolerance=tolerance, timeout=timeout)
     if result is None:
-        recording = recording_from(table, signs=signs, where=where)
+        recording = recording_from(table, **vars(selection))
         terminal.selection(recording)
         terminal.findings(incomplete_rows(recording))
         with terminal.working(simulating):
@@ -253,13 +256,14 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
               help="Range of kappa, such as -1.1,1.1 (default: that of the tire, at most -1,1).")  # fmt: skip
 @click.option("--signs", type=SIGNS, help=f"Convention of TABLES (default: {DEFAULT_SIGNS}).")
 @click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
-@WHERE
+@table_options
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @common
+@grouped(selection=Selection)
 def draw(
     tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None,
-    kappa: tuple[float, ...] | None, signs: str | None,
-    draw_signs: str | None, where: str | None, suffix: str, quiet: bool, json_file: Path | None,
+    kappa: tuple[float, ...] | None, selection: Selection,
+    draw_signs: str | None, suffix: str, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE at several loads.
 
@@ -279,19 +283,19 @@ def draw(
     if tables:
         import pandas as pd
 
-        from tirefmu.measurements import check_convention, levels, recordings_from
+        from tirefmu.measurements import check_columns, levels, recordings_from
 
-        recordings = recordings_from(tables, signs=signs, where=where)
+        recordings = recordings_from(tables, **vars(selection))
         terminal.selection(*recordings)
         for recording in recordings:
-            check_convention(recording)
+            check_columns(recording, fitted=False)
         parts = [each.with_signs("iso").table for each in recordings]
         nominal = loaded.in_signs("iso").nominal("Fz")
         points = pd.concat([part.assign(Fz=part.get("Fz", nominal)) for part in parts], ignore_index=True)
         measured = dict.fromkeys(float(f"{level:.2g}") for level in levels(points["Fz"]))
         loads = tuple(measured) or None if loads is None else loads
     loads = default_loads(loaded) if loads is None else loads
-    shown = draw_signs or signs or "iso"
+    shown = draw_signs or selection.signs or "iso"
     with terminal.working("drawing"):
         drawn = run(loaded, output, loads=loads, signs=shown, suffix=suffix, points=points, kappa=kappa)
     write_json(json_file, {"ok": True, "loads": list(loads), "signs": shown, "figures": [str(p) for p in drawn]})
@@ -321,6 +325,7 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
 
 for command in (
     benchmark,
+    columns,
     compare,
     convert,
     diagnose,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 WORDS = {
     "coefficient", "unit", "description", "problem", "stage", "recording", "channel", "constraint", "at", "",
     "force", "first", "second", "mean difference at", "largest error",
-    "meaning", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason",
+    "taken for", "evidence", "why", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason",
     "effect", "kind", "models", "model", "inputs", "outputs", "tire", "bounds",
 }  # fmt: skip
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy.typing as npt
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.boundary.typed_numbers import check_typed
 
 from .definition import TireDefinition
 from .evaluation import Conventions, evaluate, forces
@@ -118,7 +119,11 @@ class Tire(TireDefinition):
         ------
         UnknownName
             If an input is none of the public tables.
+        TirefmuError
+            If a number or a short list is outside the range of its input in SI units, such as alpha = 5 (degrees)
+            or a negative Fz. Arrays are not checked.
         """
+        check_typed(inputs)
         return forces(self, inputs, code)
 
     def evaluate(

@@ -13,7 +13,7 @@ import pandas as pd
 
 from tirefmu.boundary.errors import DataError, path_from
 from tirefmu.boundary.escaping import excerpt
-from tirefmu.measurements.quality.convention import convention_notes
+from tirefmu.measurements.column_meaning.check import check_columns
 from tirefmu.measurements.recording import Recording
 from tirefmu.measurements.table_argument import TableLike, recording_from
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
@@ -91,7 +91,7 @@ def check(
     """
     fmu_path = path_from(fmu_path, "fmu_path")
     given = recording_from(recording, signs=signs, parameter="recording")
-    warnings = tuple(convention_notes(given))
+    check_columns(given, fitted=False)
     given = given.with_signs("iso")
     table, segments = given.table, given.segments()
     with unpacked(fmu_path) as folder:
@@ -121,7 +121,6 @@ def check(
         simulated=simulated,
         recording=table[[*present, *measured]].assign(t=time),
         starts=tuple(segment.start for segment in segments),
-        warnings=warnings,
     )
 
 

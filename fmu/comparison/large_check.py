@@ -12,8 +12,8 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.escaping import excerpt
+from tirefmu.measurements.column_meaning.check import check_columns
 from tirefmu.measurements.large_table import LargeTable
-from tirefmu.measurements.quality.convention import convention_notes
 from tirefmu.measurements.recording import Recording
 from tirefmu.measurements.thresholds import LOGGING_GAP
 from tirefmu.tires import TABLE_OUTPUTS
@@ -45,6 +45,7 @@ def check_large(
     None if the FMU has no embedded tire, or if its results depend on earlier rows: then the table cannot be divided.
     Raises `FmuError`, `DataError`: as `check`.
     """
+    check_columns(table.survey, fitted=False)
     with unpacked(fmu_path) as folder:
         description = read_description(fmu_path, folder)
         variables = {variable.name: variable for variable in description.modelVariables}
@@ -79,7 +80,6 @@ def check_large(
         evaluation_difference=difference,
         problems=problems,
         tolerance=tolerance,
-        warnings=tuple(convention_notes(table.survey)),
     )
 
 

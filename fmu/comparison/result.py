@@ -99,8 +99,6 @@ class CheckResult:
         The same rows of the recording: ``t`` (equal steps if it had none), inputs and measured outputs, ISO signs.
     starts : tuple of int
         The first row of each segment.
-    warnings : tuple of str
-        Contradictions between the recording and its sign convention.
     """
 
     fmu: str
@@ -115,7 +113,6 @@ class CheckResult:
     simulated: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
     recording: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
     starts: tuple[int, ...] = ()
-    warnings: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -159,7 +156,6 @@ class CheckResult:
             "ok": self.ok,
             "tolerance": self.tolerance,
             "problems": list(self.problems),
-            "warnings": list(self.warnings),
             "evaluation_difference": self.evaluation_difference
             if isfinite(self.evaluation_difference or 0.0)
             else None,
@@ -194,7 +190,6 @@ class CheckResult:
         if self.evaluation_difference is not None:
             lines.append(f"largest relative difference from direct evaluation: {self.evaluation_difference:.1e}")
         lines += [f"invalid: {problem}" for problem in self.problems] or ["fmpy validation: no problems"]
-        lines += [f"warning: {each}" for each in self.warnings]
         return "\n".join(visible(line) for line in lines)
 
 

@@ -17,6 +17,7 @@ from tirefmu.boundary.errors import DataError, TirefmuError
 
 from ..channels import CHANNELS, INPUTS, channel
 from ..column_names import check_names
+from ..interpretation import Interpretation
 from ..thresholds import MAX_INCOMPLETE
 from ..units import to_si
 
@@ -42,17 +43,22 @@ class Column:
     @classmethod
     def parse(cls, header: str) -> Column:
         """Read a header. Brackets declare a unit only after a name of the contract."""
-        name, unit = _name_and_unit(header)
+        name, unit = name_and_unit(header)
         return cls(name, unit) if name in CHANNELS else cls(header.strip())
 
 
-def _name_and_unit(header: str) -> tuple[str, str | None]:
+def name_and_unit(header: str) -> tuple[str, str | None]:
+    """Return the name of a header, and the unit in brackets behind it.
+
+    >>> name_and_unit("alpha [deg]"), name_and_unit("alpha")
+    (('alpha', 'deg'), ('alpha', None))
+    """
     match = _HEADER.fullmatch(header.strip()) if len(header) <= LONGEST_HEADER else None
     return (match["name"], match["unit"]) if match else (header.strip(), None)
 
 
-def parse_header(headers: Sequence[str], source: str) -> list[Column]:
-    """Read the headers of a table.
+def parse_header(headers: Sequence[str], source: str, interpretation: Interpretation | None = None) -> list[Column]:
+    """Read the headers of a table, with the names that an interpretation gives them.
 
     A name of FSAE TTC files is that of the input if the table lacks it and the unit is clear. Other unknown columns are
     passed through, unless the name resembles an input that the table lacks (`check_names`). Raises
@@ -61,6 +67,8 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     >>> [column.name for column in parse_header(["alpha", "TSTC", "IA [deg]", "remark"], "a.csv")]
     ['alpha', 'T', 'gamma', 'remark']
     """
+    if interpretation:
+        headers = interpretation.headers(headers, source)
     if len(headers) > MAX_COLUMNS:
         raise DataError(f"{source}: {len(headers)} columns: at most {MAX_COLUMNS} are read")
     columns = [
@@ -81,7 +89,7 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
 
 def _by_contract(column: Column, given: Collection[str]) -> Column:
     """Return a column under the name of the contract if it has a name of the bench and the table lacks the channel."""
-    name, unit = _name_and_unit(column.name)
+    name, unit = name_and_unit(column.name)
     meant = _BENCH_INPUTS.get(name)
     if meant is None or meant.name in given or (unit is None and meant.quantity in _BENCH_UNITS):
         return column
@@ -95,8 +103,8 @@ def channels_in_si(
 
     `columns`: one for each column of the table, in the same order. `location`: converts the number of a row, counted
     from 0, to "line 12" or "row 12" for messages. Channels are floats; other columns are unchanged. The metadata
-    ``declared`` has the channels whose unit the table declares. Raises `DataError` if there are no rows. Also
-    raises what `converted_channels` and `check_finite` raise.
+    ``declared`` has the channels whose unit the table declares, ``unit of NAME`` the unit. Raises `DataError` if there
+    are no rows. Also raises what `converted_channels` and `check_finite` raise.
     """
     if table.empty:
         raise DataError(f"{source}: no rows")
@@ -104,8 +112,8 @@ def channels_in_si(
     for column in columns:
         if column.name in CHANNELS:
             check_finite(converted[column.name].to_numpy(), column.name, source, location)
-    declared = " ".join(column.name for column in columns if column.unit is not None)
-    return converted, {"declared": declared}
+    units = {column.name: column.unit for column in columns if column.unit is not None}
+    return converted, {"declared": " ".join(units), **{f"unit of {name}": unit for name, unit in units.items()}}
 
 
 def converted_channels(

@@ -16,15 +16,17 @@ import pandas as pd
 from tirefmu.boundary.errors import DataError
 
 from ..channels import CHANNELS
+from ..interpretation import Interpretation
 from ..recording import Recording
-from .columns import channels_in_si, parse_header
+from .columns import parse_header
+from .table_recording import is_bench_table, table_recording
 
 _SEPARATORS = ",;\t"
 #: Upper limits: characters of a line up to the header's end; cells that the rows of a table lack.
 LONGEST_LINE, MAX_ABSENT = 1_000_000, 10_000_000
 
 
-def read_csv_table(path: Path, signs: str) -> Recording:
+def read_csv_table(path: Path, signs: str, interpretation: Interpretation) -> Recording:
     """Read a CSV table.
 
     Lines before the header that begin with ``#`` are skipped. Columns are separated by commas, semicolons or tabs.
@@ -33,19 +35,16 @@ def read_csv_table(path: Path, signs: str) -> Recording:
     source = str(path)
     with _opened(path) as file:
         skipped, header, separator = _header(file, path)
-    columns = parse_header(header, source)
     # Channels are read as text and converted later, exactly and with the location of a wrong cell.
-    as_text: dict[Hashable, str] = {number: "str" for number, column in enumerate(columns) if column.name in CHANNELS}
+    channels = (
+        [] if is_bench_table(header) else [column.name for column in parse_header(header, source, interpretation)]
+    )
+    as_text: dict[Hashable, str] = {number: "str" for number, name in enumerate(channels) if name in CHANNELS}
     table = _body(path, skipped, len(header), separator, as_text)
     # A separator at the end of each line makes a column without name and content.
-    empty = [
-        number for number, name in enumerate(header)
-        if not name.strip() and table.iloc[:, number].isna().all()
-    ]  # fmt: skip
-    table = table.drop(columns=empty)
-    columns = [column for number, column in enumerate(columns) if number not in empty]
-    table, about = channels_in_si(table, columns, source, lambda row: f"line {_line(path, skipped, row)}")
-    return Recording(table, signs, path.name, about)
+    kept = [number for number, name in enumerate(header) if name.strip() or table.iloc[:, number].notna().any()]
+    table = table.iloc[:, kept].set_axis([header[number] for number in kept], axis=1)
+    return table_recording(path, table, signs, interpretation, lambda row: f"line {_line(path, skipped, row)}")
 
 
 def csv_cells(path: Path) -> tuple[list[str], pd.DataFrame, Callable[[int], str]]:

@@ -19,6 +19,7 @@ class Format(NamedTuple):
 FORMATS: dict[str, Format] = {
     ".csv": Format("csv_table:read_csv_table", "iso"),
     ".parquet": Format("parquet_table:read_parquet_table", "iso"),
+    ".xlsx": Format("excel_table:read_excel_table", "iso"),
     ".mat": Format("ttc_mat:read_ttc_mat", "sae"),
     ".dat": Format("ttc_dat:read_ttc_dat", "sae"),
     ".tdx": Format("tydex:read_tydex", "iso"),

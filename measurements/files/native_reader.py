@@ -105,7 +105,7 @@ def load(wanted: str, path: Path, *arguments: Any) -> Any:
     if status == "missing":
         raise MissingPackage(content)
     if status == "refused":
-        kind = {"matlab": "a MATLAB file", "mdf": "an MDF file"}.get(wanted, "Parquet")
+        kind = {"excel": "an Excel workbook", "matlab": "a MATLAB file", "mdf": "an MDF file"}.get(wanted, "Parquet")
         raise DataError(f"{path}: cannot be read as {kind}: {content}")
     return content
 

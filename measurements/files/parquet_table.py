@@ -10,24 +10,22 @@ import pandas as pd
 
 from tirefmu.boundary.errors import DataError
 
+from ..interpretation import Interpretation
 from ..recording import Recording
 from . import native_reader
-from .columns import Column, channels_in_si, converted_channels, parse_header
+from .columns import Column, converted_channels, parse_header
+from .table_recording import table_recording
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
 
 
-def read_parquet_table(path: Path, signs: str) -> Recording:
+def read_parquet_table(path: Path, signs: str, interpretation: Interpretation) -> Recording:
     """Read a Parquet table.
 
     `signs`: the convention of the table. Raises `DataError` if pyarrow is not installed, the file is not a Parquet
     file, or a channel cannot be used. The message counts rows from 1.
     """
-    source = str(path)
-    table = parquet_cells(path)
-    columns = parse_header([str(name) for name in table.columns], source)
-    table, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
-    return Recording(table, signs, path.name, about)
+    return table_recording(path, parquet_cells(path), signs, interpretation, lambda row: f"row {row + 1}")
 
 
 def parquet_cells(path: Path) -> pd.DataFrame:

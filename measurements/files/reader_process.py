@@ -73,6 +73,18 @@ def load_parquet(path: str) -> Any:
         raise MissingPackage("Parquet") from None
 
 
+def load_excel(path: str) -> Any:
+    """Return the first sheet of an Excel workbook without columns that have neither header nor cells."""
+    import pandas as pd
+
+    try:
+        table = pd.read_excel(path, sheet_name=0, engine="openpyxl")
+    except ImportError:
+        raise MissingPackage("Excel") from None
+    named = [not str(name).startswith("Unnamed: ") or table[name].notna().any() for name in table]
+    return table.loc[:, named]
+
+
 def load_parquet_header(path: str) -> tuple[list[str], int]:
     """Return the names of the columns and the number of rows of a Parquet file."""
     file = _parquet_file(path)
@@ -126,6 +138,7 @@ def _declared_size(path: str) -> int:
 
 
 LOADERS: dict[str, Callable[..., Any]] = {
+    "excel": load_excel,
     "matlab": load_matlab,
     "mdf": load_mdf,
     "parquet": load_parquet,

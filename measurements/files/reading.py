@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -14,17 +14,21 @@ from tirefmu.boundary.errors import DataError, TirefmuError, nearest, path_from
 from tirefmu.boundary.plugins import described, loaded, plugins
 from tirefmu.tires.signs import reversed_columns
 
+from ..interpretation import Interpretation
 from ..quality.incomplete_rows import without_incomplete_rows
 from ..recording import Recording
 from .formats import FORMATS
 
+#: Reads a file in a sign convention, with columns named by an interpretation.
+Reader = Callable[[Path, str, Interpretation], Recording]
 
-def _function(name: str) -> Callable[[Path, str], Recording]:
+
+def _function(name: str) -> Reader:
     module, _, function = name.partition(":")
     return getattr(import_module(f".{module}", __package__), function)  # type: ignore[no-any-return]
 
 
-def _installed(entry: EntryPoint, path: Path, signs: str) -> Recording:
+def _installed(entry: EntryPoint, path: Path, signs: str, interpretation: Interpretation) -> Recording:
     """Read a recording with the reader of another package, which is trusted code of the user's installation."""
     reader = loaded(entry)
     try:
@@ -35,28 +39,39 @@ def _installed(entry: EntryPoint, path: Path, signs: str) -> Recording:
         raise DataError(f"{path}: {described(entry)} failed ({type(error).__name__}: {error})") from error
     if not isinstance(recording, Recording):
         raise DataError(f"{path}: {described(entry)} returned no Recording")
-    return recording
+    headers = interpretation.headers(map(str, recording.table.columns), str(path))
+    return replace(recording, table=recording.table.set_axis(headers, axis=1))
 
 
 #: By extension: the reader and the default sign convention of the format. Entry points of the group
 #: ``tirefmu.readers`` of other packages name further ones, with ``iso`` as default; they are imported at first use.
-READERS: dict[str, tuple[Callable[[Path, str], Recording], str]] = {
+READERS: dict[str, tuple[Reader, str]] = {
     entry.name: (partial(_installed, entry), "iso") for entry in plugins("readers")
 } | {extension: (_function(declared.reader), declared.signs) for extension, declared in FORMATS.items()}
 
 
-def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Recording:
+def read_recording(
+    path: str | PathLike[str],
+    *,
+    signs: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> Recording:
     r"""Read a recording. The extension determines the format.
 
     Parameters
     ----------
     path : str or path-like
-        ``.csv`` or ``.parquet`` with the contract's columns in SI (a header may declare another unit:
-        ``alpha [deg]``, ``Fz [kN]``, ``p [kPa]``), an FSAE TTC file (``.mat``, ``.dat``), or TYDEX
-        (``.tdx``).
+        ``.csv``, ``.parquet`` or ``.xlsx`` with the contract's columns in SI (a header may declare another unit:
+        ``alpha [deg]``, ``Fz [kN]``, ``p [kPa]``) or with the columns of FSAE TTC files (``ET SA IA FZ FY``...), an
+        FSAE TTC file (``.mat``, ``.dat``), or TYDEX (``.tdx``).
     signs : str, optional
         The convention of the file. Default: the convention stated in the file, otherwise ``sae`` for FSAE TTC files and
         ``iso`` for tables and TYDEX.
+    columns : mapping of str to str, optional
+        By channel, the column that has it; ``-NAME`` reverses the sign, ``none`` omits the channel.
+    units : mapping of str to str, optional
+        By channel, the unit of its numbers in the file, whatever the file declares.
 
     Returns
     -------
@@ -70,7 +85,7 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
         One line with file, line (or row) and channel: a missing or empty file, an unknown extension, a cell
         that is not a number, an unknown column that resembles a missing input, too many NaN in an input, ...
     UnknownName
-        If the signs are not one of the three conventions.
+        If the signs are not one of the three conventions, or a channel or a unit does not exist.
 
     Examples
     --------
@@ -88,15 +103,16 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     reader, default_signs = READERS[file.suffix.lower()]
     chosen = default_signs if signs is None else signs
     reversed_columns(chosen, "iso")  # an unknown convention is an error before a long file is read
+    interpretation = Interpretation(columns or {}, units or {})
     try:
         if not file.exists():
             raise DataError(f"{file}: no such file")
         if not (file.is_file() or file.is_dir()):  # reading a device may never end; the reader reports a folder
             raise DataError(f"{file}: neither a file nor a folder")
-        recording = reader(file, chosen)
+        recording = reader(file, chosen, interpretation)
     except UnicodeDecodeError:
         raise DataError(f"{file}: not a text file (UTF-8)") from None
     except OSError as error:
         raise DataError(f"{file}: {error.strerror or error}") from None
-    recording = without_incomplete_rows(recording)
+    recording = without_incomplete_rows(interpretation.applied(recording) if interpretation else recording)
     return recording if signs is not None else replace(recording, signs=recording.about.get("signs", chosen))

@@ -10,12 +10,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.boundary.errors import DataError, nearest
+from tirefmu.boundary.errors import DataError, TirefmuError, nearest
 
 from ..channels import CHANNELS, OUTPUTS, Channel
+from ..column_meaning.radii import median_radius
 from ..column_names import intended_channel
+from ..interpretation import Interpretation
 from ..recording import Recording
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
+from ..units import POUND, to_si, unit_named
 from .columns import check_finite, in_si
 
 #: kappa is read from SL, the slip that is zero at zero FX, and never from SR. N is unusable in many runs and ignored.
@@ -42,17 +45,23 @@ def bench_recording(
     signs: str,
     about: Mapping[str, str],
     location: Callable[[int], str],
+    interpretation: Interpretation,
 ) -> Recording:
     """Return the recording of the channels of a bench file.
 
     `vectors`, shape (n,): by the name in the file; the case is ignored. `units`: the units that the file declares, by
-    name. If there are none, `assumed_units` are used. `location`: as for `channels_in_si`. Raises `DataError` if a
+    name. If there are none, `assumed_units` are used. `location`: as for `channels_in_si`. `interpretation`: names of
+    columns that replace those of the format. Raises `DataError` if a
     mandatory channel or every output is missing, a name resembles a missing channel, lengths differ, a unit is unknown,
     or too many values of an input are NaN.
     """
     source = str(path)
     folded = {name.casefold(): values for name, values in vectors.items()}
-    _check_present(folded, list(vectors), source)
+    replaced = {channel: name for name, channel in interpretation.renamed.items()}
+    for channel_name, name in replaced.items():
+        if name.casefold() not in folded:
+            raise DataError(f"{source}: no channel {name} ({channel_name}){nearest(name, vectors)}")
+    _check_present(folded, list(vectors), source, replaced)
     by_name = {name.casefold(): unit for name, unit in units.items()}
     metadata = dict(about)
     if by_name:
@@ -63,14 +72,36 @@ def bench_recording(
         metadata |= {"units": reason, "declared": ""}
     columns: dict[str, NDArray[np.float64]] = {}
     for channel in CHANNELS.values():
-        bench_name = next((name for name in channel.bench_names if name.casefold() in folded), None)
+        names = (replaced[channel.name],) if channel.name in replaced else channel.bench_names
+        bench_name = next((name for name in names if name.casefold() in folded), None)
         if bench_name is not None:
-            columns[channel.name] = _channel(channel, bench_name, folded, by_name, source, location)
+            unit = by_name.get(bench_name.casefold(), _SI[channel.quantity])
+            columns[channel.name] = _channel(channel, bench_name, folded, unit, source, location)
+            metadata[f"unit of {channel.name}"] = unit
     if "kappa" not in columns:
         columns["kappa"] = _free_rolling(columns, vectors, source)
         metadata["kappa"] = "no channel SL: FX stays near 0, the wheel rolls freely, kappa is 0"
+    metadata |= _radii(folded, by_name, columns.get("V"))
     ordered = {name: columns[name] for name in CHANNELS if name in columns}
     return Recording(pd.DataFrame(ordered), signs, path.name, metadata)
+
+
+def _radii(
+    folded: Mapping[str, NDArray[np.float64]], units: Mapping[str, str], speed: NDArray[np.float64] | None
+) -> dict[str, str]:
+    """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing."""
+    radii: dict[str, NDArray[np.float64]] = {}
+    try:
+        if "rl" in folded:
+            length = "in" if unit_named(units.get("fz", "N")).factor == POUND else "cm"
+            radii["loaded radius"] = to_si(folded["rl"], units.get("rl", length), "length")
+        if speed is not None and len(folded.get("n", ())) == len(speed):
+            rotation = to_si(folded["n"], units.get("n", "rpm"), "rotation")
+            with np.errstate(divide="ignore", invalid="ignore"):
+                radii["wheel speed"] = np.abs(speed / rotation)
+    except TirefmuError:  # in a unit that is not known: no channel of the contract depends on it
+        return {}
+    return {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
 
 
 def assumed_units(path: Path, vectors: Mapping[str, NDArray[np.float64]]) -> tuple[dict[str, str], str]:
@@ -104,18 +135,19 @@ def has_bench_names(names: Collection[str]) -> bool:
     return len(folded & {name.casefold() for name in MANDATORY}) >= 2
 
 
-def _check_present(folded: Collection[str], fields: list[str], source: str) -> None:
+def _check_present(folded: Collection[str], fields: list[str], source: str, replaced: Collection[str]) -> None:
     for name in MANDATORY:
-        if name.casefold() not in folded:
+        if name.casefold() not in folded and _BENCH_NAMES[name].name not in replaced:
             # A channel that was recognized is not a misspelling of the missing one.
             others = [field for field in fields if field.upper() not in _BENCH_NAMES]
             raise DataError(f"{source}: no channel {name} ({_BENCH_NAMES[name].name}){nearest(name, others)}")
-    if not any(name.casefold() in folded for output in OUTPUTS for name in CHANNELS[output].bench_names):
+    outputs = (name for output in OUTPUTS for name in CHANNELS[output].bench_names)
+    if not (set(replaced) & set(OUTPUTS) or any(name.casefold() in folded for name in outputs)):
         raise DataError(f"{source}: no channel FX, FY, MZ, MX or MY: nothing was measured")
     for field in fields:
         intended = None if field.upper() in _BENCH_NAMES else intended_channel(field)
         names = CHANNELS[intended].bench_names if intended else ()
-        if names and not any(name.casefold() in folded for name in names):
+        if names and intended not in replaced and not any(name.casefold() in folded for name in names):
             hint = f"did you mean {names[0]}? Channels of one are {', '.join(sorted(_BENCH_NAMES))}"
             raise DataError(f"{source}: channel {field!r} is not one of a bench file: {hint}")
 
@@ -124,17 +156,17 @@ def _channel(
     channel: Channel,
     bench_name: str,
     folded: Mapping[str, NDArray[np.float64]],
-    units: Mapping[str, str],
+    unit: str,
     source: str,
     location: Callable[[int], str],
 ) -> NDArray[np.float64]:
-    values, rows = folded[bench_name.casefold()], len(folded["et"])
+    clock = "et" if "et" in folded else bench_name.casefold()
+    values, rows = folded[bench_name.casefold()], len(folded[clock])
     if len(values) != rows:
         raise DataError(f"{source}: channel {bench_name} has {len(values)} rows, ET has {rows}")
     if not rows:
         raise DataError(f"{source}: no rows")
     check_finite(values, channel.name, source, lambda row: f"{location(row)}: {bench_name}")
-    unit = units.get(bench_name.casefold(), _SI[channel.quantity])
     return in_si(values, unit, channel.quantity, f"{source}: channel {bench_name}")
 
 

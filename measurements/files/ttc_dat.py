@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tirefmu.boundary.errors import DataError
 
+from ..interpretation import Interpretation
 from ..recording import Recording
 from .columns import is_number, rows_of_numbers
 from .ttc_channels import bench_recording, has_bench_names
@@ -16,7 +17,7 @@ _AXES = re.compile(r"\bISO\W*(?P<answer>true|false)\b", re.IGNORECASE)
 _UNIT_OF_TWO_WORDS = re.compile(r"\bdeg(?:rees?)? +(?=[CFK]\b)", re.IGNORECASE)
 
 
-def read_ttc_dat(path: Path, signs: str) -> Recording:
+def read_ttc_dat(path: Path, signs: str, interpretation: Interpretation) -> Recording:
     """Read a ``.dat`` file of the FSAE TTC: a title, names, units, and rows separated by blanks or tabs.
 
     `signs`: the convention of the file; Calspan writes sae. ``about["signs"]`` has that of the title (``ISO True``), if
@@ -41,7 +42,7 @@ def read_ttc_dat(path: Path, signs: str) -> Recording:
     if axes is not None:
         about["signs"] = "iso" if axes["answer"].casefold() == "true" else "sae"
     vectors = dict(zip(names, table.T, strict=True))
-    return bench_recording(path, vectors, units, signs, about, lambda row: f"line {numbers[row] + 1}")
+    return bench_recording(path, vectors, units, signs, about, lambda row: f"line {numbers[row] + 1}", interpretation)
 
 
 def _lines(path: Path) -> list[str]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tirefmu.boundary.errors import DataError
 
 from ..channels import CHANNELS
+from ..interpretation import Interpretation
 from ..recording import Recording
 from . import native_reader
 from .columns import channels_in_si, parse_header
@@ -21,7 +22,7 @@ from .ttc_channels import bench_recording, has_bench_names
 EXTRA = "mat-io, which the extra 'matlab' installs: pip install 'tirefmu[matlab]'"
 
 
-def read_ttc_mat(path: Path, signs: str) -> Recording:
+def read_ttc_mat(path: Path, signs: str, interpretation: Interpretation) -> Recording:
     """Read a ``.mat`` file of the FSAE TTC, or a MATLAB table.
 
     The channels are variables of the file, or fields of a struct or a table. Units are those of the ``channel`` struct
@@ -35,12 +36,12 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
     fields = _load(path)
     for value in fields.values():
         if isinstance(value, pd.DataFrame) and not has_bench_names([str(name) for name in value]):
-            return _contract_table(path, value, signs)
+            return _contract_table(path, value, signs, interpretation)
     units = dict(_declared(fields))
     members = _members(fields)
     vectors = {name: values for name, value in members.items() if (values := _vector(value)) is not None}
     about = {("credit" if key == "source" else key): _text(members.get(key)) for key in ("tireid", "testid", "source")}
-    return bench_recording(path, vectors, units, signs, about, lambda row: f"row {row + 1}")
+    return bench_recording(path, vectors, units, signs, about, lambda row: f"row {row + 1}", interpretation)
 
 
 def matlab_vectors(path: Path) -> dict[str, NDArray[np.float64]]:
@@ -64,12 +65,13 @@ def _load(path: Path) -> Mapping[str, Any]:
     return {name: value for name, value in loaded.items() if not name.startswith("__")}
 
 
-def _contract_table(path: Path, table: pd.DataFrame, signs: str) -> Recording:
+def _contract_table(path: Path, table: pd.DataFrame, signs: str, interpretation: Interpretation) -> Recording:
     """Read a table with columns such as alpha and Fz. Its units are treated like those of a CSV header."""
     source = str(path)
     units = dict(_table_units(table))
-    headers = [f"{name} [{units[name]}]" if units.get(name) and name in CHANNELS else name for name in map(str, table)]
-    columns = parse_header(headers, source)
+    known = {*CHANNELS, *interpretation.renamed}
+    headers = [f"{name} [{units[name]}]" if units.get(name) and name in known else name for name in map(str, table)]
+    columns = parse_header(headers, source, interpretation)
     in_si, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
     # The default convention of the contract's names is that of the contract, not that of the bench.
     return Recording(in_si, signs, path.name, {**about, "signs": "iso"})

@@ -11,9 +11,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tirefmu.boundary.errors import DataError, UnknownName
+from tirefmu.boundary.errors import DataError, UnknownName, nearest
 
 from ..channels import CHANNELS
+from ..interpretation import Interpretation
 from ..recording import Recording
 from ..units import unit_named
 from .columns import check_finite, in_si, is_number, rows_of_numbers
@@ -52,7 +53,7 @@ class _Quantity:
             return (raw + offset) * factor + shift
 
 
-def read_tydex(path: Path, signs: str) -> Recording:
+def read_tydex(path: Path, signs: str, interpretation: Interpretation) -> Recording:
     """Read a TYDEX file.
 
     TYDEX defines its W axes as iso. A constant of the file is a channel with the same value in every row. Raises
@@ -77,19 +78,25 @@ def read_tydex(path: Path, signs: str) -> Recording:
     measured = {quantity.name: (quantity, column) for quantity, column in zip(channels, table.T, strict=True)}
     held = {quantity.name: quantity for quantity in constants if quantity.numbers}
     columns: dict[str, NDArray[np.float64]] = {}
-    for name, spelled in NAMES.items():
+    about: dict[str, str] = {}
+    replaced = {channel: (name,) for name, channel in interpretation.renamed.items()}
+    for name, spelled in {**NAMES, **replaced}.items():
         spelling = next((spelling for given in (measured, held) for spelling in spelled if spelling in given), "")
+        if spelling:
+            about[f"unit of {name}"] = (measured[spelling][0] if spelling in measured else held[spelling]).unit
         if spelling in measured:
             quantity, raw = measured[spelling]
             columns[name] = _converted(name, quantity, quantity.physical(raw), rows, source)
         elif spelling:
             quantity = held[spelling]
             columns[name] = _converted(name, quantity, np.full(len(rows), quantity.numbers[0]), rows, source)
+        elif name in replaced:
+            raise DataError(f"{source}: no channel {spelled[0]} ({name}){nearest(spelled[0], [*measured, *held])}")
     if "Fz" not in columns:
         axes = next((axes for name, axes in _OTHER_AXES.items() if name in measured or name in held), None)
         raise DataError(f"{source}: no channel FZW (Fz){f': forces in the axes {axes} are not read' if axes else ''}")
     header = dict(text.split(maxsplit=1) for _, text in sections.get("HEADER", ()) if len(text.split()) > 1)
-    about = {"units": "declared in the file", "declared": " ".join(columns), "tireid": "", "credit": ""}
+    about |= {"units": "declared in the file", "declared": " ".join(columns), "tireid": "", "credit": ""}
     return Recording(pd.DataFrame(columns), signs, path.name, {**about, "testid": header.get("MEASID", "").strip()})
 
 

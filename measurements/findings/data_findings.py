@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 
-from ..quality.convention import convention_notes
+from ..column_meaning.check import column_notes
 from ..quality.coverage import coverage_notes
 from ..recording import Recording
 from ..thresholds import MAX_REPEATED_ROWS, SERIOUS_REPEATED_ROWS
@@ -40,7 +40,7 @@ def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
     findings += _repeated_files(recordings)
     findings += stiffness_between_files(recordings)
     for recording in recordings:
-        findings += [Finding("sign convention", note, serious=True) for note in convention_notes(recording)]
+        findings += [Finding("columns", note, serious=True) for note in column_notes(recording)]
         findings += [Finding("coverage", note) for note in coverage_notes(recording)]
         findings += findings_of(recording, alone=len(recordings) == 1)
         findings += clock_and_units(recording)

@@ -12,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..channels import CHANNELS
+from ..column_meaning.meanings import ColumnMeaning, column_meanings
 from ..findings.data_findings import data_findings
 from ..findings.finding import Finding
 from ..operating_conditions.grouping import group_by_condition
@@ -92,6 +93,8 @@ class Inspection:
     `interval`, `duration`: median step of the clock and recorded time without interruptions, s. `segments`: number of
     stretches without interruption. `longest_gap`: s, the longest interruption; 0 without one. `conditions`: without the
     rows of transitions, sorted by pressure, camber and load. `exclusion`: the rows that ``fit`` would exclude.
+    `meanings`: what each column was taken for.
+    `held`: rows outside transitions, shape (n,).
     """
 
     recording: Recording
@@ -103,6 +106,8 @@ class Inspection:
     sweeps: tuple[SweepSummary, ...]
     conditions: tuple[ConditionSummary, ...]
     exclusion: RowExclusion
+    meanings: tuple[ColumnMeaning, ...]
+    held: NDArray[np.bool_]
 
     def to_json(self) -> dict[str, Any]:
         """Return the contents as JSON values; a range or drift without a number is null."""
@@ -119,9 +124,11 @@ class Inspection:
             "segments": self.segments,
             "longest_gap": self.longest_gap,
             "channels": [_without_nan(vars(channel)) for channel in self.channels],
+            "columns": [vars(meaning) for meaning in self.meanings],
             "sweeps": [vars(sweep) for sweep in self.sweeps],
             "conditions": [{**vars(held), "drift": _without_nan(held.drift)} for held in self.conditions],
             "excluded_rows": self.exclusion.counts,
+            "excluded_held_rows": int(np.count_nonzero(self.held & ~self.exclusion.included)),
         }
 
 
@@ -150,6 +157,8 @@ def _inspected(recording: Recording) -> Inspection:
         tuple(_sweeps(recording, all_phases)),
         tuple(_conditions(recording, all_phases, interval)),
         exclude_rows(recording),
+        tuple(column_meanings(recording)),
+        _held(recording, all_phases),
     )
 
 
@@ -188,10 +197,7 @@ def _rate(values: NDArray[np.float64], step: float) -> float:
 
 
 def _conditions(recording: Recording, all_phases: Sequence[Phase], interval: float) -> list[ConditionSummary]:
-    groups = group_by_condition(recording)
-    steady = np.ones(len(recording), dtype=np.bool_)
-    for phase in all_phases:
-        steady[phase.rows] = phase.kind != "transition"
+    groups, steady = group_by_condition(recording), _held(recording, all_phases)
     conditions = []
     for number, (held, moving) in enumerate(zip(groups.conditions, groups.moving, strict=True)):
         rows = np.flatnonzero((groups.labels == number) & steady)
@@ -206,6 +212,14 @@ def _conditions(recording: Recording, all_phases: Sequence[Phase], interval: flo
         )  # fmt: skip
     order = ("p", "V", "gamma", "kappa", "alpha", "Fz")
     return sorted(conditions, key=lambda condition: [condition.held.get(name, -np.inf) for name in order])
+
+
+def _held(recording: Recording, all_phases: Sequence[Phase]) -> NDArray[np.bool_]:
+    """Return the rows in which no held input changes from one level to another."""
+    held = np.ones(len(recording), dtype=np.bool_)
+    for phase in all_phases:
+        held[phase.rows] = phase.kind != "transition"
+    return held
 
 
 def _drift(column: pd.Series, rows: NDArray[np.intp]) -> float:

@@ -5,14 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
+import numpy as np
+
 from tirefmu.tires.drawing.labels import drawn_unit, per_si
 
 from ..channels import CHANNELS
+from ..column_meaning.meanings import ASSUMPTIONS
+from ..quality.row_exclusion import EXCLUSION_REASONS
 from .inspection import Inspection, SweepSummary
 
 Table = tuple[list[str], list[list[str]]]
 #: Columns of texts; the others contain numbers.
-TEXTS = {"channel", "meaning", "unit", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason"}
+TEXTS = {
+    "channel", "unit", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason", "taken for",
+    "evidence", "why",
+}  # fmt: skip
 #: Ranges of numbers of sweeps in one cell; more are counted.
 MAX_RUNS = 6
 
@@ -36,6 +43,7 @@ def all_tables(inspection: Inspection) -> list[tuple[str, str, Table]]:
     """Return title, explanation and content of each table; empty ones are omitted."""
     tables = [
         ("Channels", "", channel_table(inspection)),
+        ("Columns", f"Assumed, as no table shows it: {'; '.join(ASSUMPTIONS)}.", meaning_table(inspection)),
         ("Sweeps", "", sweep_table(inspection)),
         (
             "Operating conditions",
@@ -48,8 +56,8 @@ def all_tables(inspection: Inspection) -> list[tuple[str, str, Table]]:
 
 
 def channel_table(inspection: Inspection) -> Table:
-    """Return the channels: units, rows, range, levels."""
-    header = ["channel", "meaning", "unit", "unit from", "rows", "missing", "lowest", "median", "highest", "held at"]
+    """Return the channels: units, rows, ranges, levels."""
+    header = ["channel", "unit", "rows", "missing", "lowest", "median", "highest", "held at"]
     rows = []
     for channel in inspection.channels:
         name = channel.name
@@ -57,8 +65,18 @@ def channel_table(inspection: Inspection) -> Table:
         levels = ", ".join(_number(name, level) for level in channel.levels)
         swept = "swept" if CHANNELS[name].role == "input" and name not in ("t", "T") else ""
         counts = [str(channel.rows), str(channel.missing)]
-        rows.append([name, channel.meaning, drawn_unit(name), channel.unit_from, *counts, *values, levels or swept])
+        rows.append([name, drawn_unit(name), *counts, *values, levels or swept])
     return header, rows
+
+
+def meaning_table(inspection: Inspection) -> Table:
+    """Return what each column was taken for, and why."""
+    sources = {channel.name: channel.unit_from for channel in inspection.channels}
+    rows = [
+        [meaning.channel, meaning.taken_for, sources.get(meaning.channel, "-"), meaning.evidence or "-"]
+        for meaning in inspection.meanings
+    ]
+    return ["channel", "taken for", "unit from", "evidence"], rows
 
 
 def sweep_table(inspection: Inspection) -> Table:
@@ -92,8 +110,14 @@ def condition_table(inspection: Inspection) -> Table:
 
 
 def excluded_table(inspection: Inspection) -> Table:
-    """Return the rows that a fit excludes, by reason."""
-    return ["reason", "rows"], [[reason, str(rows)] for reason, rows in inspection.exclusion.counts.items()]
+    """Return the rows that a fit excludes, by reason, and how many of them are at held conditions."""
+    reasons, held = inspection.exclusion.reasons, inspection.held
+    rows = []
+    for reason, count in inspection.exclusion.counts.items():
+        lost = int(np.count_nonzero((reasons == reason) & held))
+        share = f"{100.0 * lost / max(1, int(np.count_nonzero(held))):.2g}"
+        rows.append([reason, EXCLUSION_REASONS[reason], str(count), str(lost), share])
+    return ["reason", "why", "rows", "at held conditions", "% of these"], rows
 
 
 def _number(name: str, value: float, *, sign: bool = False) -> str:

@@ -38,12 +38,14 @@ REFUSED = {
     ),
     "constant slips": (
         lambda t: [t.assign(alpha=0.05, kappa=0.0)],
-        "none of Fx, Fy, Mz is measured over a varying slip: nothing to fit; a.csv: Fx is not fitted, kappa does not",
+        "a.csv: alpha is constant although Fy changes from -1.6 to 1.6 times the load: name its column (--columns",
     ),
     "all rows lifted": (
         lambda t: [t.assign(Fz=0.0)],
-        "all rows are excluded (--all-rows includes them): a.csv: 1200 of 1200 rows excluded: lifted",
+        "a.csv: Fz is 0 in every row: it was not measured: name its column (--columns Fz=NAME)",
     ),
+    "no slip": (lambda t: [t.drop(columns="kappa")], "a.csv: kappa is missing although Fx changes from -1.6 to 1.6"),
+    "load in lbf": (lambda t: [t.assign(Fz=t["Fz"] / 4.448)], "a.csv: the largest force over load is 6.89 (tires"),
     "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows excluded: standing (the wheel does not"),
     "all loads out of range": (lambda t: [t.assign(Fz=5e6)], "a.csv: Fz reaches 5e+06 N: in another unit?"),
     "slip angle under another name": (
@@ -62,12 +64,12 @@ REFUSED = {
         "a.csv: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae)",
     ),
     "moment of the other sign": (
-        lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles, in iso it rises: no convention",
+        lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles, in iso it rises: Mz has the",
     ),
     "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, in iso it rises"),
     "forces exchanged": (
         lambda t: [t.rename(columns={"Fx": "Fy", "Fy": "Fx"})],
-        "a.csv: Fx follows alpha and Fy does not: the columns Fx and Fy are exchanged",
+        "Fy follows kappa and Fx does not: the columns Fx and Fy are exchanged (--columns Fx=Fy,Fy=Fx)",
     ),
     "degrees for radians": (
         lambda t: [t.assign(alpha=np.degrees(t["alpha"]))],
@@ -88,8 +90,9 @@ REFUSED = {
 
 REPORTED = {
     "no load": (lambda t: [side_alone(t).drop(columns="Fz")], "a.csv: no column Fz: every row is evaluated at the"),
-    "no slip": (lambda t: [t.drop(columns="kappa")], "a.csv: Fx is not fitted, kappa does not vary there"),
-    "constant slip angle": (lambda t: [t.assign(alpha=0.05)], "a.csv: Fy is not fitted, alpha does not vary there"),
+    "no slip": (
+        lambda t: [t.drop(columns="kappa").assign(Fx=0.1 * t["Fx"])], "a.csv: Fx is not fitted, kappa does not vary",
+    ),
     "one load": (lambda t: [side_alone(t).assign(Fz=900.0)], "a.csv: only one load (900 N): the influence of load"),
     "ten rows": (lambda t: [side_alone(t).iloc[::60]], "a.csv: 10 rows are fewer than a fit of one force needs"),
     "time going backwards": (lambda t: [side_alone(t).iloc[::-1]], "a.csv: t runs backwards in 599 of 599 steps"),
@@ -154,16 +157,17 @@ def test_it_is_fitted_and_reported(fitted, fault):
 
 
 def test_a_missing_slip_follows_the_verdict_before_all_tables(fitted):
-    outcome, _ = fitted([sweeps().drop(columns="alpha")])
+    table = sweeps().drop(columns="alpha")
+    outcome, _ = fitted([table.assign(Fy=0.1 * table["Fy"])])
     headline, _ = outcome.out.split("Goodness of fit", 1)
     assert headline.startswith("verdict: ")
     assert "warning: a.csv: NO COLUMN alpha (slip angle): Fy and Mz cannot be fitted" in headline
 
 
 def test_a_tire_that_is_not_usable_is_written_with_exit_status_1(fitted):
-    """The second file has a tenth of the side force: no tire has both, and which one it is nearer to is arbitrary."""
+    """The second file has a third of the side force: no tire has both, and which one it is nearer to is arbitrary."""
     table = side_alone(sweeps())
-    outcome, left = fitted([table, table.assign(Fy=0.1 * table["Fy"])])
+    outcome, left = fitted([table, table.assign(Fy=0.33 * table["Fy"])])
     verdict, *reasons = outcome.out.splitlines()
     assert (outcome.status, verdict) == (1, "verdict: not usable")
     assert any(reason.startswith("  - a.csv: the slip stiffness of Fy differs by -") for reason in reasons)

@@ -66,7 +66,7 @@ BAD = {
     "fit percent.csv {fit}": "percent.csv: kappa reaches",
     "fit negative.csv {fit}": "negative.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
     "fit good.csv --signs sae {fit}": "good.csv: Fz is positive in 100 % of the rows: not SAE?",
-    "fit still.csv {fit}": "nothing to fit",
+    "fit still.csv {fit}": "still.csv: alpha is constant although Fy changes from",
     "fit good.csv good.csv missing.mat {fit}": "missing.mat: no such file",
     "fit good.csv --model mf69 {fit}": "unknown model 'mf69': did you mean mf96?",
     "fit good.csv --effects camber_trust {fit}": "unknown effect of mf61 'camber_trust': did you mean camber_thrust?",

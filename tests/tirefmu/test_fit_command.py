@@ -101,14 +101,17 @@ def test_wrong_signs_load_no_solver(misread, tmp_path):
     subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
 
 
-def test_evaluate_and_check_warn_in_the_same_words(command, misread, published_tir, tmp_path):
+def test_evaluate_warns_of_wrong_signs_and_check_refuses_them(command, misread, published_tir, tmp_path):
     fmu, expected = tmp_path / "tire.fmu", "the data fit adapted-sae (--signs adapted-sae)"
     assert command("export", published_tir, "-o", fmu).status == 0
-    for arguments in (("evaluate", published_tir, misread[0], "-o", tmp_path / "out.csv"), ("check", fmu, misread[0])):
-        outcome = command(*arguments, "--json", tmp_path / "result.json")
-        (warning,) = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["warnings"]
-        assert warning.endswith(expected)
-        assert f"warning: {warning}" in outcome.out
+    result = tmp_path / "result.json"
+    outcome = command("evaluate", published_tir, misread[0], "-o", tmp_path / "out.csv", "--json", result)
+    (warning,) = json.loads(result.read_text(encoding="utf-8"))["warnings"]
+    assert expected in warning
+    assert f"warning: {warning}" in outcome.out
+    refused = command("check", fmu, misread[0])
+    assert (refused.status, refused.out) == (2, "")
+    assert warning in refused.err
 
 
 def test_values_that_nobody_measured_are_marked(command, bench_csv, tmp_path):

@@ -341,3 +341,16 @@ def test_excluded_rows_are_in_no_step_and_held_out_rows_not_in_the_fit(project):
     own = re.sub('where = ".*"', 'where = "own.where"', text)
     assert where(own)["inspect"].startswith("(alpha > 0 # steady\n) and not (sample")
     assert where(re.sub("where = .*", "", text))["fit"] == "not (sample in 1..9) and not (t > 5) and not (p > 3)"
+
+
+def test_columns_and_units_are_options_of_every_step_that_reads_tables(tmp_path):
+    path = tmp_path / "p.toml"
+    path.write_text('[data]\ntables = ["a.csv"]\ncolumns = {Fy = "FYC", alpha = "-SA"}\nunits = {Fz = "lbf"}\n')
+    project = read_project(path)
+    assert project.options("data") == ["--columns", "Fy=FYC,alpha=-SA", "--units", "Fz=lbf"]
+    for step in steps_of(project):
+        assert ("--columns" in step.arguments) == (step.command in ("inspect", "fit", "explore", "check", "diagnose") or
+                                                   "--proof" in step.arguments)  # fmt: skip
+    path.write_text('[data]\ntables = ["a.csv"]\ncolumns = ["Fy"]\n')
+    with pytest.raises(TirefmuError, match=r"columns is .*: expected a table of texts"):
+        read_project(path)

@@ -10,12 +10,16 @@ SECTIONS = {
     "All steps, many tires": ("studio", "init", "run", "fit-many", "study"),
     "Work with a tire": ("info", "evaluate", "draw", "compare"),
     "Other programs": ("generate", "convert", "lint"),
-    "What there is": ("models", "effects", "published", "schema"),
+    "What there is": ("columns", "models", "effects", "published", "schema"),
     "To try it": ("demo", "example", "benchmark"),
 }
 #: Command lines without the name of the program, by command.
 EXAMPLES = {
-    "inspect": ("inspect cornering.mat drivebrake.mat -o page.html", 'inspect run.csv --where "p in 70..90 kPa"'),
+    "inspect": (
+        "inspect cornering.mat drivebrake.mat -o page.html",
+        'inspect run.csv --where "p in 70..90 kPa"',
+        "inspect run.csv --columns Fy=FYC,alpha=-SA --units alpha=deg,Fz=lbf",
+    ),
     "fit": (
         "fit cornering.mat drivebrake.mat --model mf61 -o my.tir --report fit.html",
         "fit run.csv --model mf96 --nominal Fz0=220,R0=0.23 --effects load_friction,camber_thrust -o my.tir",
@@ -64,6 +68,7 @@ EXAMPLES = {
     "lint": ("lint my.tir --for carsim",),
     "info": ("info my.tir", "info trento_hoosier --all"),
     "draw": ("draw my.tir -o figures", "draw unicamp_small_tire points.csv --kappa -1.1,1.1 -o figures"),
+    "columns": ("columns",),
     "effects": ("effects --model mf61", "effects temp_friction"),
     "models": ("models", "models --json models.json"),
     "published": ("published",),

@@ -14,7 +14,6 @@ from ..arguments import (
     FILE,
     MODEL,
     SIGNS,
-    WHERE,
     Pairs,
     Selection,
     Spread,
@@ -24,6 +23,7 @@ from ..arguments import (
     common,
     grouped,
     names,
+    table_options,
     write_json,
 )
 
@@ -39,7 +39,7 @@ FURTHER = {FMUS: 8.0, REPORT: 18.0}
 @click.option("--effects", callback=names, help="Effects of the baseline model in addition to its core, or 'none'.")
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
-@WHERE
+@table_options
 @click.option("--turn-slip", "turning", is_flag=True,
               help="The bench turns the wheel plane: phit = -(d alpha/dt)/V where phit is not recorded.")  # fmt: skip
 @click.option("--candidates", callback=names, help="Test these effects only.")
@@ -77,7 +77,10 @@ def diagnose(
         if turning:
             raise TirefmuError("--turn-slip is for one recording")
         tested = [*map(user_effect, user_files), *(candidates or ())] or None
-        options = {**given, **vars(selection), **vars(spread), "candidates": tested, "fmus": fmus, "resume": resume}
+        if selection.columns or selection.units:
+            raise TirefmuError("--columns and --units are for one recording; of several, name units in the headers")
+        reading = {"signs": selection.signs, "where": selection.where}
+        options = {**given, **reading, **vars(spread), "candidates": tested, "fmus": fmus, "resume": resume}
         return _diagnose_many(tables, output, options, quiet, json_file)
     if any(vars(spread).values()) or resume:
         raise TirefmuError("--workers, --scheduler and --resume are for several recordings")
@@ -87,7 +90,7 @@ def diagnose(
     from tirefmu.diagnosis import export_and_simulate, write_report
     from tirefmu.diagnosis.diagnose import STEPS
     from tirefmu.estimation.turn_slip import with_turn_slip
-    from tirefmu.measurements import check_convention, data_findings, recordings_from
+    from tirefmu.measurements import check_columns, data_findings, recordings_from
     from tirefmu.tires import tire_from
 
     from ..terminal import Terminal
@@ -97,7 +100,7 @@ def diagnose(
     if turning:
         recording, *further = (with_turn_slip(one) for one in (recording, *further))
     terminal.selection(recording, *further)
-    check_convention(recording)  # before the findings, which would print the same sentence
+    check_columns(recording)  # before the findings, which would print the same sentence
     for one in (recording, *further):
         one.measured()  # raises for a table without a measured output
     shown = ("incomplete rows", "warm-up", "clock")

@@ -11,7 +11,17 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError
 
-from ..arguments import FILE, RADIUS, SIGNS, WHERE, check_input_paths, check_output_paths, common, grouped, write_json
+from ..arguments import (
+    FILE,
+    RADIUS,
+    SIGNS,
+    check_input_paths,
+    check_output_paths,
+    common,
+    grouped,
+    table_options,
+    write_json,
+)
 
 
 @dataclass(frozen=True)
@@ -32,10 +42,17 @@ class Proof:
     fit: Path | None
     signs: str | None
     where: str | None
+    columns: dict[str, str] | None
+    units: dict[str, str] | None
 
     def __post_init__(self) -> None:
-        if self.path is None and (self.fit or self.signs or self.where):
-            raise TirefmuError("--fit, --signs and --where belong to a proof: give --proof TABLE")
+        if self.path is None and (self.fit or any(self.reading.values())):
+            raise TirefmuError("--fit, --signs, --where, --columns, --units belong to a proof: give --proof TABLE")
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """How the table is read."""
+        return {"signs": self.signs, "where": self.where, "columns": self.columns, "units": self.units}
 
     @property
     def path(self) -> Path | None:
@@ -50,7 +67,7 @@ class Proof:
 
         if self.path is None:
             return export(tire, target, **options)
-        recording = recording_from(self.path, signs=self.signs, where=self.where)
+        recording = recording_from(self.path, **self.reading)
         verdict = None if self.fit is None else read_verdict(self.fit)
         with TemporaryDirectory(prefix="tirefmu-") as folder:
             # The same file name: it determines the model identifier.
@@ -96,7 +113,7 @@ class Proof:
 )
 @click.option("--fit", type=FILE, help="With --proof: JSON of the fit, whose verdict becomes part of the proof.")
 @click.option("--signs", type=SIGNS, help="With --proof: convention of its table.")
-@WHERE
+@table_options
 @common
 @grouped(interface=Interface, proof=Proof)
 def export(

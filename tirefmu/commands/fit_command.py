@@ -18,7 +18,6 @@ from ..arguments import (
     FILE,
     MODEL,
     SIGNS,
-    WHERE,
     Pairs,
     Selection,
     Spread,
@@ -29,6 +28,7 @@ from ..arguments import (
     common,
     grouped,
     names,
+    table_options,
     write_json,
 )
 
@@ -86,7 +86,7 @@ class Checks:
               help="Loss function: squares; huber or cauchy for data with outliers.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@WHERE
+@table_options
 @click.option("--all-rows", "screening", is_flag=True, callback=lambda context, option, given: not given,
               help="Do not exclude rows (warm-up, transitions, outliers).")  # fmt: skip
 @click.option("--rows", default="condition", show_default=True,
@@ -132,14 +132,14 @@ def fit(
     """
     check_output_paths(output, json_file, report, folder=figures)
     check_input_paths(*tables)
-    from tirefmu.measurements import check_convention, recordings_from
+    from tirefmu.measurements import check_columns, recordings_from
 
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     recordings = recordings_from(tables, **vars(selection))
     for recording in recordings:  # before the slower imports
-        check_convention(recording)
+        check_columns(recording)
     terminal.selection(*recordings)
     from tirefmu.batch.cross_validation import cross_validate as distributed
     from tirefmu.batch.intervals import bootstrap, check_intervals, profile
@@ -174,8 +174,7 @@ def fit(
     if checks.profiled and not result.run.interrupted:
         with terminal.counting("profile likelihood") as counted:
             result = profile(result, checks.profiled, progress=counted, **workers)
-    chosen = [part for name, value in vars(selection).items() if value for part in (f"--{name}", value)]
-    residual = _residual_findings(result.tire, output, tables, recordings, chosen)
+    residual = _residual_findings(result.tire, output, tables, recordings, selection.arguments)
     result = replace(result, data_findings=(*result.data_findings, *residual))
     write_json(json_file, result.to_json())
     terminal.fit_result(result, every)
@@ -203,7 +202,7 @@ def fit(
         terminal.print(f"report: {report}")
     if not result.run.interrupted:
         finished_stages.unlink(missing_ok=True)  # last: until then --resume has every result without the fit
-        terminal.print(f"next: {_next_command(result, output, tables, chosen)}")
+        terminal.print(f"next: {_next_command(result, output, tables, selection.arguments)}")
     return 0 if result.verdict.usable else 1
 
 

@@ -9,7 +9,18 @@ import click
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
-from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, command_line, common, write_json
+from ..arguments import (
+    FILE,
+    SIGNS,
+    Selection,
+    check_input_paths,
+    check_output_paths,
+    command_line,
+    common,
+    grouped,
+    table_options,
+    write_json,
+)
 
 #: Rows of a table in the terminal; page and JSON have all of them.
 MAX_ROWS = 14
@@ -19,13 +30,14 @@ MAX_ROWS = 14
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option("-o", "--output", type=FILE, help="HTML page with tables and figures.")
 @click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@WHERE
-@click.option("--table", "selection", type=FILE,
+@table_options
+@click.option("--table", "selected", type=FILE,
               help="Write the selected rows of one table as CSV or Parquet, in SI units.")  # fmt: skip
 @click.option("--all", "every", is_flag=True, help="List every operating condition, sweep and excluded row.")
 @common
+@grouped(selection=Selection)
 def inspect(
-    tables: tuple[Path, ...], output: Path | None, signs: str | None, where: str | None, selection: Path | None,
+    tables: tuple[Path, ...], output: Path | None, selection: Selection, selected: Path | None,
     every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Summarize TABLES, and what the data lack or contradict.
@@ -33,11 +45,11 @@ def inspect(
     Channels, sweeps, operating conditions, drifts. Exit code 1 if a finding is serious: a fit of these data would be
     misleading.
     """
-    check_output_paths(output, json_file, selection)
+    check_output_paths(output, json_file, selected)
     check_input_paths(*tables)
-    if selection and len(tables) > 1:
+    if selected and len(tables) > 1:
         raise TirefmuError("--table writes the rows of one table")
-    from tirefmu.measurements import recordings_from, write_table
+    from tirefmu.measurements import check_columns, recordings_from, write_table
     from tirefmu.measurements.findings.finding import verdict_on
     from tirefmu.measurements.inspection import tables as texts
     from tirefmu.measurements.inspection.inspection import inspect as run
@@ -45,13 +57,14 @@ def inspect(
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
-    recordings = recordings_from(tables, signs=signs, where=where)
+    recordings = recordings_from(tables, **vars(selection))
     for recording in recordings:
         recording.measured()  # raises for a table without a measured output
+        check_columns(recording)
     with terminal.working("inspecting"):
         inspections, findings = run(recordings)
-        if selection:
-            write_table(recordings[0].table, selection)
+        if selected:
+            write_table(recordings[0].table, selected)
         if output:
             from tirefmu.measurements.inspection.report import write_inspection
 
@@ -70,11 +83,13 @@ def inspect(
     terminal.findings(findings)
     for each in inspections:
         terminal.heading(each.recording.source, texts.title(each))
-        for name, _, content in texts.all_tables(each):
+        for name, explanation, content in texts.all_tables(each):
             terminal.table(name, content, most=10_000 if every else MAX_ROWS)
+            if every and explanation:
+                terminal.print(explanation)
         for note in each.exclusion.notes if every else ():
             terminal.print(f"excluded from a fit: {note}")
-    for path, kind in ((output, "page"), (selection, "selected rows")):
+    for path, kind in ((output, "page"), (selected, "selected rows")):
         if path:
             terminal.print(f"{kind}: {path}")
     return 0 if ok else 1

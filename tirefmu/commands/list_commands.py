@@ -1,4 +1,4 @@
-"""``tirefmu effects``, ``models``, ``published`` and ``schema``: what there is to choose from, and kinds of files."""
+"""``tirefmu effects``, ``models``, ``published``, ``columns``, ``schema``: what there is, and kinds of files."""
 
 from __future__ import annotations
 
@@ -126,4 +126,29 @@ def schema(context: click.Context, kind: str | None, output: Path, quiet: bool, 
     if str(output) != "-":
         write_json(json_file, {"ok": True, "schema": str(output)})
         terminal.print(f"schema: {output}")
+    return 0
+
+
+@click.command()
+@common
+def columns(quiet: bool, json_file: Path | None) -> int:
+    """List the columns of tables with their units and names.
+
+    A header may declare a unit: alpha [deg]. --columns and --units of a command replace headers. A table with the
+    columns ET, SA, IA and FZ is read as an FSAE TTC file, by its names, in its units and in SAE signs.
+    """
+    check_output_paths(json_file)
+    from ..catalogue import columns as known_columns
+    from ..terminal import Terminal
+
+    known = known_columns()
+    write_json(json_file, {"ok": True, "columns": known})
+    rows = [
+        [each["name"], each["meaning"], each["unit"], " ".join(each["units"]), " ".join(each["ttc"]),
+         " ".join(each["aliases"])]
+        for each in known
+    ]  # fmt: skip
+    terminal = Terminal(quiet)
+    header = ["channel", "meaning", "SI unit", "units in a header", "FSAE TTC", "a message suggests it for"]
+    terminal.table("", (header, rows), most=len(rows))
     return 0

@@ -8,7 +8,17 @@ import click
 
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
-from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
+from ..arguments import (
+    FILE,
+    SIGNS,
+    Selection,
+    check_input_paths,
+    check_output_paths,
+    common,
+    grouped,
+    table_options,
+    write_json,
+)
 
 
 @click.command()
@@ -18,12 +28,13 @@ from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_path
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for report.html and the figures.")
 @click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
-@WHERE
+@table_options
 @click.option("--all", "every", is_flag=True, help="List every coefficient that differs.")
 @common
+@grouped(selection=Selection)
 def compare(
-    tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, signs: str | None, draw_signs: str | None,
-    where: str | None, every: bool, quiet: bool, json_file: Path | None,
+    tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, selection: Selection, draw_signs: str | None,
+    every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Compare TIRE with TIRE2, of any models.
 
@@ -40,11 +51,11 @@ def compare(
 
     terminal = Terminal(quiet)
     first, second = tire_from(tire), tire_from(tire2)
-    recordings = recordings_from(tables, signs=signs, where=where) if tables else []
+    recordings = recordings_from(tables, **vars(selection)) if tables else []
     terminal.selection(*recordings)
     with terminal.working("comparing"):
         result = run(first, second, recordings, names=(tire.stem, tire2.stem))
-        written = write_comparison(result, recordings, output, signs=draw_signs or signs or "iso")
+        written = write_comparison(result, recordings, output, signs=draw_signs or selection.signs or "iso")
     write_json(json_file, {**result.to_json(), "files": [str(path) for path in written]})
     terminal.print(f"verdict: {result.verdict}")
     for name, names in zip(result.names, result.effects, strict=True):
@@ -77,11 +88,12 @@ def _short(value: float | None) -> str:
 @click.option("--compare", type=FILE, help="Second tire, of any model.")
 @click.option("--fit", "fit_json", type=FILE, help="Result of 'fit --json': its 95 % intervals are marked.")
 @click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@WHERE
+@table_options
 @common
+@grouped(selection=Selection)
 def explore(
     tire: Path, tables: tuple[Path, ...], output: Path, compare: Path | None, fit_json: Path | None,
-    signs: str | None, where: str | None, quiet: bool, json_file: Path | None,
+    selection: Selection, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Write a page with sliders and curves of TIRE.
 
@@ -98,7 +110,7 @@ def explore(
 
     terminal = Terminal(quiet)
     intervals = fit_intervals(fit_json, tire) if fit_json else {}
-    recordings = recordings_from(tables, signs=signs, where=where) if tables else []
+    recordings = recordings_from(tables, **vars(selection)) if tables else []
     terminal.selection(*recordings)
     with terminal.working("writing the page"):
         run(tire, output, recordings=recordings, compare=compare, intervals=intervals)

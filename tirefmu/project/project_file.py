@@ -25,12 +25,13 @@ KINDS = {
     "number": "a number",
     "pairs": "a table of numbers, such as {Fz0 = 1000.0, R0 = 0.25}",
     "weights": 'a table of expressions and numbers, such as {"Fz in 200..240 N" = 2.0}',
+    "texts": 'a table of texts, such as {Fy = "FYC", alpha = "-SA"}',
     "flag": "true or false",
 }
 #: Types of values; those of other kinds are texts.
 TYPES: dict[str, Any] = {
     "files": list[str], "names": list[str], "number": float, "pairs": dict[str, float],
-    "weights": dict[str, float], "flag": bool,
+    "weights": dict[str, float], "texts": dict[str, str], "flag": bool,
 }  # fmt: skip
 
 
@@ -55,6 +56,8 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "tables": Key("files", meaning="Bench files."),
         "signs": Key("text", "--signs"),
         "where": Key("name or file", meaning="Rows to use: an expression, or a file with one (.where, .txt)."),
+        "columns": Key("texts", "--columns"),
+        "units": Key("texts", "--units"),
         "exclude": Key("names", meaning="Rows that no step uses: expressions."),
     },
     "fit": {
@@ -177,6 +180,8 @@ class Project:
             return ",".join(value) or "none"
         if kind == "pairs":
             return ",".join(f"{name}={number!r}" for name, number in value.items())
+        if kind == "texts":
+            return ",".join(f"{name}={text}" for name, text in value.items())
         if kind == "name or file" and self._is_file(value):
             return str(self.located(value))
         return str(value)
@@ -258,6 +263,7 @@ def project_text(
         f"tables = [{listed}]",
         f"signs = {toml_string(signs)}" if signs else f'# signs = "sae"  # default: {DEFAULT_SIGNS}',
         '# where = "t > 120 and p in 70..90 kPa"',
+        '# columns = {Fy = "FYC"}  # and units = {Fz = "lbf"}, where headers differ',
         "",
         "[fit]",
         f"model = {toml_string(model)}",

@@ -7,7 +7,7 @@ import pytest
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.measurements import (
     check_plausible,
-    convention_notes,
+    column_notes,
     coverage_notes,
     read_recording,
 )
@@ -44,7 +44,7 @@ def messages(tmp_path):
             check_plausible(recording)
         except TirefmuError as error:
             return [str(error)]
-        return convention_notes(recording) + coverage_notes(recording) + two_tires([recording])
+        return column_notes(recording) + coverage_notes(recording) + two_tires([recording])
 
     return messages_of
 
@@ -74,9 +74,9 @@ def test_a_good_table_has_no_messages(messages):
         (lambda table: table.assign(V=40.0 * 3.6 + 7.0), "V reaches 151 m/s: in km/h?"),
         # Signs
         (lambda table: table.assign(Fz=-table["Fz"]), "Fz is negative in 100 % of the rows: SAE signs? (--signs sae)"),
-        (lambda table: table.assign(Fy=-table["Fy"]), "Fy rises with alpha, in iso it falls: no convention"),
+        (lambda table: table.assign(Fy=-table["Fy"]), "in iso it falls: Fy has the other sign (--columns Fy=-Fy)"),
         (lambda table: table.assign(Mz=-table["Mz"]), "Mz falls with alpha at small angles, in iso it rises"),
-        (lambda table: table.assign(Fx=-table["Fx"]), "Fx falls with kappa, in iso it rises: no convention"),
+        (lambda table: table.assign(Fx=-table["Fx"]), "kappa has the other sign (--columns kappa=-kappa), or Fx"),
         (lambda table: table.rename(columns={"Fx": "Fy", "Fy": "Fx"}), "the columns Fx and Fy are exchanged"),
         # Rows
         (lambda table: table.assign(alpha=table["alpha"].where(table.index % 2 < 1)), "line 3: alpha is NaN (300"),

@@ -81,9 +81,10 @@ def test_names_that_are_accepted(written):
 
 
 def test_inputs_by_their_names_in_files_of_the_bench(written):
-    """The names of a quantity that the bench does not measure in SI units need a unit; outputs keep their names."""
+    """The names of a quantity that the bench does not measure in SI units need a unit."""
     read = read_recording(written("ET,SL,SA [deg],IA [deg],FZ,P [kPa],TSTC,FX\n1,0.1,90,0,900,83,61,5\n"))
-    row = {"t": 1.0, "kappa": 0.1, "alpha": np.pi / 2, "gamma": 0.0, "Fz": 900.0, "p": 83e3, "T": 61.0, "FX": 5.0}
+    row = {"t": 1.0, "kappa": 0.1, "alpha": np.pi / 2, "gamma": 0.0, "Fz": 900.0, "p": 83e3, "T": 61.0, "Fx": 5.0}
+    assert read.signs == "sae"
     assert read.table.iloc[0].to_dict() == pytest.approx(row)
     assert read.about["declared"].split() == ["alpha", "gamma", "p"]
     assert "column 'P' is not a channel" in complaint(written("alpha,P\n0.1,83\n"))
@@ -147,7 +148,7 @@ def test_bad_tables(written, text, expected):
 
 def test_files_that_are_no_tables(tmp_path, written):
     assert complaint(str(tmp_path / "none.csv")).endswith("none.csv: no such file")
-    assert "unknown kind of recording '.xlsx': known are .csv, .parquet, .mat, .dat, .tdx" in complaint("a.xlsx")
+    assert "unknown kind of recording '.xls': did you mean .xlsx? Known are .csv, .parquet" in complaint("a.xls")
     (tmp_path / "binary.csv").write_bytes(b"alpha\n\xff\xfe\x00")
     assert "not a text file" in complaint(str(tmp_path / "binary.csv"))
     (tmp_path / "folder.csv").mkdir()

@@ -9,7 +9,7 @@ import pytest
 from scipy.io import savemat
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.measurements import check_plausible, convention_notes, levels, read_recording
+from tirefmu.measurements import check_plausible, column_notes, levels, read_recording
 
 ROWS = 12
 SI = {"ET": "sec", "V": "kph", "SA": "deg", "IA": "deg", "P": "kPa", "FX": "N", "FY": "N", "FZ": "N",
@@ -164,7 +164,7 @@ def test_real_files_are_plausible_in_every_convention(measured):
     for signs in ("sae", "iso", "adapted-sae"):
         turned = measured.with_signs(signs)
         check_plausible(turned)
-        assert convention_notes(turned) == []
+        assert column_notes(turned) == []
 
 
 def test_real_files_misread_are_noticed(measured):
@@ -172,9 +172,9 @@ def test_real_files_misread_are_noticed(measured):
     with pytest.raises(DataError, match=r"Fz is negative in 100 % of the rows: SAE signs\? \(--signs sae\)"):
         check_plausible(as_iso)
     iso = measured.with_signs("iso")
-    notes = convention_notes(type(iso)(iso.table, "adapted-sae", iso.source))
+    notes = column_notes(type(iso)(iso.table, "adapted-sae", iso.source))
     assert len(notes) == 1
-    assert notes[0].endswith("the data fit iso (--signs iso)")
+    assert ": the data fit iso (--signs iso), camber thrust -1" in notes[0]
 
 
 def test_real_levels(measured):

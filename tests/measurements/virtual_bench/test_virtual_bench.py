@@ -18,8 +18,8 @@ from tirefmu.measurements import (
     VirtualBench,
     alpha_sweeps,
     check_plausible,
+    column_notes,
     concatenate,
-    convention_notes,
     kappa_sweeps,
     levels,
     small_tire_program,
@@ -67,7 +67,7 @@ def test_the_same_physics_in_every_convention(tire_signs, signs):
     assert recording.signs == signs
     pd.testing.assert_frame_equal(recording.with_signs("iso").table, reference.table)
     check_plausible(recording)
-    assert convention_notes(recording) == []
+    assert column_notes(recording) == []
 
 
 @pytest.mark.parametrize("signs", SIGNS)

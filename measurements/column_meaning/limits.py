@@ -1,4 +1,4 @@
-"""Plausibility of a recording: implausible units and loads of the wrong sign are errors."""
+"""Values that no bench gives in the declared units: they are errors wherever a table is read."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from ..thresholds import (
     SMALLEST_LOAD,
     SMALLEST_PRESSURE,
 )
-from .convention import fitting_conventions
 
 #: The probable unit of values beyond the limits of a channel.
 _PROBABLE_UNITS = {
@@ -136,7 +135,7 @@ def _wrong_load_sign(recording: Recording) -> Iterator[str]:
     share = float(np.mean(load * expected < 0.0))
     if share > MAX_WRONG_LOADS:
         sign, advice = (
-            ("positive", f"not SAE? (--signs {' or '.join(fitting_conventions(recording) or ('iso', 'adapted-sae'))})")
+            ("positive", "not SAE? (--signs iso or adapted-sae)")
             if recording.signs == "sae"
             else ("negative", "SAE signs? (--signs sae)")
         )

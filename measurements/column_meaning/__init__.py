@@ -1,0 +1,1 @@
+"""What each column of a recording means: unit, sign and quantity, from what tires do."""
