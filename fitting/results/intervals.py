@@ -97,6 +97,7 @@ def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, lev
         at = _place(tire, quantity, each.channel, inputs) if each.own else None
         if at is not None:
             own = in_adapted[list(each.names)].to_numpy().T
+            at = at[[tire.inputs.index(name) for name in each.features.names]]  # effects added later have further ones
             variance += each.variance(own, value, at) - each.variance(own, 0.0 * value, at)
     error = np.sqrt(np.maximum(variance, 0.0))
     written = convert_signs(pd.DataFrame({quantity: value}), formula, signs)[quantity].to_numpy()

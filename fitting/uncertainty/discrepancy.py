@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import nnls
-from scipy.stats import gamma, norm, t
+from scipy.special import gammaincc, ndtri, stdtrit
 
 from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem
@@ -38,7 +38,7 @@ SLOW, FAST_ROWS, FAST = (0.01, 0.5), 3.0, 0.0015
 #: The forces: what changes the friction of a tire changes both, so that both have the larger error.
 FORCES = ("Fx", "Fy")
 #: Normal quantile of 95 % intervals.
-QUANTILE = float(norm.ppf(0.975))
+QUANTILE = float(ndtri(0.975))
 #: Least number of rows.
 MIN_ROWS = 200
 
@@ -47,10 +47,12 @@ MIN_ROWS = 200
 class Features:
     """Random cosines of scaled inputs.
 
+    - `names`: the inputs.
     - `lower`, `half`, shape (n_inputs,): the middle of each input's range is ``lower + half``.
     - `waves`, shape (n_inputs, FEATURES); 0 for an input that does not vary. `phases`, shape (FEATURES,).
     """
 
+    names: tuple[str, ...]
     lower: FloatArray
     half: FloatArray
     waves: FloatArray
@@ -65,7 +67,7 @@ class Features:
         varies = half > 0.005 * np.abs(inputs).max(axis=1)
         scale = np.repeat([[SLIP_SCALE] * 2 if name in SLIPS else SCALES for name in names], FEATURES // 2, axis=1)
         waves = np.where(varies[:, None], rng.standard_normal((len(names), FEATURES)) / scale, 0.0)
-        return cls(lower, np.where(varies, half, 1.0), waves, rng.uniform(0.0, 2.0 * np.pi, FEATURES))
+        return cls(tuple(names), lower, np.where(varies, half, 1.0), waves, rng.uniform(0.0, 2.0 * np.pi, FEATURES))
 
     def at(self, inputs: FloatArray) -> FloatArray:
         """Return the features at inputs of shape (n_inputs, n), shape (n, FEATURES); mean square 1."""
@@ -221,7 +223,7 @@ def _estimated(
     scale = 1.0 / np.sqrt(matrix.diagonal())
     variances = nnls(matrix * np.outer(scale, scale), excess * scale)[0] * scale
     variances *= [_for_few(a.T @ b) for a, b in zip(left, weighted, strict=True)]
-    chances = gamma.sf(excess + expected, (expected / deviation) ** 2, scale=deviation**2 / expected)
+    chances = gammaincc((expected / deviation) ** 2, (excess + expected) * expected / deviation**2)
     return float(variances[0] ** 0.5), float(variances[1] ** 0.5), float(chances[0]), float(chances[1])
 
 
@@ -233,7 +235,7 @@ def _for_few(left: FloatArray) -> float:
     """
     squares = np.linalg.eigvalsh(left) ** 2
     freedom = float(np.sum(squares) ** 2 / np.sum(squares**2))
-    return float((t.ppf(0.975, freedom) / QUANTILE) ** 2)
+    return float((stdtrit(freedom, 0.975) / QUANTILE) ** 2)
 
 
 def _rows(rows: Rows, chosen: npt.NDArray[np.int64]) -> Rows:

@@ -12,7 +12,7 @@ from .traits import ONE_SIDED, VANISHED, WRONG_THRUST, Traits, traits_of
 
 #: Logarithm of the odds from which another reading of a table is clearly better than the claimed one, its cost
 #: included, and up to which two readings cannot be told apart.
-CLEARLY, HARDLY = 2.0, 3.0
+CLEARLY, HARDLY = 4.0, 3.0
 #: Hypotheses of one fault each that are combined with a second and a third one.
 COMBINED = 6
 #: Largest number of faults of one table.

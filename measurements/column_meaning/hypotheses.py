@@ -73,7 +73,7 @@ def hypotheses(recording: Recording) -> Iterator[Hypothesis]:
     """Yield what may be wrong with a table, one fault each; channels that the user asserts are right."""
     asserted = recording.about.get("asserted", "").split()
     present = [name for name in CHANNELS if name in recording.table and name not in asserted]
-    for signs in SIGNS:
+    for signs in SIGNS if {*MIRRORED} & {*present} else ():  # a convention turns channels that are not asserted
         if signs != recording.signs:
             yield Hypothesis(signs, cost=CONVENTION_COST)
     for name in present:

@@ -170,9 +170,12 @@ def _moment_sizes(rows: SampledRows, side: float) -> Iterator[tuple[str, float]]
     if abs(side) <= STRONG_CORRELATION:
         return
     free = rows.near_zero("kappa")
+    # Rows that do not determine the cornering stiffness do not determine the trail either.
+    known = np.isfinite(rows.slope("Fy", "alpha", free & rows.near_zero("alpha", least=0.0)))
     for size, moment, chosen in (("trail", "Mz", free & rows.near_zero("alpha")), ("arm", "Mx", free)):
         # The slope of a moment that does not follow the force is noise.
-        if moment in rows and abs(rows.correlation("Fy", moment, chosen)) > WEAK_CORRELATION:
+        follows = moment in rows and abs(rows.correlation("Fy", moment, chosen)) > WEAK_CORRELATION
+        if follows and (known or size != "trail"):
             yield size, rows.slope(moment, "Fy", chosen)
         elif moment in rows and "Fz" in rows:
             yield f"{moment}/Fz", float(np.nanquantile(np.abs(rows[moment] / rows.load), 0.98))

@@ -132,7 +132,8 @@ def test_tables_that_cannot_be_fitted(known, make):
         (DataError, "Fz is negative in 100 %", table.assign(Fz=-table["Fz"])),
         (DataError, "no rows", table[:0]),
         (DataError, "no measured output", table.drop(columns="Fy")),
-        (FitError, "nothing to fit", table.assign(alpha=0.0)),
+        (DataError, "alpha is constant although Fy changes", table.assign(alpha=0.0)),
+        (FitError, "nothing to fit", table.assign(alpha=0.0, Fy=0.0 * table["Fy"])),
         (FitError, "specify --nominal Fz0", table.drop(columns="Fz")),
     ]
     for kind, message, odd in cases:

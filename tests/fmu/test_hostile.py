@@ -74,7 +74,7 @@ def temporary(tmp_path, monkeypatch):
 
 @pytest.fixture
 def table():
-    return pd.DataFrame({"t": [0.0, 0.1, 0.2], "alpha": [0.0, 0.01, 0.02], "Fy": [0.0, 10.0, 20.0]})
+    return pd.DataFrame({"t": [0.0, 0.1, 0.2], "alpha": [0.0, 0.01, 0.02], "Fy": [0.0, -10.0, -20.0]})
 
 
 @pytest.mark.parametrize(

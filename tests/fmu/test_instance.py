@@ -26,7 +26,8 @@ FULL_POINT = POINT | {"p": 2.1e5, "V": 21.0}
 
 
 def direct(tire, **inputs):
-    return np.array([float(force) for force in tire.forces(**inputs).values()])
+    rows = {name: np.atleast_1d(value) for name, value in inputs.items()}  # as an array: no range is checked
+    return np.array([force.item() for force in tire.forces(**rows).values()])
 
 
 def distance(found, expected):
