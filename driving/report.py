@@ -24,7 +24,7 @@ def write_drive(answer: Drive, path: str | Path, *, command: str = "") -> None:
     path = path_from(path)
     content: dict[str, Any] = answer.to_json()
     page = page_text(
-        "tirefmu.driving", {"short": "{:.4g}".format}, answer=content, entries=ENTRIES, simulated=SIMULATED,
+        "tirefmu.driving", {"short": _short}, answer=content, entries=ENTRIES, simulated=SIMULATED,
         figures=drive_figures(answer),
         origin=[("log", answer.log.source), ("car", answer.car.source), ("command", command or "tirefmu.drive")],
     )  # fmt: skip
@@ -32,3 +32,7 @@ def write_drive(answer: Drive, path: str | Path, *, command: str = "") -> None:
         write_page(page, path)
     except OSError as error:
         raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def _short(number: float | None) -> str:
+    return "-" if number is None else f"{number:.4g}"

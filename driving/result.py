@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,11 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import TirefmuError, path_from
+from tirefmu.boundary.json_schema import json_value
 from tirefmu.measurements import Recording, write_table
 from tirefmu.tires import Tire
 
+from .drive_content import VERSION, CarEntry, DriveContent
 from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
@@ -76,32 +78,32 @@ class Drive:
         return Recording(self.wheels, "iso", f"drive {Path(self.log.source).name}")
 
     def to_json(self) -> dict[str, Any]:
-        """Return the answer as numbers and texts."""
+        """Return the contents of drive.json; a number that does not exist is null."""
         deviation = np.sqrt(np.diag(self.estimate.covariance))
         values = self.unknowns.car_values(self.estimate.z)
-        entries = {
+        entries: dict[str, CarEntry] = {
             name: {
                 "value": values[name], "uncertainty": float(self.unknowns.spread[i] * deviation[i]),
                 "given": self.car.values[name], "given_uncertainty": self.car.uncertainties[name],
             }
             for i, name in enumerate(self.unknowns.car)
         }  # fmt: skip
-        return {
+        content: DriveContent = {
+            "version": VERSION,
             "ok": self.ok,
             "verdict": list(self.verdict.lines),
             "log": self.log.source,
             "duration": len(self.grid.t) * self.grid.step,
-            "factors": {
-                axle: {name: asdict(factor) for name, factor in of.items()} for axle, of in self.factors.items()
-            },
-            "found": [asdict(finding) for finding in self.verdict.tires],
+            "factors": self.factors,
+            "found": self.verdict.tires,
             "unknown": bool(self.verdict.unknown),
             "unexplained": {axle: float(self.estimate.deviations[i]) for i, axle in enumerate(AXLES)},
-            "car": {"found": [asdict(finding) for finding in self.verdict.car], "entries": entries},
+            "car": {"found": self.verdict.car, "entries": entries},
             "correlations": self._correlations(),
-            "simulation": {"before": dict(self.before.rms), "after": dict(self.after.rms)},
+            "simulation": {"before": self.before.rms, "after": self.after.rms},
             "converged": self.estimate.converged,
         }
+        return dict(json_value(content))
 
     def _correlations(self) -> dict[str, dict[str, float]]:
         """Return the correlation of each determined factor with the entries of the car, where it exceeds 0.3."""

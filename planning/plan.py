@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.boundary.json_schema import json_value
 from tirefmu.fitting.evidence.residuals import Residuals
 from tirefmu.fitting.evidence.undetermined import undetermined
 from tirefmu.measurements import Recording, VirtualBench
@@ -29,6 +30,7 @@ from .information import (
     tires_around,
 )
 from .maneuvers import Maneuver, held_levels, library, neighbors
+from .plan_content import VERSION, PlanContent, Separation
 from .program import TestProgram, cost, ordered
 from .selection import Selection
 
@@ -92,21 +94,6 @@ class Prediction:
         return {n: float(d) for n, d in zip(self.experiment.free, deviation, strict=True) if d > SIZE_SHARE}
 
 
-@dataclass(frozen=True)
-class Separation:
-    """How well a program separates an effect from another one.
-
-    - `effect`, `rival`: if the tire has the effect, and the rival is fitted instead.
-    - `evidence`: expected logarithm of the likelihood ratio, for the form of the effect that is hardest to separate.
-    - `alone`: the same against a tire whose coefficients are known and that lacks the effect, for the strongest form.
-    """
-
-    effect: str
-    rival: str
-    evidence: float
-    alone: float
-
-
 @dataclass(frozen=True, eq=False)
 class PlanResult:
     """A planned program.
@@ -146,9 +133,10 @@ class PlanResult:
         return None
 
     def to_json(self) -> dict[str, Any]:
-        """Return the contents of plan.json."""
-        return {
-            "ok": True, "seconds": self.program.seconds, "steps": len(self.program.steps), "aims": list(self.aims),
+        """Return the contents of plan.json; a number that is not finite is null."""
+        content: PlanContent = {
+            "version": VERSION, "ok": True,
+            "seconds": self.program.seconds, "steps": len(self.program.steps), "aims": list(self.aims),
             "intervals": self.prediction.widths if self.prediction else {},
             "over_time": [
                 {"seconds": s, "intervals": w} for s, w in (self.prediction.over_time() if self.prediction else ())
@@ -158,8 +146,9 @@ class PlanResult:
                 "name": self.today.name, "seconds": self.today.seconds, "intervals": self.today.widths,
                 "equal_after": self.equal_after(),
             },
-            "separations": [vars(one) for one in self.separations],
+            "separations": self.separations,
         }  # fmt: skip
+        return dict(json_value(content))
 
 
 def plan(

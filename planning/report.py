@@ -62,7 +62,7 @@ def write_plan(result: PlanResult, folder: str | Path, *, command: str = "", nex
         folder.mkdir(parents=True, exist_ok=True)
         write_table(result.program.rows, paths[0])
         write_table(result.program.table, paths[1])
-        paths[2].write_text(json.dumps(result.to_json(), indent=1) + "\n", encoding="utf-8")
+        paths[2].write_text(json.dumps(result.to_json(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
         write_page(page, paths[3])
     except OSError as error:
         raise PlanError(f"{folder}: cannot be written ({error.strerror or error})") from None

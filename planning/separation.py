@@ -30,7 +30,8 @@ from tirefmu.tires import Tire, TireLike, tire_from
 from .bench_file import Bench, Heat, PlanError
 from .information import Experiment, energies, fisher, thinned, tires_around
 from .maneuvers import held_levels, library_with_memory
-from .plan import PlanResult, Progress, Separation
+from .plan import PlanResult, Progress
+from .plan_content import Separation
 from .program import TestProgram, cost, ordered
 
 FloatArray = npt.NDArray[np.float64]

@@ -12,12 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.bounded_file import read_bounded
 from tirefmu.boundary.errors import DataError
 from tirefmu.boundary.escaping import quoted
 
+FloatArray = npt.NDArray[np.float64]
 UNKNOWN = "UNKNOWN"
 VERSION = 1
 MAX_BYTES = 20_000_000

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import road
 
 import tirefmu
+from tests.json_schemas import check_file, objections
 from tirefmu.boundary.errors import DataError
 from tirefmu.cli import main
+from tirefmu.driving.report import write_drive
 from tirefmu.tires import read_tir
 
 
@@ -41,6 +44,15 @@ def test_a_delay_is_estimated(answer):
 def test_the_simulated_vehicle_is_closer_on_the_new_tires(answer):
     for name, before in answer.before.rms.items():
         assert answer.after.rms[name] < 0.7 * before, name
+
+
+def test_a_drive_too_short_to_simulate_has_an_answer_without_errors(answer, tmp_path):
+    none = replace(answer.before, rms=dict.fromkeys(answer.before.rms, float("nan")))
+    content = replace(answer, before=none).to_json()
+    assert set(content["simulation"]["before"].values()) == {None}
+    assert objections("drive", json.loads(json.dumps(content, allow_nan=False))) == []
+    write_drive(replace(answer, before=none), tmp_path / "report.html")
+    assert '<td class="n">-</td>' in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_the_forces_are_a_recording(answer, tmp_path):
@@ -92,6 +104,7 @@ def test_the_command_writes_the_answer(log, tire, tmp_path, capsys):
     assert main(["drive", *given, "--columns", "ay=AccY [g]", "-o", str(tmp_path / "answer")]) == 0
     written = {path.name for path in (tmp_path / "answer").iterdir()}
     assert written == {"drive.json", "wheels.csv", "front.tir", "rear.tir", "report.html"}
+    check_file("drive", tmp_path / "answer" / "drive.json")
     content = json.loads((tmp_path / "answer" / "drive.json").read_text(encoding="utf-8"))
     assert {"factors", "found", "unknown", "car", "simulation"} <= content.keys()
     assert set(content["factors"]["rear"]["LKY"]) >= {"value", "low", "high", "determined"}

@@ -18,6 +18,7 @@ import pandas as pd
 import pytest
 from lxml import etree
 
+from tests.json_schemas import objections
 from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu import add_proof, check, export, repeat_proof
@@ -83,6 +84,7 @@ def test_a_proof_is_repeated_with_and_without_this_program(proved, key, tmp_path
     result = repeat_proof(proved[key])
     assert (result.ok, result.rows, result.changed, result.problems) == (True, 180, (), ())
     assert result.difference < 1e-9
+    assert objections("proof", json.loads(contents(proved[key])[PROOF])) == []
     run = script(proved[key], tmp_path)
     assert run.returncode == 0, run.stderr
     assert result.digest in run.stdout

@@ -13,6 +13,7 @@ from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.cli import main
 from tirefmu.missing_effects.answers import UNKNOWN, Answer, Case, read_answer, read_cases, write_answer
 from tirefmu.missing_effects.entries import ENTRIES, NEED_EXTRA, answer_of
+from tirefmu.missing_effects.entries.problem import channels_of
 from tirefmu.missing_effects.generator.cases import made
 from tirefmu.missing_effects.generator.draws import Draws
 from tirefmu.missing_effects.generator.systems import SYSTEMS
@@ -172,6 +173,14 @@ def test_every_entry_answers(entry):
     assert all(0.0 <= value <= 1.0 for value in answer.probabilities.values())
     if entry not in ("baseline", "gaussian_process"):
         assert "coulomb_friction" in answer.found
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_projected_residual_and_features_have_nothing_that_the_base_explains(name):
+    for one in channels_of(case_of(name, {})[0]).values():
+        base = one.base[: len(one.y)] / np.linalg.norm(one.base[: len(one.y)], axis=0)
+        for projected in one.projected:
+            assert np.abs(base.T @ projected).max() < 1e-9 * np.linalg.norm(one.y / one.noise)
 
 
 def test_an_entry_without_its_packages_names_the_extra(monkeypatch):

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.json_schemas import check_file, objections
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.cli import main
 from tirefmu.demo import bench_tire
@@ -146,12 +147,18 @@ def test_errors_of_a_bench_file_name_the_key(tmp_path, old, new, message):
         read_bench(path)
 
 
+def test_a_compared_program_follows_the_schema(result):
+    assert result.to_json()["compared"]["name"]
+    assert objections("plan", result.to_json()) == []
+
+
 def test_command_writes_a_program_that_the_virtual_bench_runs(tmp_path, capsys):
     assert main(["plan", "--example"]) == 0
     bench, folder = tmp_path / "bench.toml", tmp_path / "program"
     bench.write_text(capsys.readouterr().out)
     options = ["--bench", str(bench), "--for", "stiffness", "--minutes", "3", "-o", str(folder), "--quiet"]
     assert main(["plan", "trento_hoosier", *options]) == 0
+    check_file("plan", folder / "plan.json")
     content = json.loads((folder / "plan.json").read_text())
     assert content["seconds"] <= 180.0
     assert set(content["intervals"]) == {"stiffness_x", "stiffness_y"}

@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from tests.json_schemas import objections
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.cli import main
 from tirefmu.measurements import Noise
@@ -44,6 +45,7 @@ def test_more_time_gives_more_evidence():
 
 def test_memory_needs_rates_and_the_program_has_them():
     result = plan_between("trento_hoosier", BENCH, [("slip_history", "conicity")], minutes=1.0)
+    assert objections("plan", result.to_json()) == []
     assert result.separations[0].effect == "slip_history"
     assert result.separations[0].evidence > 5.0
 

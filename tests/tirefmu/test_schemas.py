@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import json
 import re
 import tomllib
@@ -53,6 +54,10 @@ STUDY = next(block for block in BLOCKS if "[parameters]" in block)
 STATES = (ROOT / "symbolic" / "effects" / "heat_friction.toml").read_text(encoding="utf-8")
 
 
+#: SHA-256 of each version of each schema without its texts.
+DIGESTS = json.loads((Path(__file__).parent / "schema_digests.json").read_text(encoding="utf-8"))
+
+
 def read_run(path):
     """Read a project as `tirefmu run` does: the options of all steps are checked first."""
     for step in steps_of(read_project(path)):
@@ -77,6 +82,26 @@ def test_a_schema_is_valid_and_has_a_name_and_a_version(kind, command):
     assert re.fullmatch(rf"urn:tirefmu:schema:{kind}:\d+\.\d+", validator(kind).schema["$id"])
     assert json.loads(command("schema", kind).out) == validator(kind).schema
     assert kind in command("schema").out
+
+
+def without_texts(schema):
+    """Return a schema without its titles and descriptions, which say the same in other words."""
+    if isinstance(schema, dict):
+        texts = [key for key in ("title", "description") if isinstance(schema.get(key), str)]
+        return {key: without_texts(one) for key, one in schema.items() if key not in texts}
+    return [without_texts(one) for one in schema] if isinstance(schema, list) else schema
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_changed_schema_has_a_new_version(kind):
+    """Add the entry of a new version; never change that of a released one."""
+    version = validator(kind).schema["$id"].rsplit(":", 1)[1]
+    text = json.dumps(without_texts(validator(kind).schema), sort_keys=True)
+    assert DIGESTS[kind].get(version) == hashlib.sha256(text.encode()).hexdigest(), f"increment the version of {kind}"
+
+
+def test_there_is_no_digest_of_another_kind():
+    assert DIGESTS.keys() == KINDS.keys()
 
 
 def test_an_unknown_kind_is_one_line(command):

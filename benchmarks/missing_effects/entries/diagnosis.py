@@ -9,7 +9,6 @@ from __future__ import annotations
 from itertools import combinations, pairwise
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.diagnosis import diagnose
@@ -17,10 +16,9 @@ from tirefmu.diagnosis.explanations.answer import answer_of
 from tirefmu.diagnosis.explanations.evidence import NormalEquations
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, FORM_ERROR, LIKELIHOOD_POWER, UNKNOWN_ODDS, UNKNOWN_SHARE
 
-from ..answers import UNKNOWN, Answer, Case
+from ..answers import UNKNOWN, Answer, Case, FloatArray
 from .problem import Channel, channels_of, inputs_of, scaled
 
-FloatArray = npt.NDArray[np.float64]
 #: Names of effects; UNKNOWN with its variables.
 Parts = tuple[tuple[str, tuple[str, ...]], ...]
 #: Effects of an explanation; prior deviation of an effect's columns as a share of the channel; of the baseline's.

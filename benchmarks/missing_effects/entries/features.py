@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.fitting import fit
 from tirefmu.tires import Tire
 
-from ..answers import Case
+from ..answers import Case, FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 ByChannel = dict[str, FloatArray]
 #: Scales of the tire whose derivatives are the directions of friction, stiffness, trail and curvature.
 SCALES = {"mu": ("LMUX", "LMUY"), "K": ("LKX", "LKY"), "K_y": ("LKY",), "trail": ("LTR",), "E": ("LEX", "LEY")}

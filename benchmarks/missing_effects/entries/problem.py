@@ -12,14 +12,12 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
-from ..answers import UNKNOWN, Answer, Case
+from ..answers import UNKNOWN, Answer, Case, FloatArray
 from .features import tire_responses
 from .system_features import BASE, RESPONSES
 
-FloatArray = npt.NDArray[np.float64]
 #: Inputs that are no variables of an unknown effect.
 NO_VARIABLES = ("t", "phit")
 

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pysindy
 
-from ..answers import Answer, Case
+from ..answers import Answer, Case, FloatArray
 from .problem import Channel, at_least, regression
 
 #: Thresholds in noise deviations, of which held-out blocks select one; models of an ensemble; share that selects.
@@ -18,12 +18,12 @@ def answer(case: Case) -> Answer:
     return regression(case, lambda one: at_least(SHARE, inclusion(one)))
 
 
-def inclusion(one: Channel) -> npt.NDArray[np.float64]:
+def inclusion(one: Channel) -> FloatArray:
     """Return the share of the models that contain each feature, shape (f,)."""
     y, x = one.projected
     held = np.arange(len(y)) * 10 // len(y) % 5 == 2
 
-    def ensemble(rows: npt.NDArray[np.bool_], threshold: float) -> npt.NDArray[np.float64]:
+    def ensemble(rows: npt.NDArray[np.bool_], threshold: float) -> FloatArray:
         np.random.seed(1)  # PySINDy draws from this generator
         single = pysindy.STLSQ(threshold=threshold, alpha=1.0)
         optimizer = pysindy.EnsembleOptimizer(single, bagging=True, n_models=MODELS)

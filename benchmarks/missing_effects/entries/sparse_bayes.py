@@ -6,8 +6,8 @@ import numpy as np
 from scipy.stats import norm
 from sklearn.linear_model import ARDRegression
 
-from ..answers import Answer, Case
-from .problem import Channel, FloatArray, regression
+from ..answers import Answer, Case, FloatArray
+from .problem import Channel, regression
 
 #: Distance of a coefficient from zero in posterior deviations from which a feature is reported.
 DEVIATIONS = 3.0

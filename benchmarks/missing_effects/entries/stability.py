@@ -7,10 +7,9 @@ selected on each half, at most q^2 / (f (2 share - 1)) wrong ones are expected a
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from sklearn.linear_model import lars_path
 
-from ..answers import Answer, Case
+from ..answers import Answer, Case, FloatArray
 from .problem import Channel, at_least, regression
 
 #: Blocks of time; pairs of halves; features selected on a half; share of the halves that selects.
@@ -22,16 +21,13 @@ def answer(case: Case) -> Answer:
     return regression(case, lambda one: at_least(SHARE, frequency(one)))
 
 
-def frequency(one: Channel) -> npt.NDArray[np.float64]:
+def frequency(one: Channel) -> FloatArray:
     """Return the share of the halves that select each feature, shape (f,)."""
     y, x = one.projected
     used = np.flatnonzero(x.std(axis=0) > 1e-6)
     x = x[:, used] / x[:, used].std(axis=0)
-    block, rng, selected = (
-        np.arange(len(y)) * BLOCKS // len(y),
-        np.random.default_rng(1),
-        np.zeros(one.columns.shape[1]),
-    )
+    block, selected = np.arange(len(y)) * BLOCKS // len(y), np.zeros(one.columns.shape[1])
+    rng = np.random.default_rng(1)
     for _ in range(PAIRS):
         first = np.isin(block, rng.permutation(BLOCKS)[: BLOCKS // 2])
         for rows in (first, ~first):

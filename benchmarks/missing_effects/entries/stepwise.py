@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import norm
 
-from ..answers import Answer, Case
+from ..answers import Answer, Case, FloatArray
 from .problem import Channel, regression
 
 #: Largest p value of a feature, divided by the number of features (Bonferroni); largest number of features.
@@ -18,7 +17,7 @@ def answer(case: Case) -> Answer:
     return regression(case, selected)
 
 
-def selected(one: Channel) -> tuple[list[int], npt.NDArray[np.float64]]:
+def selected(one: Channel) -> tuple[list[int], FloatArray]:
     """Return the selected features and one minus the adjusted p value of each, shape (f,)."""
     y, x = one.projected
     size = np.linalg.norm(x, axis=0)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import numpy as np
-import numpy.typing as npt
 from scipy.signal import lfilter
 
-FloatArray = npt.NDArray[np.float64]
+from ..answers import FloatArray
+
 Inputs = Mapping[str, FloatArray]
 Response = Callable[[Inputs], dict[str, list[FloatArray]]]
 
