@@ -108,6 +108,11 @@ class Window:
         version, section, key = (given(message, name, str) for name in ("version", "section", "key"))
         await self._changed(self.state.set_value, version, section, key, message.get("value"))
 
+    async def do_correct(self, message: Event) -> None:
+        """Set what the columns of the tables mean: keys of [data]."""
+        version, keys = given(message, "version", str), given(message, "keys", dict)
+        await self._changed(self.state.set_values, version, "data", keys)
+
     async def do_tables(self, message: Event) -> None:
         """Set the tables of the project."""
         tables = texts(message, "tables")

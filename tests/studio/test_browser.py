@@ -14,7 +14,7 @@ import time
 import pytest
 
 from tirefmu.cli import main
-from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, kappa_sweeps, write_table
+from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, kappa_sweeps, recording_from, write_table
 from tirefmu.tires import published
 
 #: Actions by mouse and keyboard from the recordings to the FMU, and seconds: the showing of the window.
@@ -216,6 +216,34 @@ def test_errors_of_a_user_lose_nothing(studio, recordings, tmp_path_factory):
     assert page.inner_text("#verdict")
     page.click("#undo")
     studio.until(page, "document.getElementById('model').value === 'mf61'")
+
+
+def test_a_wrong_unit_is_corrected_by_a_click(studio, recordings, tmp_path_factory):
+    """The table is refused with its error; the button writes the unit; the table of columns has it."""
+    path = tmp_path_factory.mktemp("unit") / "pounds.csv"
+    table = recording_from(recordings[0]).table
+    write_table(table.assign(Fz=table["Fz"] / 4.4482216), path)
+    page = studio.open()
+    add(studio, page, path)
+    assert "Fz is in lbf" in page.inner_text("#tables .bad")
+    if folder := os.environ.get("TIREFMU_STUDIO_PICTURES"):
+        page.screenshot(path=f"{folder}/wrong_unit.png", full_page=True)
+    page.click("text=Read so: Fz is in lbf")
+    studio.until(page, "studio.state.sections.data.units?.Fz === 'lbf'")
+    studio.settled(page)
+    assert not page.locator("#tables .bad").count()
+    page.click("text=what they were taken for")
+    page.select_option("[aria-label='Unit of Fz in pounds.csv']", "")
+    studio.until(page, "!studio.state.sections.data.units")
+    studio.settled(page)
+    page.click("[aria-label='Other sign of Fy in pounds.csv']")
+    studio.until(page, "studio.state.sections.data.columns?.Fy === '-Fy'")
+    studio.settled(page)
+    assert "Fy has the other sign" in page.inner_text("#tables .bad")
+    if folder:
+        page.screenshot(path=f"{folder}/meanings.png", full_page=True)
+    studio.type(page, "[aria-label='Column of Fy in pounds.csv']", "")
+    studio.until(page, "!studio.state.sections.data.columns")
 
 
 def test_sliders_move_curves_and_errors(studio, tmp_path_factory):
