@@ -16,7 +16,7 @@ from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import quoted
 from tirefmu.measurements.interpretation import Interpretation
 from tirefmu.measurements.row_selection.expression import parse_selection
-from tirefmu.project.project_file import SECTIONS, Project, checked_project, project_text
+from tirefmu.project.project_file import SECTIONS, Project, checked_project
 from tirefmu.tires.drawing.whole_file import write_whole
 
 #: Folder of the window in that of the project: earlier project files, and the fits that were kept.
@@ -36,17 +36,15 @@ class Stale(TirefmuError):
 class ProjectState:
     """The project file of a window. Every change is in the file when it is confirmed.
 
-    `path`: of the project file; a new one is written if it does not exist. Steps name their files as seen from the
-    current folder: `tirefmu run` there finds the results of the window up to date.
+    `path`: of the project file, which may have no tables yet. Steps name their files as seen from the current folder:
+    `tirefmu run` there finds the results of the window up to date. Raises `TirefmuError` if the file is invalid.
     """
 
     def __init__(self, path: Path) -> None:
         self.path, self.folder = path, path.parent
         self.history = self.folder / FOLDER / HISTORY
         self.history.mkdir(parents=True, exist_ok=True)
-        if not self.path.exists():
-            write_whole(self.path, project_text([], "mf61", {}, None, None).encode())
-        self.project()  # raises for an invalid file
+        self.project()
 
     def text(self) -> str:
         """Return the text of the file."""
