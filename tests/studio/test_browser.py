@@ -140,6 +140,7 @@ def test_from_two_recordings_to_an_fmu(studio, recordings, monkeypatch):
     began = time.monotonic()
     page = studio.open()
     add(studio, page, *recordings)
+    page.locator("#time-chart").scroll_into_view_if_needed()
     box = page.locator("#time-chart .u-over").bounding_box()
     studio.actions += 1
     page.mouse.move(box["x"] + 5, box["y"] + 50)
@@ -160,7 +161,13 @@ def test_from_two_recordings_to_an_fmu(studio, recordings, monkeypatch):
     assert page.inner_text("#verdict").startswith("tire usable")
     studio.click(page, "#tab-export")
     studio.settled(page)
+    for name in ("convert-adams", "generate-cpp"):
+        studio.click(page, f"#{name}")
+        studio.until(page, f"studio.state.steps.some((step) => step.name === '{name.replace('-', ' ')}')")
+        studio.settled(page)
     studio.work(page, "#run-export")
+    assert (studio.folder / "results" / "tire_adams.tir").is_file()
+    assert "code in cpp" in page.inner_text("#results")
     assert "FMU check passed" in page.inner_text("#results")
     seconds = time.monotonic() - began
     print(f"\nfrom two recordings to an FMU: {studio.actions} actions, {seconds:.1f} s")
@@ -306,10 +313,15 @@ def test_pages_have_no_accessibility_findings(studio, recordings, width):
     page = studio.open(width=width)
     add(studio, page, *recordings)
     page.keyboard.press("Tab")
+    page.locator("summary").first.click()  # the table of columns
     page.locator("#tab-data").focus()
     for name in ("data", "fit", "compare", "diagnose", "export"):
         if name == "fit":
             studio.until(page, "studio.tabs.fit.errors")
+            page.select_option("#model", "mf96")
+            studio.settled(page)
+            studio.work(page, "#run-fit")  # the other tabs have something to show
+            page.locator("#tab-fit").focus()
         studio.settled(page)
         assert page.get_attribute(f"#tab-{name}", "aria-selected") == "true"
         violations = axe.Axe().run(page).response["violations"]

@@ -11,6 +11,7 @@ import pytest
 from tirefmu.cli import main
 from tirefmu.evaluation import predicted_outputs
 from tirefmu.measurements import recording_from, write_table
+from tirefmu.project.records import Records
 from tirefmu.project.steps import steps_of
 from tirefmu.tires import published, read_tir
 
@@ -217,3 +218,32 @@ def test_the_step_that_the_window_runs_is_that_of_the_command(window, monkeypatc
     assert [each["status"] for each in others] == [None] * len(others)
     assert [each["name"] for each in (inspect, *others)] == [step.name for step in steps_of(window.state.project())]
     assert window.page.call("run", steps=["rm"])["error"]
+
+
+def test_property_files_and_code_are_steps_of_the_project(window):
+    """The page offers what the commands write; a choice is a line of the project file; their files are listed."""
+    page = window.page
+    exports = page.result("choices")["exports"]
+    assert ("adams" in exports["convert"], "cpp" in exports["generate"]) == (True, True)
+    for key, name in (("convert", "adams"), ("generate", "cpp")):
+        assert page.edit("set", section="export", key=key, value=[name])["result"] is None
+        assert page.edit("set", section="export", key=key, value=["../x"])["error"]
+    assert 'convert = ["adams"]' in window.state.text()
+    results = window.state.folder / "results"
+    results.mkdir()
+    published("trento_hoosier").save(results / "tire.tir")
+    records = Records.of(window.state.project().folder)
+    for step in steps_of(window.state.project()):
+        if step.command in ("convert", "generate"):
+            records.add(step, main([step.command, *step.arguments]))
+        elif step.command == "fit":  # the tire is that of the fit
+            for path in step.outputs:
+                path.touch()
+            records.add(step, 0)
+    shown = {each["command"]: each for each in page.result("state")["steps"]}
+    assert shown["convert"]["files"] == ["convert_adams.json", "tire_adams.tir"]
+    assert {"generate_cpp.json"} < set(shown["generate"]["files"])
+    assert (shown["convert"]["headline"], shown["generate"]["headline"]) == (
+        "property file, model mf52", "code in cpp")  # fmt: skip
+    for name in shown["generate"]["files"]:
+        assert window.client.get(f"/{TOKEN}/results/{name}").status_code == 200

@@ -127,8 +127,9 @@ def run(
 ) -> int:  # fmt: skip
     """Run the steps of PROJECT that are out of date.
 
-    The steps of a project file: inspect, fit, explore, export, check, diagnose, and a page over all results. Only steps
-    whose command, input files or results have changed are repeated. Exit code 1 if a check of a step failed.
+    The steps of a project file: inspect, fit, explore, export, convert, generate, check, diagnose, and a page over all
+    results. Only steps whose command, input files or results have changed are repeated. Exit code 1 if a check of a
+    step failed.
     """
     check_output_paths(json_file)
     from ..project.limited import run_limited
