@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -25,9 +26,13 @@ from tirefmu.measurements import (
     held_levels,
     recording_from,
 )
+from tirefmu.measurements.column_meaning.check import MAX_READINGS
+from tirefmu.measurements.column_meaning.explanation import explanation
+from tirefmu.measurements.column_meaning.meanings import column_meanings
 from tirefmu.measurements.inspection.inspection import inspect
-from tirefmu.measurements.inspection.tables import TEXTS, channel_table, title
+from tirefmu.measurements.inspection.tables import channel_table, title
 from tirefmu.measurements.row_selection.selected import matching
+from tirefmu.measurements.units import UNITS_OF_TABLES
 from tirefmu.project.project_file import Project
 from tirefmu.tires.drawing.labels import drawn_unit, per_si
 
@@ -40,8 +45,8 @@ GRID = ("Fz", "gamma", "p")
 
 
 @lru_cache(maxsize=32)
-def _read(path: Path, changed: int, size: int, signs: str | None) -> Recording:
-    return recording_from(path, signs=signs)
+def _read(path: Path, changed: int, size: int, meaning: str) -> Recording:
+    return recording_from(path, **json.loads(meaning))
 
 
 def recording_of(path: Path, project: Project) -> Recording:
@@ -50,7 +55,8 @@ def recording_of(path: Path, project: Project) -> Recording:
         status = path.stat()
     except OSError as error:
         raise TirefmuError(f"{path}: cannot be read ({error.strerror or error})") from error
-    return _read(path, status.st_mtime_ns, status.st_size, project.get("data", "signs"))
+    meaning = {key: project.get("data", key) for key in ("signs", "columns", "units")}
+    return _read(path, status.st_mtime_ns, status.st_size, json.dumps(meaning))
 
 
 def selected_recordings(project: Project, *, fitted: bool) -> list[Recording]:
@@ -105,7 +111,7 @@ def tables_view(project: Project) -> list[dict[str, Any]]:
 
 
 def _table_view(path: Path, recording: Recording | str, common: Sequence[str], project: Project) -> dict[str, Any]:
-    shown: dict[str, Any] = {"name": path.name}
+    shown: dict[str, Any] = {"name": path.name, "meanings": _meanings(recording, project)}
     if isinstance(recording, str):
         return shown | {"error": recording}
     try:
@@ -118,12 +124,59 @@ def _table_view(path: Path, recording: Recording | str, common: Sequence[str], p
         "title": title(found),
         "signs": recording.signs,
         "counts": states.counts,
-        "columns": {"header": header, "rows": rows, "texts": sorted(TEXTS.intersection(header))},
+        "columns": {"header": header, "rows": rows},
+        "corrections": corrections(recording, project),
         "channels": [name for name in CHANNELS if name in recording.table and name != "t"],
         "ignored": [excerpt(name, 40) for name in map(str, recording.table.columns) if name not in CHANNELS][:50],
-        "findings": [str(each) for each in data_findings([recording])],
+        "findings": [{"text": str(each), "serious": each.serious} for each in data_findings([recording])],
         "grid": condition_grid(recording, states, common),
     }
+
+
+def _meanings(recording: Recording | str, project: Project) -> list[dict[str, Any]]:
+    """Return what each column was taken for, and what the project has in its place."""
+    found = {} if isinstance(recording, str) else {each.channel: each for each in column_meanings(recording)}
+    columns, units = project.get("data", "columns", {}), project.get("data", "units", {})
+    return [
+        {
+            "channel": name,
+            "taken_for": found[name].taken_for if name in found else "no column",
+            "evidence": found[name].evidence if name in found else "",
+            "column": columns.get(name, ""),
+            "unit": units.get(name, ""),
+            "units": list(UNITS_OF_TABLES.get(channel.quantity, ())),
+        }
+        for name, channel in CHANNELS.items()
+    ]
+
+
+def corrections(recording: Recording, project: Project) -> list[dict[str, Any]]:
+    """Return the readings that explain a refused table: each in words, with the keys of ``[data]`` that apply it."""
+    columns, units = project.get("data", "columns", {}), project.get("data", "units", {})
+    found = []
+    for each in explanation(recording).better[:MAX_READINGS]:
+        reading = each.hypothesis
+        keys: dict[str, Any] = {"signs": reading.signs} if reading.signs != recording.signs else {}
+        if reading.interpretation.columns:
+            keys["columns"] = columns | {
+                name: _composed(columns, source) for name, source in reading.interpretation.columns.items()
+            }
+        if reading.interpretation.units:
+            keys["units"] = units | dict(reading.interpretation.units)
+        found.append({"text": reading.described(recording.signs), "keys": keys})
+    return found
+
+
+def _composed(columns: Mapping[str, str], source: str) -> str:
+    """Return the column of the file that has a channel, or with a minus the channel with the other sign.
+
+    >>> _composed({"Fy": "-FYC"}, "-Fy"), _composed({"Fy": "FYC"}, "-Fy"), _composed({}, "Fx")
+    ('FYC', '-FYC', 'Fx')
+    """
+    name = source.removeprefix("-")
+    column = columns.get(name, name)
+    reversed_sign = source.startswith("-") != column.startswith("-")
+    return f"{'-' if reversed_sign else ''}{column.removeprefix('-')}"
 
 
 def series(recording: Recording, channel: str, project: Project) -> dict[str, Any]:

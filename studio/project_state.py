@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,9 @@ from tomlkit import TOMLDocument
 from tirefmu.boundary.bounded_file import toml_content, toml_file
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import quoted
+from tirefmu.measurements.interpretation import Interpretation
 from tirefmu.measurements.row_selection.expression import parse_selection
-from tirefmu.project.project_file import SECTIONS, Project, checked_project, project_text
+from tirefmu.project.project_file import SECTIONS, Project, checked_project
 from tirefmu.tires.drawing.whole_file import write_whole
 
 #: Folder of the window in that of the project: earlier project files, and the fits that were kept.
@@ -35,17 +36,15 @@ class Stale(TirefmuError):
 class ProjectState:
     """The project file of a window. Every change is in the file when it is confirmed.
 
-    `path`: of the project file; a new one is written if it does not exist. Steps name their files as seen from the
-    current folder: `tirefmu run` there finds the results of the window up to date.
+    `path`: of the project file, which may have no tables yet. Steps name their files as seen from the current folder:
+    `tirefmu run` there finds the results of the window up to date. Raises `TirefmuError` if the file is invalid.
     """
 
     def __init__(self, path: Path) -> None:
         self.path, self.folder = path, path.parent
         self.history = self.folder / FOLDER / HISTORY
         self.history.mkdir(parents=True, exist_ok=True)
-        if not self.path.exists():
-            write_whole(self.path, project_text([], "mf61", {}, None, None).encode())
-        self.project()  # raises for an invalid file
+        self.project()
 
     def text(self) -> str:
         """Return the text of the file."""
@@ -85,17 +84,39 @@ class ProjectState:
         write_whole(self.path, after.encode())
 
     def set_value(self, version: str, section: str, key: str, value: Any) -> None:
-        """Set a key, or remove it if the value is None. Raises as `change`, and `UnknownName` for an unknown key."""
-        given = {} if value is None else {key: value}
+        """Set a key, or remove it if the value is None. Raises as `set_values`."""
+        self.set_values(version, section, {key: value})
+
+    def set_values(self, version: str, section: str, values: Mapping[str, Any]) -> None:
+        """Set keys of a section in one change; None removes a key.
+
+        Raises as `change`, and `UnknownName` for an unknown key, channel or unit.
+        """
+        given = {key: value for key, value in values.items() if value is not None}
         checked_project(self.path, {section: given}, empty=True)  # raises for an unknown name or a wrong kind
+        for key, value in given.items():
+            self._check(section, key, value)
+
+        def edit(document: TOMLDocument) -> None:
+            for key, value in values.items():
+                _set(document, section, key, value)
+
+        self.change(version, edit)
+
+    def _check(self, section: str, key: str, value: Any) -> None:
+        """Raise for a value of the right kind that the window does not set."""
         if (section, key) in FIXED:
             raise TirefmuError(f"[{section}] {key} is changed in the project file only")
-        if (section, key) in EXPRESSIONS and isinstance(value, list):
+        if (section, key) in EXPRESSIONS:
             for each in value:
-                parse_selection(each if isinstance(each, str) else "")
-        if SECTIONS[section][key].kind == "name or file" and isinstance(value, str):
+                parse_selection(each)
+        kind = SECTIONS[section][key].kind
+        if kind == "name or file":
             self.check_inside(value)
-        self.change(version, lambda document: _set(document, section, key, value))
+        if kind == "texts":
+            Interpretation(**{key: value})  # raises for an unknown channel or unit
+            if wrong := [each for each in value.values() if not each.strip("- ") or "," in each]:
+                raise TirefmuError(f"[{section}] {key}: {quoted(wrong[0])} is empty or has a comma")
 
     def set_tables(self, version: str, tables: Sequence[str]) -> None:
         """Set the tables: those of the project in another order, fewer, or files in its folder."""

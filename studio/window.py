@@ -17,7 +17,8 @@ from tirefmu.diagnosis.probing.candidates import candidates_for
 from tirefmu.explorer.fit_intervals import fit_intervals
 from tirefmu.fitting.problem.recipe import RECIPES
 from tirefmu.measurements.files.reading import READERS
-from tirefmu.project.records import Records
+from tirefmu.project.project_file import SECTIONS
+from tirefmu.project.records import Records, files_of
 from tirefmu.project.steps import Step, reads_results, steps_of
 from tirefmu.project.summaries import headline_of, summary_of
 from tirefmu.symbolic.models import MODELS, model_named
@@ -32,7 +33,7 @@ from .work import Work
 T = TypeVar("T")
 Event = dict[str, Any]
 #: Steps that the window runs.
-STEPS = ("inspect", "fit", "explore", "export", "check", "diagnose")
+STEPS = ("inspect", "fit", "explore", "export", "convert", "generate", "check", "diagnose")
 #: s between two looks at the project file and at the completed stages of a fit.
 INTERVAL = 0.1
 #: Name of the tire whose fit is running, or will be.
@@ -100,6 +101,7 @@ class Window:
             "models": {name: each.title for name, each in MODELS.items()},
             "effects": [{key: each[key] for key in ("name", "kind", "physics")} for each in found],
             "default": sorted(model.default_effects),
+            "exports": {name: list(SECTIONS["export"][name].names) for name in ("convert", "generate")},
             "recipes": sorted({*RECIPES, *model.fit.recipes} - {"family"}),
         }
 
@@ -107,6 +109,11 @@ class Window:
         """Set a key of the project file; null removes it."""
         version, section, key = (given(message, name, str) for name in ("version", "section", "key"))
         await self._changed(self.state.set_value, version, section, key, message.get("value"))
+
+    async def do_correct(self, message: Event) -> None:
+        """Set what the columns of the tables mean: keys of [data]."""
+        version, keys = given(message, "version", str), given(message, "keys", dict)
+        await self._changed(self.state.set_values, version, "data", keys)
 
     async def do_tables(self, message: Event) -> None:
         """Set the tables of the project."""
@@ -347,7 +354,7 @@ def _step(step: Step, status: int | None, folder: Path) -> Event:
     except (OSError, ValueError, KeyError, TypeError) as error:
         shown |= {"headline": f"result cannot be read: {excerpt(error)}", "rating": "bad", "summary": []}
     files = [step.page, *step.outputs] if step.page else step.outputs
-    named = [path for path in files if path.is_file() and path.is_relative_to(folder)]
+    named = [path for each in files for path in files_of(each) if path.is_file() and path.is_relative_to(folder)]
     shown["files"] = list(dict.fromkeys(path.relative_to(folder).as_posix() for path in named))
     return shown
 

@@ -9,6 +9,7 @@ const SELECTIONS = { exclude: ["data", "exclude", "Excluded"], hold_out: ["fit",
 class DataTab {
   constructor(studio) {
     this.studio = studio;
+    this.opened = new Set();
     this.chart = new TimeChart(find("time-chart"), (first, last) => this.setRows(first, last));
     find("upload").addEventListener("change", (event) => this.upload([...event.target.files]));
     const drop = find("drop");
@@ -59,19 +60,53 @@ class DataTab {
       this.studio.edit("tables", { tables });
     });
     const card = element("article", { class: "table" }, element("h2", {}, element("span", {}, table.name), remove));
-    if (table.error) {
-      card.append(element("p", { class: "bad" }, table.error));
-      return card;
+    if (table.error) card.append(element("p", { class: "bad" }, table.error));
+    for (const each of table.findings ?? []) card.append(element("p", { class: each.serious ? "bad" : "warning" }, each.text));
+    for (const { text, keys } of table.corrections ?? []) {
+      const apply = element("button", { type: "button", class: "first" }, `Read so: ${text}`);
+      apply.addEventListener("click", () => this.studio.edit("correct", { keys }));
+      card.append(element("p", {}, apply));
     }
+    card.append(this.meanings(table));
+    if (table.error) return card;
     const counts = Object.entries(table.counts).map(([state, rows]) => `${state}: ${rows}`).join(", ");
     card.append(element("p", {}, table.title), element("p", {}, counts));
-    for (const each of table.findings) card.append(element("p", { class: "warning" }, each));
     const columns = element("table");
     fillTable(columns, table.columns.header, table.columns.rows);
     const ignored = table.ignored.length ? [element("p", {}, `Columns that are not used: ${table.ignored.join(", ")}`)] : [];
     const wide = element("div", { class: "wide", tabindex: "0", role: "group", "aria-label": `Columns of ${table.name}` }, columns);
-    card.append(element("details", {}, element("summary", {}, `Columns of ${table.name}: what they were taken for`), wide, ...ignored));
+    card.append(element("details", {}, element("summary", {}, `Ranges of ${table.name}`), wide, ...ignored));
     return card;
+  }
+
+  /** Return the table of channels: what each was taken for, with column, sign and unit to correct. */
+  meanings(table) {
+    const shown = element("table", { class: "meanings" });
+    const rows = table.meanings.map((each) => {
+      const { channel, column, unit } = each;
+      const source = element("input", { type: "text", value: column, placeholder: channel, "aria-label": `Column of ${channel} in ${table.name}` });
+      const turn = element("button", { type: "button", "aria-label": `Other sign of ${channel} in ${table.name}`, "aria-pressed": String(column.startsWith("-")) }, "\u00b1");
+      const units = element("select", { "aria-label": `Unit of ${channel} in ${table.name}` });
+      fillChoice(units, ["", ...new Set([...each.units, ...(unit ? [unit] : [])])].map((name) => [name, name || "as read"]), unit);
+      source.addEventListener("change", () => this.correct("columns", channel, source.value.trim()));
+      turn.addEventListener("click", () => this.correct("columns", channel, column === `-${channel}` ? "" : column.startsWith("-") ? column.slice(1) : `-${column || channel}`));
+      units.addEventListener("change", () => this.correct("units", channel, units.value));
+      return [channel, each.taken_for, element("span", {}, source, " ", turn), units, each.evidence];
+    });
+    fillTable(shown, ["channel", "taken for", "column", "unit", "evidence"], rows);
+    const wide = element("div", { class: "wide", tabindex: "0", role: "group", "aria-label": `Meaning of the columns of ${table.name}` }, shown);
+    const note = element("p", { class: "note" }, "A correction is for all tables of the project. Column: its name in the file; none: it is not read.");
+    const details = element("details", {}, element("summary", {}, `Columns of ${table.name}: what they were taken for`), note, wide);
+    details.open = this.opened.has(table.name);
+    details.addEventListener("toggle", () => this.opened[details.open ? "add" : "delete"](table.name));
+    return details;
+  }
+
+  /** Set or remove the column or the unit of a channel in the project file. */
+  correct(key, channel, value) {
+    const { [channel]: _, ...others } = this.studio.state.sections.data?.[key] ?? {};
+    const values = value ? { ...others, [channel]: value } : others;
+    this.studio.edit("correct", { keys: { [key]: Object.keys(values).length ? values : null } });
   }
 
   async showTable() {

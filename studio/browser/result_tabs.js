@@ -1,6 +1,7 @@
 "use strict";
 
 const FMI = [["3", "3.0"], ["2", "2.0"]];
+const EXPORT_STEPS = ["export", "convert", "generate", "check", "explore", "inspect"];
 const INPUTS = ["slip", "wheel", "hub", "hub-torque"].map((name) => [name, name]);
 
 /** Return the card of a step: what it found, and its files. */
@@ -30,7 +31,7 @@ class ExportTab {
       const value = event.target.valueAsNumber;
       studio.set("check", "tolerance", Number.isFinite(value) ? value : null);
     });
-    find("run-export").addEventListener("click", () => studio.run(["export", "check", "explore", "inspect"]));
+    find("run-export").addEventListener("click", () => studio.run(EXPORT_STEPS.filter((name) => studio.state.steps.some((step) => step.command === name))));
   }
 
   async refresh() {
@@ -39,7 +40,21 @@ class ExportTab {
     fillChoice(find("inputs"), INPUTS, sections.export?.inputs ?? "slip");
     find("tolerance").value = sections.check?.tolerance ?? "";
     find("run-export").disabled = this.studio.running || !steps.length;
+    const { exports } = await this.studio.call("choices");
+    for (const [key, names] of Object.entries(exports)) find(`export-${key}`).replaceChildren(...names.map((name) => this.box(key, name)));
     find("results").replaceChildren(...steps.filter((each) => each.command !== "diagnose").map(stepCard));
+  }
+
+  /** Return the box of a program or language of a list of [export]. */
+  box(key, name) {
+    const chosen = this.studio.state.sections.export?.[key] ?? [];
+    const box = element("input", { type: "checkbox", id: `${key}-${name}` });
+    box.checked = chosen.includes(name);
+    box.addEventListener("change", () => {
+      const names = box.checked ? [...chosen, name] : chosen.filter((each) => each !== name);
+      this.studio.set("export", key, names.length ? names : null);
+    });
+    return element("label", { class: "check" }, box, ` ${name}`);
   }
 }
 

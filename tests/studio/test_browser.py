@@ -14,7 +14,7 @@ import time
 import pytest
 
 from tirefmu.cli import main
-from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, kappa_sweeps, write_table
+from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, kappa_sweeps, recording_from, write_table
 from tirefmu.tires import published
 
 #: Actions by mouse and keyboard from the recordings to the FMU, and seconds: the showing of the window.
@@ -140,6 +140,7 @@ def test_from_two_recordings_to_an_fmu(studio, recordings, monkeypatch):
     began = time.monotonic()
     page = studio.open()
     add(studio, page, *recordings)
+    page.locator("#time-chart").scroll_into_view_if_needed()
     box = page.locator("#time-chart .u-over").bounding_box()
     studio.actions += 1
     page.mouse.move(box["x"] + 5, box["y"] + 50)
@@ -160,7 +161,13 @@ def test_from_two_recordings_to_an_fmu(studio, recordings, monkeypatch):
     assert page.inner_text("#verdict").startswith("tire usable")
     studio.click(page, "#tab-export")
     studio.settled(page)
+    for name in ("convert-adams", "generate-cpp"):
+        studio.click(page, f"#{name}")
+        studio.until(page, f"studio.state.steps.some((step) => step.name === '{name.replace('-', ' ')}')")
+        studio.settled(page)
     studio.work(page, "#run-export")
+    assert (studio.folder / "results" / "tire_adams.tir").is_file()
+    assert "code in cpp" in page.inner_text("#results")
     assert "FMU check passed" in page.inner_text("#results")
     seconds = time.monotonic() - began
     print(f"\nfrom two recordings to an FMU: {studio.actions} actions, {seconds:.1f} s")
@@ -216,6 +223,34 @@ def test_errors_of_a_user_lose_nothing(studio, recordings, tmp_path_factory):
     assert page.inner_text("#verdict")
     page.click("#undo")
     studio.until(page, "document.getElementById('model').value === 'mf61'")
+
+
+def test_a_wrong_unit_is_corrected_by_a_click(studio, recordings, tmp_path_factory):
+    """The table is refused with its error; the button writes the unit; the table of columns has it."""
+    path = tmp_path_factory.mktemp("unit") / "pounds.csv"
+    table = recording_from(recordings[0]).table
+    write_table(table.assign(Fz=table["Fz"] / 4.4482216), path)
+    page = studio.open()
+    add(studio, page, path)
+    assert "Fz is in lbf" in page.inner_text("#tables .bad")
+    if folder := os.environ.get("TIREFMU_STUDIO_PICTURES"):
+        page.screenshot(path=f"{folder}/wrong_unit.png", full_page=True)
+    page.click("text=Read so: Fz is in lbf")
+    studio.until(page, "studio.state.sections.data.units?.Fz === 'lbf'")
+    studio.settled(page)
+    assert not page.locator("#tables .bad").count()
+    page.click("text=what they were taken for")
+    page.select_option("[aria-label='Unit of Fz in pounds.csv']", "")
+    studio.until(page, "!studio.state.sections.data.units")
+    studio.settled(page)
+    page.click("[aria-label='Other sign of Fy in pounds.csv']")
+    studio.until(page, "studio.state.sections.data.columns?.Fy === '-Fy'")
+    studio.settled(page)
+    assert "Fy has the other sign" in page.inner_text("#tables .bad")
+    if folder:
+        page.screenshot(path=f"{folder}/meanings.png", full_page=True)
+    studio.type(page, "[aria-label='Column of Fy in pounds.csv']", "")
+    studio.until(page, "!studio.state.sections.data.columns")
 
 
 def test_sliders_move_curves_and_errors(studio, tmp_path_factory):
@@ -278,10 +313,15 @@ def test_pages_have_no_accessibility_findings(studio, recordings, width):
     page = studio.open(width=width)
     add(studio, page, *recordings)
     page.keyboard.press("Tab")
+    page.locator("summary").first.click()  # the table of columns
     page.locator("#tab-data").focus()
     for name in ("data", "fit", "compare", "diagnose", "export"):
         if name == "fit":
             studio.until(page, "studio.tabs.fit.errors")
+            page.select_option("#model", "mf96")
+            studio.settled(page)
+            studio.work(page, "#run-fit")  # the other tabs have something to show
+            page.locator("#tab-fit").focus()
         studio.settled(page)
         assert page.get_attribute(f"#tab-{name}", "aria-selected") == "true"
         violations = axe.Axe().run(page).response["violations"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tirefmu.boundary.errors import TirefmuError, UnknownName
+from tirefmu.cli import main
 
 pytest.importorskip("tomlkit", reason="the extra studio is not installed")
 from tirefmu.studio.project_state import ProjectState, Stale
@@ -105,6 +106,20 @@ def test_tables_outside_the_folder_are_those_that_the_user_named(state, bench_fi
     assert state.project().get("data", "tables") == [str(bench_file)]
 
 
-def test_a_new_project_has_no_table(tmp_path):
-    state = ProjectState(tmp_path / "tirefmu.toml")
-    assert state.project().get("data", "tables") == []
+def test_a_new_project_has_no_table_and_its_schema_beside_it(tmp_path, bench_file, monkeypatch):
+    """The first line of the file, and the schema, are those that `tirefmu init` writes."""
+    served = []
+    monkeypatch.setattr("tirefmu.studio.serve.serve", lambda state, opened: served.append(state))
+    for name in ("window", "command"):
+        (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path / "window")
+    assert main(["studio", "--no-browser"]) == 0
+    assert served[0].project().get("data", "tables") == []
+    assert main(["init", str(bench_file), "-o", str(tmp_path / "command" / "tirefmu.toml"), "--quiet"]) == 0
+    names = ("tirefmu-project.schema.json", "tirefmu.toml")
+    new, init = ([(tmp_path / folder / name).read_text() for name in names] for folder in ("window", "command"))
+    assert new[0] == init[0]
+    assert new[1].splitlines()[0] == init[1].splitlines()[0] == "#:schema ./tirefmu-project.schema.json"
+    text = served[0].text()
+    assert main(["studio", "--no-browser"]) == 0
+    assert served[1].text() == text

@@ -10,13 +10,15 @@ import pytest
 
 from tirefmu.cli import main
 from tirefmu.evaluation import predicted_outputs
-from tirefmu.measurements import recording_from
+from tirefmu.measurements import recording_from, write_table
+from tirefmu.project.records import Records
 from tirefmu.project.steps import steps_of
 from tirefmu.tires import published, read_tir
 
 from .conftest import ORIGIN, SOCKET, TOKEN, Page
 
 pytest.importorskip("starlette", reason="the extra studio is not installed")
+from tirefmu.studio.data_view import recording_of
 
 
 def test_the_tables_are_shown_with_the_state_of_each_row(window):
@@ -51,6 +53,49 @@ def test_a_table_that_cannot_be_read_has_its_error_and_can_be_removed(window):
     assert "bad.csv: line 2" in bad["error"]
     assert window.page.edit("tables", tables=["run.csv"])["result"] is None
     assert len(window.page.result("data")) == 1
+
+
+def test_a_wrong_unit_is_refused_with_a_correction_that_the_project_file_has(window):
+    """The advice of the refusal, applied, is the reading of the right table; the table shows it."""
+    path = window.state.folder / "run.csv"
+    right = recording_from(path).table
+    table = right.assign(Fz=right["Fz"] / 4.4482216152605)
+    write_table(table, path)
+    (shown,) = window.page.result("data")
+    assert any("Fz is in lbf" in each["text"] and each["serious"] for each in shown["findings"])
+    correction = {each["text"]: each for each in shown["corrections"]}["Fz is in lbf"]
+    assert correction["keys"] == {"units": {"Fz": "lbf"}}
+    window.page.edit("correct", keys=correction["keys"])
+    assert 'units = {Fz = "lbf"}' in window.state.text()
+    (shown,) = window.page.result("data")
+    assert not [each for each in shown["findings"] if each["serious"]]
+    assert shown["corrections"] == []
+    meanings = {each["channel"]: each for each in shown["meanings"]}
+    assert (meanings["Fz"]["taken_for"], meanings["Fz"]["unit"]) == ("wheel load, lbf", "lbf")
+    read = recording_of(path, window.state.project()).table["Fz"]
+    np.testing.assert_allclose(read, right["Fz"], rtol=1e-9)
+
+
+def test_columns_and_signs_are_corrected_together(window):
+    """Corrections of a table that has another correction already are composed with it."""
+    path = window.state.folder / "run.csv"
+    right = recording_from(path).table
+    write_table(right.rename(columns={"Fy": "FYC", "Mz": "MZC"}).assign(MZC=-right["Mz"]), path)
+    assert "Fy" not in window.page.result("data")[0].get("channels", ())
+    window.page.edit("correct", keys={"columns": {"Fy": "FYC", "Mz": "MZC"}})
+    (shown,) = window.page.result("data")
+    (correction,) = shown["corrections"]
+    assert correction["keys"]["columns"] == {"Fy": "FYC", "Mz": "-MZC"}
+    window.page.edit("correct", keys=correction["keys"])
+    assert not window.page.result("data")[0]["corrections"]
+    read = recording_of(path, window.state.project()).table
+    for name in ("Fy", "Mz"):
+        np.testing.assert_array_equal(read[name], right[name])
+    text = window.state.text()
+    for keys in ({"units": {"Fz": "m"}}, {"units": {"F": "N"}}, {"columns": {"Fy": "-"}}, {"tables": ["/etc/passwd"]},
+                 {"columns": {"Fy": "a,Fz=b"}}, {"signs": 3}, {"nothing": "x"}):  # fmt: skip
+        assert window.page.edit("correct", keys=keys)["error"], keys
+    assert window.state.text() == text
 
 
 def test_uploads_are_new_files_of_known_kinds_in_the_folder(window):
@@ -145,7 +190,7 @@ def test_a_thousand_malformed_messages_change_nothing(window):
     odd = [None, True, -1, 0, 2**70, 1e308, "", "x", "a\0b", "../x", "/etc/passwd", [], [[]], ["x"], [1], {},
            {"a": "b"}, {"a": 1.0}, "\ud800", "live", "result", "9" * 5000]  # fmt: skip
     names = ["version", "section", "key", "value", "tables", "table", "first", "last", "how", "channel", "tire",
-             "model", "effects", "values", "condition", "steps", "fit", "text", "id"]  # fmt: skip
+             "model", "effects", "values", "keys", "condition", "steps", "fit", "text", "id"]  # fmt: skip
     actions = [each for each in window.server.window._actions if each not in ("run", "stop")]
     for _ in range(1000):
         message = {name: rng.choice(odd) for name in rng.sample(names, rng.randrange(len(names)))}
@@ -173,3 +218,32 @@ def test_the_step_that_the_window_runs_is_that_of_the_command(window, monkeypatc
     assert [each["status"] for each in others] == [None] * len(others)
     assert [each["name"] for each in (inspect, *others)] == [step.name for step in steps_of(window.state.project())]
     assert window.page.call("run", steps=["rm"])["error"]
+
+
+def test_property_files_and_code_are_steps_of_the_project(window):
+    """The page offers what the commands write; a choice is a line of the project file; their files are listed."""
+    page = window.page
+    exports = page.result("choices")["exports"]
+    assert ("adams" in exports["convert"], "cpp" in exports["generate"]) == (True, True)
+    for key, name in (("convert", "adams"), ("generate", "cpp")):
+        assert page.edit("set", section="export", key=key, value=[name])["result"] is None
+        assert page.edit("set", section="export", key=key, value=["../x"])["error"]
+    assert 'convert = ["adams"]' in window.state.text()
+    results = window.state.folder / "results"
+    results.mkdir()
+    published("trento_hoosier").save(results / "tire.tir")
+    records = Records.of(window.state.project().folder)
+    for step in steps_of(window.state.project()):
+        if step.command in ("convert", "generate"):
+            records.add(step, main([step.command, *step.arguments]))
+        elif step.command == "fit":  # the tire is that of the fit
+            for path in step.outputs:
+                path.touch()
+            records.add(step, 0)
+    shown = {each["command"]: each for each in page.result("state")["steps"]}
+    assert shown["convert"]["files"] == ["convert_adams.json", "tire_adams.tir"]
+    assert {"generate_cpp.json"} < set(shown["generate"]["files"])
+    assert (shown["convert"]["headline"], shown["generate"]["headline"]) == (
+        "property file, model mf52", "code in cpp")  # fmt: skip
+    for name in shown["generate"]["files"]:
+        assert window.client.get(f"/{TOKEN}/results/{name}").status_code == 200

@@ -210,6 +210,8 @@ def test_texts_of_results_do_not_change_the_page(project, monkeypatch, text):
         ("data = 3", "data is a section"),
         ('[data]\ntables = "a.csv"', "[data] tables is 'a.csv': expected a list of paths"),
         ('[data]\ntables = ["a.csv"]\n[fit]\nmodle = "mf61"', "key of [fit] of PATH 'modle': did you mean model?"),
+        ('[data]\ntables = ["a.csv"]\n[export]\nconvert = ["adam"]', "convert of PATH 'adam': did you mean adams?"),
+        ('[data]\ntables = ["a.csv"]\n[export]\ngenerate = ["../x"]', "name in [export] generate of PATH '../x'"),
         ('[data]\ntables = ["a.csv"]\n[fit]\nnominal = {Fz0 = nan}', "expected a table of numbers"),
         ('[data]\ntables = ["a.csv"]\n[diagnose]\nrun = 1', "expected true or false"),
         ('[data]\ntables = ["a.csv"]\n[fit]\ncross_validate = 1', "step fit: Invalid value for '--cross-validate': 1"),
@@ -265,10 +267,20 @@ def test_init_and_run(command, bench_csv, tmp_path):
     arguments = ("init", bench_csv, "--model", "mf96", "--nominal", "Fz0=220,R0=0.23", "--effects", EFFECTS, "-o", path)
     assert command(*arguments).status == 0
     assert command(*arguments).err.count("exists already") == 1
-    path.write_text(path.read_text().replace("run = true", "run = false"))
+    text = path.read_text().replace(
+        '# convert = ["adams"]  # property files; generate', 'convert = ["adams"]\ngenerate'
+    )
+    path.write_text(text.replace("]: code", "]  # code").replace("run = true", "run = false"))
     first = command("run", path)
-    begun = [line.split(maxsplit=1)[1] for line in first.err.splitlines() if re.match(r"\d/5 ", line)]
-    assert begun == ["inspect", "fit", "explore", "export", "check bench"]
+    begun = [line.split(maxsplit=1)[1] for line in first.err.splitlines() if re.match(r"\d/7 ", line)]
+    steps = ["inspect", "fit", "explore", "export", "convert adams", "generate cpp", "check bench"]
+    assert begun == steps
+    (tmp_path / "direct").mkdir()
+    for arguments in (("convert", "--for", "adams"), ("generate", "--language", "cpp")):
+        written, output = {"convert": "tire_adams.tir", "generate": "code_cpp"}[arguments[0]], tmp_path / "direct"
+        assert command(*arguments, tmp_path / "results" / "tire.tir", "-o", output / written).status == 0
+        for each in filter(Path.is_file, [output / written, *(output / written).rglob("*")]):
+            assert each.read_bytes() == (tmp_path / "results" / each.relative_to(output)).read_bytes()
     assert "; stage 2 of " in first.err  # what a fit reports
     assert command("run", path, "--quiet", "--force").err == ""
     assert first.status in (0, 1)
@@ -276,7 +288,7 @@ def test_init_and_run(command, bench_csv, tmp_path):
     second = command("run", path, "--json", tmp_path / "run.json")
     assert second.status == first.status
     summary = json.loads((tmp_path / "run.json").read_text())
-    assert [each["name"] for each in summary["steps"]] == ["inspect", "fit", "explore", "export", "check bench"]
+    assert [each["name"] for each in summary["steps"]] == steps
     assert not any(each["repeated"] for each in summary["steps"])
     assert summary["ok"] is (first.status == 0)
     page = Path(summary["index"]).read_text(encoding="utf-8")

@@ -68,7 +68,6 @@ def init(
 
     from ..catalogue import effects as found_effects
     from ..project.project_file import project_text
-    from ..schemas import schema
     from ..terminal import Terminal
 
     chosen = model or DEFAULT_MODEL
@@ -81,12 +80,17 @@ def init(
         if name not in possible:
             raise UnknownName(f"effect of {chosen}", name, possible)
     paths = [_relative(table, output.parent) for table in tables]
-    write_toml(
-        output, project_text(paths, chosen, nominal or {}, effects, signs), schema("project", all_commands(context))
-    )
+    _write_project(context, output, project_text(paths, chosen, nominal or {}, effects, signs))
     write_json(json_file, {"ok": True, "project": str(output), "tables": paths, "model": chosen})
     Terminal(quiet).print(f"project: {output}; edit it and run: {command_text('run', output)}")
     return 0
+
+
+def _write_project(context: click.Context, path: Path, text: str) -> None:
+    """Write a project file and its JSON Schema beside it."""
+    from ..schemas import schema
+
+    write_toml(path, text, schema("project", all_commands(context)))
 
 
 def _asked(model: str | None, nominal: dict[str, float] | None) -> tuple[tuple[Path, ...], str, dict[str, float]]:
@@ -123,8 +127,9 @@ def run(
 ) -> int:  # fmt: skip
     """Run the steps of PROJECT that are out of date.
 
-    The steps of a project file: inspect, fit, explore, export, check, diagnose, and a page over all results. Only steps
-    whose command, input files or results have changed are repeated. Exit code 1 if a check of a step failed.
+    The steps of a project file: inspect, fit, explore, export, convert, generate, check, diagnose, and a page over all
+    results. Only steps whose command, input files or results have changed are repeated. Exit code 1 if a check of a
+    step failed.
     """
     check_output_paths(json_file)
     from ..project.limited import run_limited
@@ -173,7 +178,8 @@ def run(
 @click.argument("given", metavar="[FILES]...", type=FILE, nargs=-1)
 @click.option("--project", type=FILE, default=DEFAULT, show_default=True, help="Project file; written if missing.")
 @click.option("--no-browser", is_flag=True, help="Print the address only.")
-def studio(given: tuple[Path, ...], project: Path, no_browser: bool) -> int:
+@click.pass_context
+def studio(context: click.Context, given: tuple[Path, ...], project: Path, no_browser: bool) -> int:
     """Open a window to work in: data, fit, comparison, diagnosis, export.
 
     FILES are bench files that are added to the project. The window is a page in the browser, served on this computer
@@ -189,11 +195,14 @@ def studio(given: tuple[Path, ...], project: Path, no_browser: bool) -> int:
     from tirefmu.studio.project_state import ProjectState
     from tirefmu.studio.serve import serve
 
+    from ..project.project_file import project_text
     from ..terminal import Terminal
 
     for path in given:
         if not path.is_file():
             raise TirefmuError(f"{path}: no such file")
+    if not project.exists():
+        _write_project(context, project, project_text([], DEFAULT_MODEL, {}, None, None))
     state = ProjectState(project)
     state.add_named([_relative(path, state.folder) for path in given])
     terminal = Terminal()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,9 @@ from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.boundary.escaping import quoted, toml_string
 from tirefmu.boundary.json_schema import document, is_of, object_schema, schema_of
+from tirefmu.hosts.dialects import HOSTS
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
+from tirefmu.symbolic.printers.languages import LANGUAGES
 
 #: Default time limit of a diagnosis, seconds. Judgement: longer than all other steps of a measured recording together.
 TIME_LIMIT = 900.0
@@ -37,11 +39,15 @@ TYPES: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Key:
-    """A key of the project file: the kind of its value, and the option of the command that takes it, or its meaning."""
+    """A key of the project file: the kind of its value, and the option of the command that takes it, or its meaning.
+
+    `names`: the possible names of a list; empty if they depend on other values.
+    """
 
     kind: str
     option: str = ""
     meaning: str = ""
+    names: Collection[str] = ()
 
     @property
     def type(self) -> Any:
@@ -85,6 +91,8 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "platforms": Key("text", "--platforms"),
         "kind": Key("text", "--kind"),
         "proof": Key("name or file", "--proof"),
+        "convert": Key("names", meaning="Programs for which property files are written.", names=tuple(HOSTS)),
+        "generate": Key("names", meaning="Languages in which code is written.", names=tuple(LANGUAGES)),
     },
     "check": {"tolerance": Key("number", "--tolerance")},
     "diagnose": {
@@ -218,6 +226,10 @@ def checked_project(path: Path, content: Mapping[str, Any], *, empty: bool = Fal
             if not is_of(value, SECTIONS[section][name].type):
                 kind = KINDS[SECTIONS[section][name].kind]
                 raise TirefmuError(f"{path}: [{section}] {name} is {quoted(value)}: expected {kind}")
+            possible = SECTIONS[section][name].names
+            for each in value if possible else ():
+                if each not in possible:
+                    raise UnknownName(f"name in [{section}] {name} of {path}", each, possible)
     if not content.get("diagnose", {}).get("time_limit", TIME_LIMIT) > 0:
         raise TirefmuError(f"{path}: [diagnose] time_limit is not positive: a number of seconds is expected")
     if not empty and not content.get("data", {}).get("tables"):
@@ -278,6 +290,7 @@ def project_text(
         'inputs = "slip"  # or "wheel", "hub", "hub-torque"',
         '# fmi = "3"',
         '# platforms = "all"',
+        '# convert = ["adams"]  # property files; generate = ["cpp"]: code',
         '# proof = "none"  # or a table; by default the first one, whose inputs become part of the FMU',
         "",
         "[check]",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -54,6 +54,7 @@ def steps_of(project: Project) -> list[Step]:
         _step(folder, "fit", fit_options, tables, (*given, *project.files_of("fit")), report, tire),
         _step(folder, "explore", explore_options, (tire, *tables), (tire, fitted, *given), explorer),
         _export(project, tire, fmu, fitted, given),
+        *_for_programs(project, folder, tire),
     ]
     for table, label in zip(tables, labels(tables), strict=True):
         page = folder / f"check_{label}.html"
@@ -96,6 +97,17 @@ def _export(project: Project, tire: Path, fmu: Path, fitted: Path, given: tuple[
         options += ["--fit", str(fitted), *project.data_options()]
         inputs = (tire, fitted, *given, *project.files_of("export"))
     return _step(fmu.parent, "export", [*options, "-o", str(fmu)], (tire,), inputs, None, fmu)
+
+
+def _for_programs(project: Project, folder: Path, tire: Path) -> Iterator[Step]:
+    """Yield the steps that write property files and code."""
+    for host in dict.fromkeys(project.get("export", "convert", ())):
+        file = folder / f"tire_{host}.tir"
+        yield _step(folder, "convert", ["--for", host, "-o", str(file)], (tire,), (tire,), None, file, label=host)
+    for language in dict.fromkeys(project.get("export", "generate", ())):
+        label = file_name(language)
+        code, options = folder / f"code_{label}", ["--language", language]
+        yield _step(folder, "generate", [*options, "-o", str(code)], (tire,), (tire,), None, code, label=label)
 
 
 def _step(

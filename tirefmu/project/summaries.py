@@ -56,6 +56,8 @@ _HEADLINES: dict[str, Callable[[Mapping[str, Any]], tuple[str, bool]]] = {
     "fit": _fit_headline,
     "explore": lambda result: ("page with sliders", False),
     "export": lambda result: (f"FMU for FMI {result['fmi']}", False),
+    "convert": lambda result: (f"property file, model {result['model']}", bool(result["findings"])),
+    "generate": lambda result: (f"code in {result['language']}", False),
     "check": _check_headline,
     "diagnose": _diagnose_headline,
 }
@@ -92,6 +94,17 @@ def _export(result: Mapping[str, Any]) -> Iterator[str]:
     yield f"{result['inputs']} inputs, {result['bytes'] / 1024:.0f} KB"
 
 
+def _convert(result: Mapping[str, Any]) -> Iterator[str]:
+    if result["refitted"]:
+        yield "coefficients fitted to the forces of the tire"
+    yield from (f"{name}: RMS error {error:.2%}" for name, error in result["errors"].items())
+    yield from (f"{each['severity']}: {each['text']}" for each in result["findings"])
+
+
+def _generate(result: Mapping[str, Any]) -> Iterator[str]:
+    yield f"{len(result['files'])} files"
+
+
 def _check(result: Mapping[str, Any]) -> Iterator[str]:
     for name, each in result["channels"].items():
         yield f"{name}: RMSE {_short(each['rmse'])} {each['unit']}, R2 {_short(each['r2'])}"
@@ -112,5 +125,6 @@ def _short(value: float | None) -> str:
 
 
 _SUMMARIES = {
-    "inspect": _inspect, "fit": _fit, "explore": _explore, "export": _export, "check": _check, "diagnose": _diagnose,
+    "inspect": _inspect, "fit": _fit, "explore": _explore, "export": _export, "convert": _convert,
+    "generate": _generate, "check": _check, "diagnose": _diagnose,
 }  # fmt: skip
