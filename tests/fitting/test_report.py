@@ -149,6 +149,19 @@ def test_the_file_is_self_contained(side_fit, tmp_path):
             assert value.startswith(("data:image/png;base64,", "#")), value[:60]
 
 
+def test_a_result_writes_its_report_from_the_recordings(side_fit, tmp_path):
+    result, recording = side_fit
+    path = tmp_path / "report.html"
+    result.report(path, recording)
+    text = path.read_text(encoding="utf-8")
+    assert f"Fit of {result.tire.name or result.tire.model}" in text
+    assert recording.source in text
+    assert result.coefficients[0].name in text
+    with pytest.raises(FitError):
+        result.report(tmp_path / "none.html", [])
+    assert not (tmp_path / "none.html").exists()
+
+
 def test_a_report_that_cannot_be_written(side_fit, tmp_path):
     result, recording = side_fit
     with pytest.raises(FitError, match=r"no/report\.html: cannot be written"):
