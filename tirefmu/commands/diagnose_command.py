@@ -135,8 +135,8 @@ def diagnose(
     written_names = [*written.values(), *(f"{one.name}.toml" for one in result.proposed)]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
     tire, fmu = output / "improved.tir", output / "improved.fmu"
-    following = ("check", fmu, table, *selection.arguments) if fmus else ("export", tire, "-o", fmu)
-    terminal.print(f"next: {command_text(*following)}")
+    check, export = ("check", fmu, table, *selection.arguments), ("export", tire, "-o", fmu)
+    terminal.print(f"next: {command_text(*(str(each) for each in (check if fmus else export)))}")
     return 0 if ok else 1
 
 
