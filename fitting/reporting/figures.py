@@ -110,6 +110,7 @@ def figures_of(
         ("pure_Fx", "Pure longitudinal force", comparison.pure("Fx", "kappa")),
         ("pure_Fy", "Pure side force", comparison.pure("Fy", "alpha")),
         ("pure_Mz", "Aligning moment at pure side slip", comparison.pure("Mz", "alpha")),
+        ("pure_Mx", "Overturning moment at pure side slip", comparison.pure("Mx", "alpha")),
         ("combined", "Forces at combined slip", comparison.combined()),
     ]
     drawn = [

@@ -34,6 +34,11 @@ from .report_text import (
 
 #: Magnitude from which a correlation of two coefficients is listed, and the largest number of listed pairs.
 CORRELATED, MAX_PAIRS = 0.9, 20
+#: The figures whose first panels begin the report, by title.
+OVERVIEW = {
+    "Forces at all measured loads": ("pure_Fy", "pure_Fx"),
+    "Moments at all measured loads": ("pure_Mz", "pure_Mx"),
+}
 
 
 def write_report(
@@ -105,15 +110,16 @@ def report_page(
     )  # fmt: skip
 
 
-def overview(figures: Sequence[Figure]) -> Figure | None:
-    """Return Fy over alpha and Fx over kappa at all measured loads, side by side; None without such curves."""
-    first = {each.name: each for each in figures if each.name in ("pure_Fy", "pure_Fx") and each.panels}
-    panels = tuple(first[name].panels[0] for name in ("pure_Fy", "pure_Fx") if name in first)
-    return (
-        Figure("overview", "Forces at all measured loads", (panels,), next(iter(first.values())).note)
-        if first
-        else None
-    )
+def overview(figures: Sequence[Figure]) -> list[Figure]:
+    """Return the curves in pure slip at all measured loads, side by side: those of forces, and those of moments."""
+    first = {each.name: each for each in figures if each.panels}
+    found = []
+    for title, names in OVERVIEW.items():
+        shown = [first[name] for name in names if name in first]
+        if shown:
+            panels = tuple(each.panels[0] for each in shown)
+            found.append(Figure("overview", title, (panels,), shown[0].note))
+    return found
 
 
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import nan
@@ -210,6 +211,27 @@ class FitResult:
             The file to write.
         """
         self.tire.save(path)
+
+    def report(self, path: str | Path, recordings: TableLike | Iterable[TableLike]) -> None:
+        """Write the report of the fit: one HTML page with verdict, figures, tables.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file to write.
+        recordings : path, DataFrame or Recording, or a sequence of them
+            The fitted recordings, which the result does not contain.
+
+        Raises
+        ------
+        FitError
+            If the file cannot be written.
+        DataError
+            If a recording cannot be read, or lacks the measured outputs.
+        """
+        from ..reporting.report import write_report  # imports matplotlib, which is slow
+
+        write_report(self, recordings, path, findings=self.data_findings)
 
     def channel(self, recording: str, channel: str) -> ChannelFit:
         """Return the goodness of fit of a channel of a recording."""

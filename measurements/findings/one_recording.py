@@ -41,6 +41,7 @@ def findings_of(recording: Recording, *, alone: bool) -> Iterator[Finding]:
     `alone`: whether it is the only recording; otherwise a suggested selection applies to its file only.
     """
     yield from _missing_slips(recording)
+    yield from _assumed_camber(recording)
     yield from _unread_channels(recording)
     yield from incomplete_rows(recording)
     yield from _repeated_rows(recording)
@@ -61,6 +62,18 @@ def _missing_slips(recording: Recording) -> Iterator[Finding]:
                 f"and every row counts as {slip} = 0",
                 serious=True,
             )
+
+
+def _assumed_camber(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if an output that camber changes was measured, and there is no column of camber."""
+    table = recording.table
+    measured = [name for name in _CAUSED["alpha"] if name in table and table[name].notna().any()]
+    if measured and "gamma" not in table:
+        yield Finding(
+            "assumed camber",
+            f"{recording.source}: no column gamma: 0 deg assumed; if the tire was cambered, "
+            f"{' and '.join(measured)} would be wrong by the effect of camber",
+        )
 
 
 def _unread_channels(recording: Recording) -> Iterator[Finding]:

@@ -23,7 +23,8 @@ from tirefmu.symbolic.models import MODELS
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 #: Pages whose blocks run in their order, in a folder of their own.
-EXECUTED = ["quick_start.md", *sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))]
+TUTORIALS = sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))
+EXECUTED = ["quick_start.md", "python.md", *TUTORIALS]
 
 
 GENERATED = runpy.run_path(str(DOCS / "reference_pages.py"))

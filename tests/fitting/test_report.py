@@ -149,6 +149,33 @@ def test_the_file_is_self_contained(side_fit, tmp_path):
             assert value.startswith(("data:image/png;base64,", "#")), value[:60]
 
 
+def test_a_result_writes_its_report_from_the_recordings(side_fit, tmp_path):
+    result, recording = side_fit
+    path = tmp_path / "report.html"
+    result.report(path, recording)
+    text = path.read_text(encoding="utf-8")
+    assert f"Fit of {result.tire.name or result.tire.model}" in text
+    assert recording.source in text
+    assert result.coefficients[0].name in text
+    with pytest.raises(FitError):
+        result.report(tmp_path / "none.html", [])
+    assert not (tmp_path / "none.html").exists()
+
+
+def test_curves_of_moments_are_behind_a_tab_and_printed(side_fit):
+    result, _ = side_fit
+    panel = Panel("alpha (deg)", "Fy (N)", ())
+    curves = [Figure(name, name, ((panel,),)) for name in ("pure_Fx", "pure_Fy", "pure_Mz", "pure_Mx")]
+    page = Page(report_page(result, curves))
+    inputs = [value for tag, name, value in page.attributes if (tag, name) == ("input", "id")]
+    labels = [value for tag, name, value in page.attributes if (tag, name) == ("label", "for")]
+    assert inputs == labels == ["overview-1", "overview-2"]
+    pictures = [value for tag, name, value in page.attributes if (tag, name) == ("img", "alt")]
+    assert pictures == ["Forces at all measured loads", "Moments at all measured loads"]
+    alone = Page(report_page(result, curves[:2]))
+    assert not [each for each in alone.attributes if each[0] == "input"]
+
+
 def test_a_report_that_cannot_be_written(side_fit, tmp_path):
     result, recording = side_fit
     with pytest.raises(FitError, match=r"no/report\.html: cannot be written"):

@@ -77,9 +77,9 @@ def test_a_truth_value_of_numpy_is_no_text(tmp_path):
 
 def test_the_report_has_the_figures_of_the_folder(chain):
     page = (chain[0] / "report.html").read_text(encoding="utf-8")
-    files = list((chain[0] / "figures").iterdir())
-    assert page.count('class="panels"') == 1 + len(files)  # the curves of the first screen are no file
-    assert page.count("data:image/png;base64,") == 1
+    tabs = page.count('type="radio"')  # the curves of forces and of moments, in addition
+    assert page.count('class="panels"') == len(list((chain[0] / "figures").iterdir())) + tabs
+    assert page.count("data:image/png;base64,") == tabs == 2
 
 
 def test_the_fit_is_the_same_everywhere(chain):

@@ -84,6 +84,43 @@ def test_the_example_prints_the_fit_of_its_recording(folder, command):
     assert command(*shlex.split(line)[1:-2]).status in (0, 1)  # without the report, which takes longer than the fit
 
 
+def following(printed):
+    """Return the arguments of the command that a command prints last."""
+    last = printed.strip().splitlines()[-1]
+    assert last.startswith("next: ")
+    line = last.removeprefix("next: ")
+    accepted(line)
+    return shlex.split(line)[1:]
+
+
+def test_each_step_prints_the_next_one_which_runs(folder, command):
+    """From the recording to the check of the FMU, by the printed commands alone."""
+    table = folder / HOSTILE
+    late(0.0).to_csv(table, index=False)
+    arguments = ["inspect", table, "--where", "t > 1"]
+    steps = []
+    while len(steps) < 6 and arguments:
+        done = command(*arguments)
+        steps.append(str(arguments[0]))
+        assert done.status in (0, 1), done.err
+        arguments = following(done.out) if "next: " in done.out else []
+    assert steps[:2] == ["inspect", "fit"]
+    assert steps[2:] in (["export"], ["diagnose", "check"])
+    assert list(folder.rglob("*.fmu"))
+
+
+@pytest.mark.parametrize(("option", "steps"), [((), "check"), (("--no-fmu",), "export")])
+def test_a_diagnosis_prints_the_next_step_which_runs(folder, command, option, steps):
+    late(0.15).to_csv(folder / HOSTILE, index=False)
+    given = ["--model", "mf61", "--nominal", "Fz0=800,R0=0.25", "--candidates", "relax_lat", "--where", "t > 1"]
+    done = command("diagnose", HOSTILE, *given, "-o", "an answer", *option)
+    assert done.status == 0, done.err
+    arguments = following(done.out)
+    assert arguments[0] == steps
+    last = command(*arguments)
+    assert last.status == 0, last.err
+
+
 def test_init_prints_the_run_of_its_project(folder, command):
     (folder / HOSTILE).write_text("alpha,Fz,Fy\n0,900,0\n", encoding="utf-8")
     (line,) = re.findall("run: (.*)", command("init", HOSTILE, "-o", "my project.toml").out)

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.escaping import command_text
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from ..arguments import (
@@ -133,6 +134,9 @@ def diagnose(
         terminal.print(line)
     written_names = [*written.values(), *(f"{one.name}.toml" for one in result.proposed)]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
+    tire, fmu = output / "improved.tir", output / "improved.fmu"
+    check, export = ("check", fmu, table, *selection.arguments), ("export", tire, "-o", fmu)
+    terminal.print(f"next: {command_text(*(str(each) for each in (check if fmus else export)))}")
     return 0 if ok else 1
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.escaping import command_text, file_name
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from ..arguments import (
@@ -92,4 +93,8 @@ def inspect(
     for path, kind in ((output, "page"), (selected, "selected rows")):
         if path:
             terminal.print(f"{kind}: {path}")
+    if ok:
+        name = file_name(tables[0].stem)
+        written = ("-o", f"{name}.tir", "--report", f"{name}_fit.html")
+        terminal.print(f"next: {command_text('fit', *tables, *selection.arguments, *written)}")
     return 0 if ok else 1

@@ -74,6 +74,7 @@ def test_files_that_share_rows():
 
 def channels(**columns):
     sweep = {"kappa": [0.0, 0.1] * 40, "alpha": [-0.1, 0.1] * 40, "Fz": [500.0, 900.0] * 40, "Fy": [9.0, -9.0] * 40}
+    sweep |= {"gamma": [0.0] * 80}
     table = {name: values for name, values in (sweep | columns).items() if values is not None}
     return data_findings([Recording(pd.DataFrame(table), "iso", "a.csv")])
 
@@ -84,6 +85,14 @@ def test_a_missing_slip_comes_first_and_is_serious():
     assert first.text.startswith("a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted, and every row counts as")
     assert not any(finding.kind == "missing slip" for finding in others)
     assert channels(kappa=None) == []  # it has no influence on Fy
+
+
+def test_a_table_without_camber_is_fitted_at_an_assumed_one():
+    (finding,) = channels(gamma=None)
+    assert (finding.kind, finding.serious) == ("assumed camber", False)
+    assert finding.text.startswith("a.csv: no column gamma: 0 deg assumed")
+    assert channels(gamma=None, Fy=None, Fx=[-9.0, 9.0] * 40) == []  # camber has no influence on Fx
+    assert channels(gamma=[0.0, 0.05] * 40) == []
 
 
 def test_columns_that_are_not_read_are_named_and_counted():
@@ -108,7 +117,8 @@ def test_repeated_rows(rows, serious):
 def test_a_sweep_back_without_noise_is_no_repetition():
     there = np.linspace(-0.1, 0.1, 200)
     alpha = np.concatenate([there, there[::-1]])
-    assert kinds(pd.DataFrame({"alpha": alpha, "Fz": 500.0, "Fy": -9e3 * alpha})) == {"coverage"}  # one load
+    table = pd.DataFrame({"alpha": alpha, "gamma": 0.0, "Fz": 500.0, "Fy": -9e3 * alpha})
+    assert kinds(table) == {"coverage"}  # one load
 
 
 def test_two_tires_in_one_file_without_a_restart_of_the_clock():
