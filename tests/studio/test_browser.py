@@ -217,8 +217,7 @@ def test_errors_of_a_user_lose_nothing(studio, recordings, tmp_path_factory):
     studio.start()
     page = studio.open()
     page.click("#tab-fit")
-    studio.settled(page)
-    assert page.input_value("#model") == "mf52"
+    studio.until(page, "document.getElementById('model').value === 'mf52'")
     studio.work(page, "#run-fit")
     assert page.inner_text("#verdict")
     page.click("#undo")
