@@ -64,16 +64,18 @@ class Size:
 
 
 # Medians and deviations are judgement, from slip stiffness per load of 6 (truck) to 40 (racing), friction of 0.7 to 2.9
-# on dry belts and less on wet ones, and the figures of Pacejka (2012), chapters 1 and 4.
+# on dry belts and less on wet ones, and the figures of Pacejka (2012), chapters 1 and 4. The published racing tire has a
+# friction of 3.1 and a slip stiffness per load of 63 at half of its nominal load.
 SIZES: Mapping[str, Size] = {
-    "mu_y": Size("the largest |Fy|/Fz", "", 1.35, 0.8, 0.42),
-    "mu_x": Size("the largest |Fx|/Fz", "", 1.35, 0.8, 0.42),
-    "mu_xy": Size("the largest force over load", "", 1.35, 0.8, 0.42),
-    "C_y": Size("cornering stiffness over load", "1/rad", 18.0, 0.7, 0.55),
-    "C_x": Size("slip stiffness over load", "", 22.0, 0.75, 0.6),
-    "C_xy": Size("slip stiffness over load", "", 20.0, 0.7, 0.55),
+    "mu_y": Size("the largest |Fy|/Fz", "", 1.35, 0.8, 0.5),
+    "mu_x": Size("the largest |Fx|/Fz", "", 1.35, 0.8, 0.5),
+    "mu_xy": Size("the largest force over load", "", 1.35, 0.8, 0.5),
+    "C_y": Size("cornering stiffness over load", "1/rad", 18.0, 0.7, 0.65),
+    "C_x": Size("slip stiffness over load", "", 22.0, 0.75, 0.65),
+    "C_xy": Size("slip stiffness over load", "", 20.0, 0.7, 0.65),
     "mu_x/mu_y": Size("largest |Fx| over largest |Fy|", "", 1.0, 0.3, 0.3),
-    "C_x/C_y": Size("slip stiffness over cornering stiffness", "", 1.3, 0.5, 0.5),
+    # Relaxation lowers the slope of a fast sweep to a fraction.
+    "C_x/C_y": Size("slip stiffness over cornering stiffness", "", 1.3, 0.7, 0.6),
     "trail": Size("the pneumatic trail", "m", 0.025, 0.9, 0.5),
     "arm": Size("Mx over Fy", "m", 0.05, 1.6, 1.2),
     "Mz/Fz": Size("the largest |Mz|/Fz", "m", 0.03, 1.6, 1.0),
