@@ -64,8 +64,8 @@ class Size:
 
 
 # Medians and deviations are judgement, from slip stiffness per load of 6 (truck) to 40 (racing), friction of 0.7 to 2.9
-# on dry belts and less on wet ones, and the figures of Pacejka (2012), chapters 1 and 4. The published racing tire has a
-# friction of 3.1 and a slip stiffness per load of 63 at half of its nominal load.
+# on dry belts and less on wet ones, and the figures of Pacejka (2012), chapters 1 and 4. The published racing tire has
+# a friction of 3.1 and a slip stiffness per load of 63 at half of its nominal load.
 SIZES: Mapping[str, Size] = {
     "mu_y": Size("the largest |Fy|/Fz", "", 1.35, 0.8, 0.5),
     "mu_x": Size("the largest |Fx|/Fz", "", 1.35, 0.8, 0.5),
