@@ -69,8 +69,9 @@ compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process r
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/comparison_methods.py $(METHODS_ARGS)
 
-missing-effects: $(VENV)/installed-dev  ## all entries of the benchmark of missing effects: the tables of docs/missing_effects.md
+missing-effects: $(VENV)/installed-dev  ## tests of all entries of the benchmark of missing effects, and the tables of docs/missing_effects.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
+	$(BIN)/pytest tests/missing_effects
 	OMP_NUM_THREADS=1 $(BIN)/python -W ignore benchmarks/missing_effects_table.py
 
 wrong-tables: $(VENV)/installed-dev  ## 60 wrong tables and 40 right ones: how many are refused, with the right option

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import shutil
 
 import pytest
 
@@ -11,6 +10,8 @@ from tirefmu.explorer.explore import explore
 from tirefmu.measurements import VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, published, read_tir
+
+from ..chromium import launched
 
 FIALA = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31, "WIDTH": 0.15, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 9e4,
          "CALPHA": 6e4, "UMIN": 0.7, "UMAX": 1.1, "ROLLING_RESISTANCE": 0.01}  # fmt: skip
@@ -29,14 +30,8 @@ def tires(golden):
 @pytest.fixture(scope="session")
 def browser():
     """Return a running Chromium; skip the test without it."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: make pages")
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        pytest.skip("chromium is not installed")
-    with playwright.sync_playwright() as running:
-        launched = running.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        yield launched
-        launched.close()
+    with launched("make pages") as running:
+        yield running
 
 
 @pytest.fixture

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.fitting.results.verdict import GOOD, UNUSABLE, lacks_something
 
-SPEC = importlib.util.spec_from_file_location(
-    "wrong_recordings", Path(__file__).parents[2] / "benchmarks" / "wrong_recordings.py"
-)
-wrong_recordings = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(wrong_recordings)
+from . import wrong_recordings
 
 #: Wrong recordings whose tire is usable with limits: a good description but at one load, or on the average over time.
 LIMITED = {"friction drifts", "friction bump at one load"}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -16,6 +15,8 @@ import pytest
 from tirefmu.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, kappa_sweeps, recording_from, write_table
 from tirefmu.tires import published
+
+from ..chromium import launched
 
 #: Actions by mouse and keyboard from the recordings to the FMU, and seconds: the showing of the window.
 MAX_ACTIONS, MAX_SECONDS = 60, 180
@@ -28,14 +29,8 @@ def browser():
     """Return a running Chromium; skip the tests without it."""
     if "TIREFMU_STUDIO" not in os.environ:
         pytest.skip("the window in a browser: make studio")
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: make studio")
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        pytest.skip("chromium is not installed")
-    with playwright.sync_playwright() as running:
-        launched = running.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        yield launched
-        launched.close()
+    with launched("make studio") as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

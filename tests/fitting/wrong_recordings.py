@@ -1,7 +1,7 @@
 """Recordings with an error that no table shows: late channels, two tires, drift, clipped forces, few rows.
 
-Each one is made from a recording of the virtual bench with a known tire. `tests/fitting/test_wrong_recordings.py` fits
-them: none may give a good tire, and the noise floor may not contain the error.
+Each one is made from a recording of the virtual bench with a known tire. `test_wrong_recordings.py` fits them:
+none may give a good tire, and the noise floor may not contain the error.
 """
 
 from __future__ import annotations
