@@ -1,4 +1,4 @@
-"""JSON Schemas from the types that declare what a file contains, the check of a value by such a type, values of JSON.
+"""JSON Schemas from the types that declare what a file contains, and values of JSON.
 
 A reader lists its keys with types (``{"tables": list[str]}``), a writer has frozen classes and typed dictionaries. Both
 are enough for `schema_of`, so that no schema repeats a declaration.
@@ -15,6 +15,8 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
+#: The schema of a text that is not empty.
+FILLED = {"type": "string", "pattern": r"\S", "description": "not empty"}
 _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string", NoneType: "null"}
 
 
@@ -75,7 +77,8 @@ def object_schema(properties: Mapping[str, Any], required: Iterable[str] = ()) -
     {'rows': {'type': 'integer'}}
     """
     schemas = {key: schema_of(one) for key, one in properties.items()}
-    return {"type": "object", "properties": schemas, "required": list(required), "additionalProperties": False}
+    # An unknown key is reported before a missing one, of which it may be a misspelling.
+    return {"type": "object", "properties": schemas, "additionalProperties": False, "required": list(required)}
 
 
 def one_of(names: Iterable[str]) -> dict[str, Any]:
@@ -83,19 +86,19 @@ def one_of(names: Iterable[str]) -> dict[str, Any]:
     return {"enum": list(names)}
 
 
-def tables_schema(keys: Mapping[str, Any], most: int, required: Iterable[str] = ()) -> dict[str, Any]:
-    """Return the schema of a list of at most some tables with these keys."""
-    return {"type": "array", "maxItems": most, "items": object_schema(keys, required)}
+def list_schema(item: Any, least: int, most: int) -> dict[str, Any]:
+    """Return the schema of a list of least to most items; `item`: a type or a schema."""
+    return {"type": "array", "items": schema_of(item), "minItems": least, "maxItems": most}
 
 
-def name_schema(form: re.Pattern[str]) -> dict[str, Any]:
-    """Return the schema of a text that has the form of a name."""
-    return {"type": "string", "pattern": f"^({form.pattern})$"}
+def name_schema(form: re.Pattern[str], longest: int, meaning: str) -> dict[str, Any]:
+    """Return the schema of a text that has the form of a name, which `meaning` describes, and a largest length."""
+    return {"type": "string", "maxLength": longest, "pattern": f"^({form.pattern})$", "description": meaning}
 
 
-def by_name(form: re.Pattern[str], value: Any) -> dict[str, Any]:
-    """Return the schema of a table of values (a type or a schema) by names of a form."""
-    return {"type": "object", "propertyNames": name_schema(form), "additionalProperties": schema_of(value)}
+def by_name(name: Mapping[str, Any], value: Any) -> dict[str, Any]:
+    """Return the schema of a table of values (a type or a schema) by names with a schema."""
+    return {"type": "object", "propertyNames": name, "additionalProperties": schema_of(value)}
 
 
 def document(kind: str, version: str, title: str, schema: Mapping[str, Any]) -> dict[str, Any]:
@@ -124,25 +127,6 @@ def schema_file(schema: Mapping[str, Any]) -> str:
     'tirefmu-project.schema.json'
     """
     return f"tirefmu-{schema['$id'].split(':')[3]}.schema.json"
-
-
-def is_of(value: Any, kind: Any) -> bool:
-    r"""Return whether a value of TOML has a type; numbers are finite, texts have no NUL, which no path contains.
-
-    `kind`: Any, a plain type, or a list or mapping of them.
-
-    >>> is_of([1, 2.5], list[float]), is_of(True, int), is_of("a\0", str), is_of(float("inf"), float)
-    (True, False, False, False)
-    """
-    if get_origin(kind) is list:
-        return isinstance(value, list) and all(is_of(one, get_args(kind)[0]) for one in value)
-    if get_origin(kind) is dict:
-        return isinstance(value, dict) and all(is_of(one, get_args(kind)[1]) for one in value.values())
-    if kind is str:
-        return isinstance(value, str) and "\0" not in value
-    if kind is float:
-        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
-    return kind is Any or (isinstance(value, kind) and isinstance(value, bool) == (kind is bool))
 
 
 def json_value(value: Any) -> Any:

@@ -101,7 +101,7 @@ class Window:
             "models": {name: each.title for name, each in MODELS.items()},
             "effects": [{key: each[key] for key in ("name", "kind", "physics")} for each in found],
             "default": sorted(model.default_effects),
-            "exports": {name: list(SECTIONS["export"][name].names) for name in ("convert", "generate")},
+            "exports": {name: SECTIONS["export"][name].schema["items"]["enum"] for name in ("convert", "generate")},
             "recipes": sorted({*RECIPES, *model.fit.recipes} - {"family"}),
         }
 

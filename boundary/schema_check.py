@@ -1,0 +1,138 @@
+"""The check of a file's content by its JSON Schema: what editors check is what the reader requires.
+
+Numbers are finite, and texts have no NUL, which no path contains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from itertools import islice
+from typing import Any
+
+from .errors import TirefmuError, nearest
+from .escaping import quoted, visible
+
+#: Largest number of a file. Larger ones overflow in the next multiplication.
+LARGEST_NUMBER = 1e300
+#: Differences of which the clearest one is reported; a file of 2 MB may have a hundred thousand.
+MAX_DIFFERENCES = 100
+#: What an item of a list is, by its type in JSON.
+_PLURALS = {
+    "string": "texts", "number": "numbers", "integer": "whole numbers", "object": "tables", "array": "lists",
+}  # fmt: skip
+_SINGULARS = {"string": "a text", "number": "a number", "integer": "a whole number", "boolean": "true or false"}
+
+
+def check_content(content: Any, schema: Mapping[str, Any], source: str, error: type[TirefmuError]) -> None:
+    """Raise unless the content of a file satisfies a schema.
+
+    `source`: the file, for the message. `error`: what is raised. The message names the place, as a dotted key of TOML.
+
+    >>> schema = {"properties": {"fit": {"type": "object", "properties": {"rows": {"type": "integer", "minimum": 1}}}}}
+    >>> check_content({"fit": {"rows": 0}}, schema, "fit.toml", TirefmuError)
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.TirefmuError: fit.toml: fit.rows is 0: expected a whole number of at least 1
+    """
+    from jsonschema.exceptions import best_match
+
+    difference = best_match(islice(_validator_class()(schema).iter_errors(content), MAX_DIFFERENCES))
+    if difference is None:
+        return
+    place, value = _place(difference.absolute_path), difference.instance
+    within, start = f" in {place}" if place else "", f"{source}: {place}" if place else source
+    rule, limits = difference.validator, difference.schema
+    if rule == "additionalProperties":
+        key = next(key for key in value if key not in limits["properties"])
+        raise error(f"{source}: unknown key {quoted(key)}{within}{nearest(key, limits['properties'])}")
+    if rule == "required":
+        name = next(name for name in limits["required"] if name not in value)
+        raise error(f"{source}: {name} is missing{within}: it is {expected(limits['properties'][name])}")
+    if rule == "enum" and isinstance(value, str):
+        raise error(f"{source}: unknown word {quoted(value)}{within}{nearest(value, limits['enum'])}")
+    if "propertyNames" in difference.relative_schema_path:
+        raise error(f"{source}: the name {quoted(value)}{within} is not {expected(limits)}")
+    raise error(f"{start} is {quoted(value) if isinstance(value, str) else _shown(value)}: expected {expected(limits)}")
+
+
+def expected(schema: Mapping[str, Any]) -> str:
+    """Return the values that a schema accepts, in words.
+
+    >>> expected({"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 3})
+    'a list of 1 to 3 texts'
+    >>> expected({"type": "object", "additionalProperties": {"type": "number"}, "examples": [{"Fz0": 1000.0}]})
+    'a table of numbers, such as {Fz0 = 1000.0}'
+    """
+    examples = f", such as {_shown(schema['examples'][0])}" if "examples" in schema else ""
+    if "enum" in schema:
+        return f"one of {', '.join(map(str, schema['enum']))}"
+    for rule in ("anyOf", "oneOf"):
+        if rule in schema:
+            return str(schema.get("description") or " or ".join(dict.fromkeys(map(expected, schema[rule]))) + examples)
+    kind = schema.get("type", "")
+    if kind == "array":
+        return f"a list of {_range(schema, 'Items')}{_plural(schema.get('items', {}))}{examples}"
+    if kind == "object":
+        values = schema.get("additionalProperties")
+        of = f" of {_range(schema, 'Properties')}{_plural(values)}" if isinstance(values, Mapping) else ""
+        return f"a table{of}{examples}"
+    length = f" of at most {schema['maxLength']} characters" if "maxLength" in schema else ""
+    form = f" that is {schema['description']}" if "pattern" in schema and "description" in schema else ""
+    return f"{_SINGULARS.get(kind, 'another value')}{_bounds(schema)}{length}{form}{examples}"
+
+
+def _bounds(schema: Mapping[str, Any]) -> str:
+    words = {
+        "minimum": "of at least",
+        "exclusiveMinimum": "above",
+        "maximum": "of at most",
+        "exclusiveMaximum": "below",
+    }
+    texts = [f"{text} {schema[rule]:g}" for rule, text in words.items() if rule in schema]
+    return f" {' and '.join(texts)}" if texts else ""
+
+
+def _range(schema: Mapping[str, Any], what: str) -> str:
+    least, most = schema.get(f"min{what}", 0), schema.get(f"max{what}")
+    different = "different " if schema.get("uniqueItems") else ""
+    if most is not None:
+        return f"{f'{least} to' if least else 'at most'} {most} {different}"
+    return f"one or more {different}" if least else different
+
+
+def _plural(schema: Mapping[str, Any]) -> str:
+    if "enum" in schema:
+        return f"words out of {', '.join(map(str, schema['enum']))}"
+    return _PLURALS.get(schema.get("type", ""), "values")
+
+
+def _place(path: Iterable[str | int]) -> str:
+    """Return a place in a file as a dotted key of TOML; items of lists count from 1."""
+    parts = [f"[{part + 1}]" if isinstance(part, int) else f".{visible(part)[:80]}" for part in path]
+    return "".join(parts).removeprefix(".")
+
+
+def _shown(value: Any) -> str:
+    """Return a value as in a TOML file, shortened."""
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{visible(str(key))} = {_shown(item)}' for key, item in value.items())}}}"[:80]
+    if isinstance(value, list):
+        return f"[{', '.join(map(_shown, value[:20]))}]"[:80]
+    return {True: "true", False: "false"}[value] if isinstance(value, bool) else visible(repr(value))[:80]
+
+
+@cache
+def _validator_class() -> Any:
+    from jsonschema import Draft202012Validator
+    from jsonschema.validators import extend
+
+    def is_number(_: Any, value: Any) -> bool:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < LARGEST_NUMBER
+
+    types = {
+        "number": is_number,
+        "integer": lambda _, value: isinstance(value, int) and is_number(_, value),
+        "string": lambda _, value: isinstance(value, str) and "\0" not in value,
+    }
+    return extend(Draft202012Validator, type_checker=Draft202012Validator.TYPE_CHECKER.redefine_many(types))
