@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Protocol, TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,9 @@ from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
 from ..uncertainty.sensitivities import sensitivities
-from .solved_stage import FitSolution
+
+if TYPE_CHECKING:
+    from .fit_result import FitResult
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -40,24 +42,8 @@ class ListedInterval(TypedDict):
     upper: float
 
 
-class Predicting(Protocol):
-    """The attributes of a fit result that determine intervals."""
-
-    @property
-    def tire(self) -> Tire:
-        """The fitted tire, in ISO."""
-
-    @property
-    def signs(self) -> str:
-        """Sign convention of the covariance."""
-
-    @property
-    def solution(self) -> FitSolution:
-        """The fitted rows, and the covariance of all coefficients."""
-
-
 def interval(
-    result: Predicting, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
+    result: FitResult, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
 ) -> pd.DataFrame:
     """Return a force or a named quantity at the rows of a table with its confidence interval.
 
@@ -75,7 +61,7 @@ def interval(
     return band(result, quantity, recording.table, recording.signs, level)
 
 
-def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, level: float = 0.95) -> pd.DataFrame:
+def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, level: float = 0.95) -> pd.DataFrame:
     """Return the same as `interval` for a table of the program itself, without checks.
 
     `signs`: convention of the table.
@@ -126,7 +112,7 @@ def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> Float
     return at
 
 
-def listed_intervals(result: Predicting) -> Iterator[ListedInterval]:
+def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
     """Yield the 95 % intervals over the measured range: by load, and of the forces by load and slip, in ISO.
 
     Yields: none without fitted rows or covariance.
@@ -148,9 +134,7 @@ def listed_intervals(result: Predicting) -> Iterator[ListedInterval]:
             yield from _records(result, force, rows, ("Fz", slip))
 
 
-def _records(
-    result: Predicting, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]
-) -> Iterator[ListedInterval]:
+def _records(result: FitResult, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]) -> Iterator[ListedInterval]:
     found = band(result, quantity, rows, "iso")
     for (_, at), (_, row) in zip(rows.iterrows(), found.iterrows(), strict=True):
         yield {

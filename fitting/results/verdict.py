@@ -8,23 +8,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import degrees
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tirefmu.tires.tire import Tire
-
 from ..constraints.physical import chosen_constraints
-from ..constraints.verification import Margin
-from ..data.fit_data import EXCITED_BY, ExcludedRows
+from ..data.fit_data import EXCITED_BY
 from ..evidence.characteristics import Characteristic
 from ..evidence.clipping import Clipped
 from ..evidence.continuity import Discontinuity
 from ..evidence.diagnostics import Findings
 from ..evidence.residuals import Residuals, condition_text
 from ..evidence.slip_stiffness import SlipStiffness
-from .records import BoundConsequence, ChannelFit, FittedCoefficient
-from .solved_stage import FitSolution
+from .records import ChannelFit
+
+if TYPE_CHECKING:
+    from .fit_result import FitResult
 
 GOOD, LIMITED, UNUSABLE = "good", "usable with limits", "not usable"
 #: The forces, without which a tire is not usable.
@@ -71,51 +70,7 @@ class Verdict:
         return self.word != UNUSABLE
 
 
-class Judged(Protocol):
-    """The attributes of a fit result that determine the verdict."""
-
-    @property
-    def ok(self) -> bool:
-        """Whether the fit converged within its constraints."""
-
-    @property
-    def status(self) -> str:
-        """Status of the fit in one line."""
-
-    @property
-    def tire(self) -> Tire:
-        """The fitted tire."""
-
-    @property
-    def coefficients(self) -> Sequence[FittedCoefficient]:
-        """The fitted coefficients."""
-
-    @property
-    def channels(self) -> Sequence[ChannelFit]:
-        """Goodness of fit by recording and channel."""
-
-    @property
-    def margins(self) -> Sequence[Margin]:
-        """Margins of the constraints."""
-
-    @property
-    def bounds(self) -> Sequence[BoundConsequence]:
-        """What changes without the bounds of coefficients."""
-
-    @property
-    def excluded_rows(self) -> Sequence[ExcludedRows]:
-        """Rows that were not fitted."""
-
-    @property
-    def findings(self) -> Findings:
-        """Diagnostics of the fit."""
-
-    @property
-    def solution(self) -> FitSolution:
-        """The fitted rows."""
-
-
-def verdict_of(result: Judged) -> Verdict:
+def verdict_of(result: FitResult) -> Verdict:
     """Return the verdict on a fit."""
     wrong = [] if result.ok else [result.status]
     wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
@@ -172,7 +127,7 @@ def floor_reason(c: ChannelFit) -> str:
     )
 
 
-def _structure(result: Judged) -> Iterator[str]:
+def _structure(result: FitResult) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
     found = result.solution.discrepancies
     limit = CHANCE / max(2 * len(found), 1)
@@ -212,7 +167,7 @@ def _discontinuity_reason(d: Discontinuity) -> str:
     return f"{d.channel} of the tire {size} at {where}"
 
 
-def _few_rows(result: Judged, each: int) -> Iterator[str]:
+def _few_rows(result: FitResult, each: int) -> Iterator[str]:
     """Yield that there are fewer rows than a multiple of the coefficients."""
     evidence, count = result.solution.residuals, sum(c.determined for c in result.coefficients)
     if evidence is not None and len(evidence.table) < each * count:
@@ -245,13 +200,13 @@ def _stiffness_reasons(findings: Findings) -> list[str]:
     return [f"{text} {s.off:+.0%} at {s.load:.0f} N" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
 
 
-def _missing_forces(result: Judged) -> Iterator[str]:
+def _missing_forces(result: FitResult) -> Iterator[str]:
     fitted = {c.channel for c in result.channels}
     for force in (name for name in FORCES if name in result.tire.outputs and name not in fitted):
         yield f"{force} is not fitted: no measured values vary with {EXCITED_BY[force][0]}"
 
 
-def _not_imposed(result: Judged) -> Iterator[str]:
+def _not_imposed(result: FitResult) -> Iterator[str]:
     """Yield the default constraints on fitted channels that the fit did not enforce."""
     fitted, imposed = {c.channel for c in result.channels}, {margin.name for margin in result.margins}
     declared = chosen_constraints(result.tire.model)
@@ -264,7 +219,7 @@ def _not_imposed(result: Judged) -> Iterator[str]:
         yield f"physical constraints not imposed: {_listed(missing)}"
 
 
-def _at_bounds(result: Judged) -> Iterator[str]:
+def _at_bounds(result: FitResult) -> Iterator[str]:
     names = [c.name for c in result.coefficients if c.at_bound]
     harmless = {each.name for each in result.bounds if each.matters is False}
     known = {each.name: each for each in result.bounds}
@@ -275,7 +230,7 @@ def _at_bounds(result: Judged) -> Iterator[str]:
         yield f"{len(unknown)} of {len(result.coefficients)} coefficients at bounds: {_listed(unknown)}"
 
 
-def _excluded(result: Judged) -> Iterator[str]:
+def _excluded(result: FitResult) -> Iterator[str]:
     for recording in dict.fromkeys(rows.recording for rows in result.excluded_rows):
         own = [rows for rows in result.excluded_rows if rows.recording == recording]
         share = sum(rows.rows for rows in own) / own[0].of
