@@ -23,9 +23,9 @@ _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string", NoneT
 def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
     """Return the JSON Schema of a type; a schema, which is a dictionary, is returned as it is.
 
-    `kind`: bool, int, float, str, None, Any; lists, tuples, mappings with text keys, unions of types; frozen classes
-    and typed dictionaries. ``Annotated[type, text or mapping]`` adds a description or further keywords. `missing`: a
-    number may be null, as in `json_value`. Raises `TypeError` for another type.
+    `kind`: bool, int, float, str, None, Any; lists, tuples, mappings with text keys, unions of types; arrays; frozen
+    classes and typed dictionaries. ``Annotated[type, text or mapping]`` adds a description or further keywords.
+    `missing`: a number may be null, as in `json_value`. Raises `TypeError` for another type.
 
     >>> schema_of(list[float] | None)
     {'anyOf': [{'type': 'array', 'items': {'type': 'number'}}, {'type': 'null'}]}
@@ -51,6 +51,8 @@ def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
         return {"type": "array", "prefixItems": pair, "items": False, "minItems": len(pair)}
     if origin in (list, tuple, Sequence):
         return {"type": "array", "items": schema_of(parts[0], missing=missing)}
+    if getattr(origin, "__name__", "") == "ndarray":
+        return {"type": "array"}
     if origin in (dict, Mapping):
         return {"type": "object", "additionalProperties": schema_of(parts[1], missing=missing)}
     if is_typeddict(kind) or is_dataclass(kind):
@@ -141,6 +143,6 @@ def json_value(value: Any) -> Any:
         return {str(key): json_value(one) for key, one in value.items()}
     if isinstance(value, (list, tuple)):
         return [json_value(one) for one in value]
-    if hasattr(value, "item"):  # a number of NumPy
-        return json_value(value.item())
+    if hasattr(value, "tolist"):  # a number or an array of NumPy
+        return json_value(value.tolist())
     return None if isinstance(value, float) and not isfinite(value) else value

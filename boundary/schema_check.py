@@ -21,7 +21,8 @@ MAX_DIFFERENCES = 100
 _PLURALS = {
     "string": "texts", "number": "numbers", "integer": "whole numbers", "object": "tables", "array": "lists",
 }  # fmt: skip
-_SINGULARS = {"string": "a text", "number": "a number", "integer": "a whole number", "boolean": "true or false"}
+_SINGULARS = {"string": "a text", "number": "a number", "integer": "a whole number", "boolean": "true or false",
+              "null": "null"}  # fmt: skip
 
 
 def check_content(content: Any, schema: Mapping[str, Any], source: str, error: type[TirefmuError]) -> None:
@@ -71,6 +72,10 @@ def expected(schema: Mapping[str, Any]) -> str:
         if rule in schema:
             return str(schema.get("description") or " or ".join(dict.fromkeys(map(expected, schema[rule]))) + examples)
     kind = schema.get("type", "")
+    if isinstance(kind, list):
+        return " or ".join(expected({"type": part}) for part in kind)
+    if "prefixItems" in schema:
+        return f"a list of {' and '.join(map(expected, schema['prefixItems']))}{examples}"
     if kind == "array":
         return f"a list of {_range(schema, 'Items')}{_plural(schema.get('items', {}))}{examples}"
     if kind == "object":
@@ -104,7 +109,7 @@ def _range(schema: Mapping[str, Any], what: str) -> str:
 def _plural(schema: Mapping[str, Any]) -> str:
     if "enum" in schema:
         return f"words out of {', '.join(map(str, schema['enum']))}"
-    return _PLURALS.get(schema.get("type", ""), "values")
+    return _PLURALS.get(str(schema.get("type")), "values")
 
 
 def _place(path: Iterable[str | int]) -> str:

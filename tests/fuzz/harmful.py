@@ -58,9 +58,8 @@ def index_of(stop):
 
 
 def progress(**content):
-    base = {"version": 3, "identity": IDENTITY, "done": 1, "values": {}, "freed": {}, "violated": [], "stages": [],
-            "ended": [], "notes": []}  # fmt: skip
-    return Checkpoint.sealed({**base, **content}).encode()
+    state = {"done": 1, "values": {}, "freed": {}, "violated": [], "stages": [], "ended": [], "notes": [], **content}
+    return Checkpoint.sealed({"version": 4, "identity": IDENTITY, "state": state}).encode()
 
 
 #: By kind and name: what makes the file, and a part of the message, or `READ`.
