@@ -184,7 +184,7 @@ def command_text(command: str, *arguments: object) -> str:
     >>> command_text("run", "my tires/tirefmu.toml")
     "tirefmu run 'my tires/tirefmu.toml'"
     """
-    return shlex.join(["tirefmu", command, *(str(each) for each in arguments if each is not None)])
+    return shlex.join(["tirefmu", command, *(str(argument) for argument in arguments if argument is not None)])
 
 
 def script_text(code: str) -> str:

@@ -16,7 +16,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
 #: The schema of a text that is not empty.
-FILLED = {"type": "string", "pattern": r"\S", "description": "not empty"}
+FILLED = {"type": "string", "pattern": r"\S", "title": "a text that is not empty"}
 _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string", NoneType: "null"}
 
 
@@ -78,7 +78,7 @@ def object_schema(properties: Mapping[str, Any], required: Iterable[str] = ()) -
     >>> object_schema({"rows": int}, ["rows"])["properties"]
     {'rows': {'type': 'integer'}}
     """
-    schemas = {key: schema_of(one) for key, one in properties.items()}
+    schemas = {key: schema_of(part) for key, part in properties.items()}
     # An unknown key is reported before a missing one, of which it may be a misspelling.
     return {"type": "object", "properties": schemas, "additionalProperties": False, "required": list(required)}
 
@@ -95,7 +95,7 @@ def list_schema(item: Any, least: int, most: int) -> dict[str, Any]:
 
 def name_schema(form: re.Pattern[str], longest: int, meaning: str) -> dict[str, Any]:
     """Return the schema of a text that has the form of a name, which `meaning` describes, and a largest length."""
-    return {"type": "string", "maxLength": longest, "pattern": f"^({form.pattern})$", "description": meaning}
+    return {"type": "string", "maxLength": longest, "pattern": f"^({form.pattern})$", "title": meaning}
 
 
 def by_name(name: Mapping[str, Any], value: Any) -> dict[str, Any]:
@@ -140,9 +140,9 @@ def json_value(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return {part.name: json_value(getattr(value, part.name)) for part in fields(value)}
     if isinstance(value, Mapping):
-        return {str(key): json_value(one) for key, one in value.items()}
+        return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [json_value(one) for one in value]
+        return [json_value(item) for item in value]
     if hasattr(value, "tolist"):  # a number or an array of NumPy
         return json_value(value.tolist())
     return None if isinstance(value, float) and not isfinite(value) else value

@@ -49,16 +49,18 @@ def check_content(content: Any, schema: Mapping[str, Any], source: str, error: t
         raise error(f"{source}: unknown key {quoted(key)}{within}{nearest(key, limits['properties'])}")
     if rule == "required":
         name = next(name for name in limits["required"] if name not in value)
-        raise error(f"{source}: {name} is missing{within}: it is {expected(limits['properties'][name])}")
+        raise error(f"{source}: {name} is missing{within}: it is {_described(limits['properties'][name])}")
     if rule == "enum" and isinstance(value, str):
         raise error(f"{source}: unknown word {quoted(value)}{within}{nearest(value, limits['enum'])}")
     if "propertyNames" in difference.relative_schema_path:
         raise error(f"{source}: the name {quoted(value)}{within} is not {expected(limits)}")
-    raise error(f"{start} is {quoted(value) if isinstance(value, str) else _shown(value)}: expected {expected(limits)}")
+    whole = difference.parent.schema if difference.parent else limits
+    shown = quoted(value) if isinstance(value, str) else _shown(value)
+    raise error(f"{start} is {shown}: expected {_described(limits, whole.get('description', ''))}")
 
 
 def expected(schema: Mapping[str, Any]) -> str:
-    """Return the values that a schema accepts, in words.
+    """Return the values that a schema accepts, in words: its title, if it has one.
 
     >>> expected({"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 3})
     'a list of 1 to 3 texts'
@@ -66,11 +68,13 @@ def expected(schema: Mapping[str, Any]) -> str:
     'a table of numbers, such as {Fz0 = 1000.0}'
     """
     examples = f", such as {_shown(schema['examples'][0])}" if "examples" in schema else ""
+    if "title" in schema:
+        return str(schema["title"])
     if "enum" in schema:
         return f"one of {', '.join(map(str, schema['enum']))}"
     for rule in ("anyOf", "oneOf"):
         if rule in schema:
-            return str(schema.get("description") or " or ".join(dict.fromkeys(map(expected, schema[rule]))) + examples)
+            return " or ".join(dict.fromkeys(map(expected, schema[rule]))) + examples
     kind = schema.get("type", "")
     if isinstance(kind, list):
         return " or ".join(expected({"type": part}) for part in kind)
@@ -83,8 +87,13 @@ def expected(schema: Mapping[str, Any]) -> str:
         of = f" of {_range(schema, 'Properties')}{_plural(values)}" if isinstance(values, Mapping) else ""
         return f"a table{of}{examples}"
     length = f" of at most {schema['maxLength']} characters" if "maxLength" in schema else ""
-    form = f" that is {schema['description']}" if "pattern" in schema and "description" in schema else ""
-    return f"{_SINGULARS.get(kind, 'another value')}{_bounds(schema)}{length}{form}{examples}"
+    return f"{_SINGULARS.get(kind, 'another value')}{_bounds(schema)}{length}{examples}"
+
+
+def _described(schema: Mapping[str, Any], meaning: str = "") -> str:
+    """Return what a schema accepts, and what the value means."""
+    words, meaning = expected(schema), meaning or schema.get("description", "")
+    return f"{words} ({meaning})" if meaning else words
 
 
 def _bounds(schema: Mapping[str, Any]) -> str:

@@ -85,7 +85,7 @@ class Family:
         names = _varied(model)
         values = np.array([[tire.values[name] for name in names] for tire in tires])
         declared = [model.coefficients[name] for name in names]
-        sizes = np.array([typical_size(one.lower, one.upper, 0.0) for one in declared])
+        sizes = np.array([typical_size(declaration.lower, declaration.upper, 0.0) for declaration in declared])
         assumed = np.diag((SHARE * np.abs(values.mean(axis=0)) + SIZE_SHARE * sizes) ** 2)
         levels = {**_means(tires), **nominal}
         places, new = _places(tires, levels)
@@ -100,18 +100,18 @@ class Family:
         given = {**first.values, **dict(zip(names, mean.tolist(), strict=True)), **levels}
         effects = frozenset[str]().union(*(tire.has for tire in tires))
         tire = Tire(model.name, given, effects=effects, signs="adapted-sae", added=first.added)
-        unknown = tuple(n for n in names if all(n in one.defaulted or n not in _live(one) for one in tires))
+        unknown = tuple(n for n in names if all(n in tire.defaulted or n not in _live(tire) for tire in tires))
         return cls(names, mean, covariance, freedom, len(tires), unknown, tire)
 
     def prior(self, free: Sequence[str], scale: FloatArray, weight: float) -> Prior:
         """Return the prior of free coefficients; one that the family does not have is free."""
         index = {name: i for i, name in enumerate(self.names)}
-        known = [i for i, name in enumerate(free) if name in index]
-        rows = np.array([index[free[i]] for i in known], dtype=int)
+        entries = [i for i, name in enumerate(free) if name in index]
+        rows = np.array([index[free[i]] for i in entries], dtype=int)
         center, precision = np.zeros(len(free)), np.zeros((len(free), len(free)))
-        center[known] = self.mean[rows] / scale[known]
-        scaled = self.covariance[np.ix_(rows, rows)] / np.outer(scale[known], scale[known])
-        precision[np.ix_(known, known)] = np.linalg.inv(scaled)
+        center[entries] = self.mean[rows] / scale[entries]
+        scaled = self.covariance[np.ix_(rows, rows)] / np.outer(scale[entries], scale[entries])
+        precision[np.ix_(entries, entries)] = np.linalg.inv(scaled)
         return Prior(center, precision, weight)
 
     def marked(
@@ -186,7 +186,9 @@ def _live(tire: Tire) -> frozenset[str]:
 def _varied(model: Model) -> tuple[str, ...]:
     """Return the coefficients of a model that differ among tires: those with bounds that a fit frees."""
     return tuple(
-        n for n, one in model.coefficients.items() if one.fitted and isfinite(one.lower) and isfinite(one.upper)
+        n
+        for n, declaration in model.coefficients.items()
+        if declaration.fitted and isfinite(declaration.lower) and isfinite(declaration.upper)
     )
 
 

@@ -138,7 +138,7 @@ def evaluate(
     terminal.print(f"{rows} rows, {len(columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
-    terminal.print(*(f"warning: {each}" for each in warnings))
+    terminal.print(*(f"warning: {warning}" for warning in warnings))
     return 0
 
 
@@ -289,7 +289,7 @@ def draw(
         terminal.selection(*recordings)
         for recording in recordings:
             check_columns(recording, fitted=False)
-        parts = [each.with_signs("iso").table for each in recordings]
+        parts = [recording.with_signs("iso").table for recording in recordings]
         nominal = loaded.in_signs("iso").nominal("Fz")
         points = pd.concat([part.assign(Fz=part.get("Fz", nominal)) for part in parts], ignore_index=True)
         measured = dict.fromkeys(float(f"{level:.2g}") for level in levels(points["Fz"]))

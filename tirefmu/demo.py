@@ -161,7 +161,9 @@ def _fits(
     tires = {recipe: result.tire for recipe, result in results.items()}
     figures = second.submit(_drawn_fits, tires, truth, recording, folder)
     shown = [
-        each for each in figures_of(tires["joint"], [recording], truth=truth) if each.name in ("pure_Fy", "stiffness")
+        figure
+        for figure in figures_of(tires["joint"], [recording], truth=truth)
+        if figure.name in ("pure_Fy", "stiffness")
     ]
     files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
     chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), tuple(shown), files))
@@ -218,7 +220,7 @@ def _fmus(
         terminal.print(f"  {lines[-1]}: {path}")
     with terminal.working("writing the report"):
         write_check(result, page := folder / "check.html")
-    shown = tuple(each for each in check_figures(result) if each.name == "Fy")
+    shown = tuple(figure for figure in check_figures(result) if figure.name == "Fy")
     chapters.append(Chapter("The FMU over the data", tuple(f"{line}." for line in lines), shown, (page, *files)))
     return checks
 
@@ -272,9 +274,13 @@ def _diagnosis(
     written = {"tire": "improved.tir", "base_tire": "base.tir", "fmu": "improved.fmu", "base_fmu": "base.fmu"}
     write_json(path, {**result.to_json(**written), "simulated": simulated})
     terminal.print(f"  {result.verdict}")
-    for one in result.found:
-        values = ", ".join(f"{n} {c.value:.3g} ({c.lower:.3g} to {c.upper:.3g})" for n, c in one.coefficients.items())
-        terminal.print(f"  Identified effect: {one.effect} in {', '.join(one.channels)}; {values or 'no coefficients'}")
+    for finding in result.found:
+        values = ", ".join(
+            f"{n} {c.value:.3g} ({c.lower:.3g} to {c.upper:.3g})" for n, c in finding.coefficients.items()
+        )
+        terminal.print(
+            f"  Identified effect: {finding.effect} in {', '.join(finding.channels)}; {values or 'no coefficients'}"
+        )
     for seen in result.where:
         if seen["channel"] == "Fy" and seen["over"] == ["Fz", "gamma"]:
             terminal.print(f"  Largest residual: {_cell(seen['worst'])}")
@@ -283,12 +289,12 @@ def _diagnosis(
         f"  Error of Fy on the hold-out set: {gap['before']:.3g} N before, {gap['after']:.3g} N after, noise floor "
         f"{gap['floor']:.3g} N; report with both simulated FMUs: {folder / 'report.html'}"
     )
-    found = [one.effect for one in result.found]
+    names = [finding.effect for finding in result.found]
     written_files = [folder / name for name in ("report.html", "improved.tir", "improved.fmu", "base.tir", "base.fmu")]
     texts = (
         "The diagnosis tests all known effects without information about the removed one.",
         result.verdict,
-        f"Identified: {', '.join(found) or 'nothing'}.",
+        f"Identified: {', '.join(names) or 'nothing'}.",
         *(
             f"Error of {channel} on the hold-out set: {error['before']:.3g} {drawn_unit(channel)} before, "
             f"{error['after']:.3g} after, noise floor {error['floor']:.3g}."
@@ -297,7 +303,7 @@ def _diagnosis(
     )
     files = tuple(path for path in written_files if path.is_file())
     chapters.append(Chapter("The missing effect, found", texts, (curves_figure(result, "Fy"),), files))
-    return {"ok": found == ["camber_thrust"] and simulated["ok"], "found": found, "gap": gap, "simulated": simulated}
+    return {"ok": names == ["camber_thrust"] and simulated["ok"], "found": names, "gap": gap, "simulated": simulated}
 
 
 def _cell(worst: dict[str, Any]) -> str:

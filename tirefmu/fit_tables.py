@@ -79,8 +79,8 @@ def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
         yield extrapolation_text(result)
     yield from _differences(result, every)
     yield from ripple_texts(result.findings.ripples)
-    for each in result.findings.undetermined:
-        yield f"not identifiable: {', '.join(each.coefficients)}: {each.reason}"
+    for direction in result.findings.undetermined:
+        yield f"not identifiable: {', '.join(direction.coefficients)}: {direction.reason}"
     for rows in result.excluded_rows:
         yield f"note: {rows}"
     for note in result.notes:
@@ -99,9 +99,9 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
         "coefficient", "initial", "lower", "upper", "value", "+- (95 %)", *further, "unit", "",
         title=f"Coefficients ({result.signs} signs)",
     )  # fmt: skip
-    remarkable = {name for each in result.findings.undetermined for name in each.coefficients}
+    remarkable = {name for direction in result.findings.undetermined for name in direction.coefficients}
     remarkable |= {profile.name for profile in result.profiles}
-    consequences = {each.name: each.text() for each in result.bounds}
+    consequences = {consequence.name: consequence.text() for consequence in result.bounds}
     every = every or bool(result.bootstrap)
     for c in result.coefficients:
         if not (every or c.at_bound or c.from_family or not c.determined or c.name in remarkable):

@@ -38,10 +38,10 @@ class Stages:
         self,
         ended: Callable[[str], None],
         update: Callable[[str], None],
-        found: Callable[[str], None],
+        on_change: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
-        self._ended, self._update, self._found, self._clock = ended, update, found, clock
+        self._ended, self._update, self._found, self._clock = ended, update, on_change, clock
         self._forecast = Forecast(())
         self._stage, self._detail = "", ""
         self._began = self._latest = 0.0

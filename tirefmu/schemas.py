@@ -43,6 +43,8 @@ def schema(kind: str, commands: click.Group) -> dict[str, Any]:
 def _option(commands: click.Group, section: str, option: str) -> dict[str, Any]:
     """Return help and choices of an option of the command of a section; options of [data] are those of fit."""
     command = commands.commands["fit" if section == "data" else section]
-    (parameter,) = (one for one in command.params if isinstance(one, click.Option) and option in one.opts)
+    (parameter,) = (
+        option_of for option_of in command.params if isinstance(option_of, click.Option) and option in option_of.opts
+    )
     choices = {"enum": list(parameter.type.choices)} if isinstance(parameter.type, click.Choice) else {}
     return {"description": parameter.help, **choices}

@@ -131,8 +131,8 @@ class Checkpoint:
         if content.pop("digest", None) != _digest(content):
             raise FitError(f"{self.path}: invalid progress file (it was changed after it was written)")
         before = content.get("identity")
-        known = before if isinstance(before, dict) else {}
-        other = [name for name, value in self.identity.items() if known.get(name) != value]
+        identity = before if isinstance(before, dict) else {}
+        other = [name for name, value in self.identity.items() if identity.get(name) != value]
         if other:
             raise FitError(
                 f"{self.path}: belongs to a fit with other {', '.join(other)}: restore them, or run without --resume"

@@ -139,7 +139,9 @@ class FitResult:
             covariance=self.covariance * np.outer(flips, flips),
             solution=self.solution.in_signs(signs, np.outer(flips, flips)),
             bootstrap=self.bootstrap and self.bootstrap.mirrored(lambda name: declarations[name].flips),
-            profiles=tuple(one.mirrored() if declarations[one.name].flips else one for one in self.profiles),
+            profiles=tuple(
+                profile.mirrored() if declarations[profile.name].flips else profile for profile in self.profiles
+            ),
         )
 
     def __repr__(self) -> str:
@@ -161,9 +163,11 @@ class FitResult:
         for c in self.channels:  # a hundredth of the rows if no stage used all rows of a channel
             effective_rows = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
             effective[c.channel] = effective.get(c.channel, 0.0) + effective_rows
-        known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
+        combinations = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
         bounded = [c.name for c in self.coefficients if c.at_bound]
-        return find(self.solution.residuals, free, [names for names in (*known, *unseen) if names], bounded, effective)
+        return find(
+            self.solution.residuals, free, [names for names in (*combinations, *unseen) if names], bounded, effective
+        )
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -235,8 +239,8 @@ class FitResult:
 
     def channel(self, recording: str, channel: str) -> ChannelFit:
         """Return the goodness of fit of a channel of a recording."""
-        (found,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
-        return found
+        (channel_fit,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
+        return channel_fit
 
     def interval(
         self, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
@@ -274,8 +278,8 @@ class FitResult:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as JSON values; a number that does not exist, such as a missing bound, is null."""
-        known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
-        matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []
+        determined = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
+        matrix = self.covariance.loc[determined, determined].to_numpy().tolist() if len(determined) else []
         content: FitContent = {
             "version": VERSION,
             "ok": self.verdict.usable,
@@ -298,7 +302,7 @@ class FitResult:
             "set_aside": self.excluded_rows,
             "held_out": self.held_out,
             "findings": self.findings,
-            "covariance": {"coefficients": list(known), "matrix": matrix},
+            "covariance": {"coefficients": list(determined), "matrix": matrix},
             "intervals": list(listed_intervals(self)),
             "bootstrap": self.bootstrap,
             "profiles": self.profiles,

@@ -79,17 +79,21 @@ def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, leve
     by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=covariance.index, fill_value=0.0)
     variance = np.einsum("ni,ij,nj->n", by_name, covariance * np.outer(flips, flips), by_name)
     in_adapted = by_name * [-1.0 if formula == "iso" and declarations[n].flips else 1.0 for n in covariance.index]
-    for each in result.solution.discrepancies:  # the covariance has what they do to the coefficients
-        at = _place(tire, quantity, each.channel, inputs) if each.own else None
+    for discrepancy in result.solution.discrepancies:  # the covariance has what they do to the coefficients
+        at = _place(tire, quantity, discrepancy.channel, inputs) if discrepancy.own else None
         if at is not None:
-            own = in_adapted[list(each.names)].to_numpy().T
-            at = at[[tire.inputs.index(name) for name in each.features.names]]  # effects added later have further ones
-            variance += each.variance(own, value, at) - each.variance(own, 0.0 * value, at)
+            slopes_of_channel = in_adapted[list(discrepancy.names)].to_numpy().T
+            at = at[
+                [tire.inputs.index(name) for name in discrepancy.features.names]
+            ]  # effects added later have further ones
+            variance += discrepancy.variance(slopes_of_channel, value, at) - discrepancy.variance(
+                slopes_of_channel, 0.0 * value, at
+            )
     error = np.sqrt(np.maximum(variance, 0.0))
     written = convert_signs(pd.DataFrame({quantity: value}), formula, signs)[quantity].to_numpy()
     half = float(ndtri(0.5 + 0.5 * level)) * error
-    found = {"value": written, "error": error, "lower": written - half, "upper": written + half}
-    return pd.DataFrame(found, rows.index)
+    columns = {"value": written, "error": error, "lower": written - half, "upper": written + half}
+    return pd.DataFrame(columns, rows.index)
 
 
 def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> FloatArray | None:
@@ -100,15 +104,15 @@ def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> Float
     roles = {model.quantity(f"{kind}_{axis}"): kind for kind in ("stiffness", "friction") if slip}
     if slip is None or quantity not in roles:
         return None
-    at, own = inputs.copy(), tire.inputs.index(slip)
+    at, slip_row = inputs.copy(), tire.inputs.index(slip)
     at[[tire.inputs.index("kappa"), tire.inputs.index("alpha")]] = 0.0
     if roles[quantity] == "friction":
         forces = []
         for value in PEAK_SLIPS:
-            at[own] = value
+            at[slip_row] = value
             computed = fastest_code(model).forces(tire.effective_inputs(at), tire.parameters())
             forces.append(np.abs(computed[tire.outputs.index(channel)]))
-        at[own] = np.array(PEAK_SLIPS)[np.argmax(forces, axis=0)]
+        at[slip_row] = np.array(PEAK_SLIPS)[np.argmax(forces, axis=0)]
     return at
 
 
@@ -135,8 +139,8 @@ def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
 
 
 def _records(result: FitResult, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]) -> Iterator[ListedInterval]:
-    found = band(result, quantity, rows, "iso")
-    for (_, at), (_, row) in zip(rows.iterrows(), found.iterrows(), strict=True):
+    intervals = band(result, quantity, rows, "iso")
+    for (_, at), (_, row) in zip(rows.iterrows(), intervals.iterrows(), strict=True):
         yield {
             "quantity": quantity, "at": {name: float(at[name]) for name in varied}, "value": float(row["value"]),
             "lower": float(row["lower"]), "upper": float(row["upper"]),

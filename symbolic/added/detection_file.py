@@ -36,13 +36,13 @@ MAX_FORMS, MAX_PROBES, MAX_PAIRS, LARGEST_SIZE, MAX_POINTS = 10, 10, 20, 1e12, 2
 INPUTS = ("t", *(quantity.name for quantity in (KAPPA, ALPHA, GAMMA, FZ, P, V, PHIT)), *BEYOND)
 OUTPUTS = tuple(quantity.name for quantity in (FX, FY, MZ, MX, MY))
 TEXT: dict[str, Any] = {
-    "type": "string", "maxLength": LONGEST_TEXT, "pattern": r"\S", "description": "not empty",
+    "type": "string", "maxLength": LONGEST_TEXT, "pattern": r"\S", "title": f"a text of 1 to {LONGEST_TEXT} characters",
 }  # fmt: skip
-NAME = name_schema(EFFECT_NAME, LONGEST_NAME, EFFECT_FORM)
-COEFFICIENT = name_schema(COEFFICIENT_NAME, LONGEST_NAME, COEFFICIENT_FORM)
+NAME = name_schema(EFFECT_NAME, LONGEST_NAME, f"{EFFECT_FORM}, of at most {LONGEST_NAME}")
+COEFFICIENT = name_schema(COEFFICIENT_NAME, LONGEST_NAME, f"{COEFFICIENT_FORM}, of at most {LONGEST_NAME}")
 POSITIVE = {"type": "number", "minimum": 1.0 / LARGEST_SIZE, "maximum": LARGEST_SIZE}
 NEGATIVE = {"type": "number", "minimum": -LARGEST_SIZE, "maximum": -1.0 / LARGEST_SIZE}
-SIZE = {"anyOf": [POSITIVE, NEGATIVE], "description": "a number other than 0, of plausible size"}
+SIZE = {"anyOf": [POSITIVE, NEGATIVE], "title": "a number other than 0, of plausible size"}
 SIZES = {**by_name(COEFFICIENT, SIZE), "minProperties": 1, "maxProperties": MAX_COEFFICIENTS}
 #: The keys of each table with the JSON Schemas of their values.
 FORM_KEYS: dict[str, Any] = {

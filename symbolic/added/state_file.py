@@ -15,7 +15,7 @@ _FORMULA: dict[str, Any] = {"anyOf": [FILLED, {"type": "number"}]}
 #: Keys of the table of a state with the schemas of their values, in the order in which they are written.
 KEYS: dict[str, Any] = {
     "kind": one_of(KINDS),
-    "drive": {"anyOf": [*_FORMULA["anyOf"], {**list_schema(FILLED, 1, 2), "description": "of lags"}]},
+    "drive": {"anyOf": [*_FORMULA["anyOf"], {**list_schema(FILLED, 1, 2), "title": "a list of one or two lags"}]},
     **dict.fromkeys(("rate", "length", "width", "ambient", "frequency", "damping", "start"), _FORMULA),
     "unit": FILLED,
     "description": FILLED,

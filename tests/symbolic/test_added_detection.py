@@ -70,8 +70,12 @@ def test_a_user_file_has_the_keys_of_a_library_file_and_survives_a_round_trip():
         ('["Fy"]', '["Fy", "Fy"]', "expected a list of different words"),
         ('["Fy"]', '["Fyy"]', "unknown word 'Fyy' in diagnosis.channels[1]: did you mean Fy"),
         ('contains = "speed_friction"', 'contains = "nul"', "contains 'nul' is a device of Windows"),
-        ('contains = "speed_friction"', f'contains = "{"a" * 65}"', "expected a text of at most 64 characters"),
-        ('"repeat it on a dry road"', f'"{"a" * 601}"', "expected a text of at most 600 characters"),
+        (
+            'contains = "speed_friction"',
+            f'contains = "{"a" * 65}"',
+            "expected a word of letters",
+        ),
+        ('"repeat it on a dry road"', f'"{"a" * 601}"', "expected a text of 1 to 600 characters"),
         ("{WET2 = 0.5}", "{WET2 = -0.5}", "diagnosis.spread.WET2 is -0.5: expected a number of at least"),
         ("{WET2 = 0.5}", "{WET3 = 0.5}", "WET3 is not a coefficient of this effect: did you mean WET"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = 0}", "WET1 is 0: expected a number other than 0"),
@@ -82,7 +86,7 @@ def test_a_user_file_has_the_keys_of_a_library_file_and_survives_a_round_trip():
         (
             "{WET2 = [0.5, 2.0]}",
             "{wet = [1]}",
-            "the name 'wet' in diagnosis.forms[2].grid is not a text",
+            "the name 'wet' in diagnosis.forms[2].grid is not a word of",
         ),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = nan}", "WET1 is nan: expected a number"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = inf}", "WET1 is inf: expected a number"),
@@ -94,7 +98,7 @@ def test_a_user_file_has_the_keys_of_a_library_file_and_survives_a_round_trip():
         ("sizes = {WET1 = 0.1}", 'free = ["WET1"]', "either sizes, or free and starts are required"),
         ('free = ["WET1", "WET2"]', 'free = ["WET1"]', "starts contains WET2, which is not in free"),
         ('free = ["WET1", "WET2"]', 'free = ["WET1", "WET1"]', "expected a list of 1 to 50 different texts"),
-        ('free = ["WET1", "WET2"]', 'free = ["WET1", ["WET2"]]', "expected a text"),
+        ('free = ["WET1", "WET2"]', 'free = ["WET1", ["WET2"]]', "expected a word of capital"),
         (
             '"stiffness_y"',
             '"stiffness"',

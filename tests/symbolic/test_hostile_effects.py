@@ -187,7 +187,7 @@ TEXT = effect_text(effect())
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (TEXT.replace(f'physics = "{WORDS}"', f'physics = "{"x" * 601}"'), "expected a text of at most 600 characters"),
+        (TEXT.replace(f'physics = "{WORDS}"', f'physics = "{"x" * 601}"'), "expected a text of 1 to 600 characters"),
         (TEXT.replace('unit = "1"', f'unit = "{"m" * 41}"'), "OWN1: unit has more than 40 characters"),
         (TEXT.replace("lower = -1.0", "lower = nan"), "OWN1.lower is nan: expected a number"),
         (TEXT.replace("lower = -1.0", "lower = -inf"), "OWN1.lower is -inf: expected a number"),

@@ -259,5 +259,5 @@ def _testable(effects: Sequence[str], tire: Tire, recording: Recording) -> list[
     from tirefmu.diagnosis.diagnose import with_library
     from tirefmu.diagnosis.probing.candidates import candidates_for
 
-    known = candidates_for(with_library(tire)) if "Fz" in recording.table else {}
-    return [name for name in effects if name in known and {*known[name].requires} <= {*recording.table}]
+    candidates = candidates_for(with_library(tire)) if "Fz" in recording.table else {}
+    return [name for name in effects if name in candidates and {*candidates[name].requires} <= {*recording.table}]

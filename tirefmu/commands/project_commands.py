@@ -75,7 +75,7 @@ def init(
     for name in nominal or {}:
         if name not in NOMINAL:
             raise UnknownName("nominal value", name, NOMINAL)
-    possible = [each["name"] for each in found_effects(only_model=chosen)] if effects else []
+    possible = [effect["name"] for effect in found_effects(only_model=chosen)] if effects else []
     for name in effects or ():
         if name not in possible:
             raise UnknownName(f"effect of {chosen}", name, possible)
@@ -161,10 +161,15 @@ def run(
         except click.UsageError as error:
             raise TirefmuError(f"{project}: step {step.name}: {' '.join(error.format_message().split())}") from error
     outcomes = run_project(read, command, terminal, force=force, outside=outside, only=only)
-    failed = [each.step.name for each in outcomes if each.status]
+    failed = [outcome.step.name for outcome in outcomes if outcome.status]
     steps = [
-        {"name": each.step.name, "ok": each.status == 0, "repeated": each.repeated, "summary": list(each.summary)}
-        for each in outcomes
+        {
+            "name": outcome.step.name,
+            "ok": outcome.status == 0,
+            "repeated": outcome.repeated,
+            "summary": list(outcome.summary),
+        }
+        for outcome in outcomes
     ]
     index = read.folder / "index.html"
     write_json(json_file, {"ok": not failed, "index": str(index), "steps": steps})

@@ -135,8 +135,8 @@ class Project:
         """The tables of the diagnosis: all, unless the file has a list of its own or none is diagnosed."""
         if not self.get("diagnose", "run", True):
             return ()
-        own = self.get("diagnose", "tables")
-        return self.tables if own is None else tuple(map(self.located, own))
+        listed = self.get("diagnose", "tables")
+        return self.tables if listed is None else tuple(map(self.located, listed))
 
     @property
     def time_limit(self) -> float:
@@ -161,7 +161,7 @@ class Project:
 
         # An expression may end in a comment.
         included = [] if where is None else [f"({expression_of(self._argument('name or file', where))}\n)"]
-        return " and ".join([*included, *(f"not ({each})" for each in excluded)])
+        return " and ".join([*included, *(f"not ({expression})" for expression in excluded)])
 
     def data_options(self, *, fitted: bool = False) -> list[str]:
         """Return the options of a command that reads the tables; `fitted` as for `rows`."""
@@ -170,14 +170,16 @@ class Project:
 
     def options(self, section: str) -> list[str]:
         """Return the options of a command: those of a section that the file has."""
-        found: list[str] = []
+        options: list[str] = []
         for name, key in SECTIONS[section].items():
             value = self.get(section, name)
             if key.kind == "weights" and value is not None:
-                found += [part for each, factor in value.items() for part in (key.option, f"{factor!r}: {each}")]
+                options += [
+                    part for expression, factor in value.items() for part in (key.option, f"{factor!r}: {expression}")
+                ]
             elif key.option and value is not None:
-                found += [key.option, self._argument(key.kind, value)]
-        return found
+                options += [key.option, self._argument(key.kind, value)]
+        return options
 
     def files_of(self, section: str) -> list[Path]:
         """Return the files, other than tables, that a section names and that exist."""

@@ -53,7 +53,7 @@ class Records:
             entries = json.loads(read_bounded(path, LARGEST))
         except (OSError, ValueError, RecursionError):
             entries = {}
-        whole = isinstance(entries, dict) and all(isinstance(each, dict) for each in entries.values())
+        whole = isinstance(entries, dict) and all(isinstance(entry, dict) for entry in entries.values())
         return cls(path, entries if whole else {})
 
     def status(self, step: Step) -> int | None:
@@ -96,7 +96,7 @@ def _digests(paths: Iterable[Path]) -> dict[str, str]:
 def files_of(path: Path) -> Iterator[Path]:
     """Yield a file, or the files in a folder and below it."""
     if path.is_dir():
-        yield from sorted(each for each in path.rglob("*") if each.is_file())
+        yield from sorted(file for file in path.rglob("*") if file.is_file())
     else:
         yield path
 

@@ -83,7 +83,7 @@ def run_project(
         terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
         terminal.print(*(f"  {line}" for line in outcome.summary))
         _write_index(
-            project, outcomes, [each.name for i, each in enumerate(steps) if i >= number or each.name in skipped]
+            project, outcomes, [step.name for i, step in enumerate(steps) if i >= number or step.name in skipped]
         )
     return outcomes
 
@@ -138,7 +138,7 @@ def _write_index(project: Project, outcomes: Sequence[Outcome], missing: Sequenc
     def links(outcome: Outcome) -> list[tuple[str, str]]:
         first = [outcome.step.page] if outcome.step.page else []
         written = [file for output in outcome.step.outputs for file in files_of(output)]
-        files = [each.relative_to(folder).as_posix() for each in dict.fromkeys([*first, *written])]
+        files = [file.relative_to(folder).as_posix() for file in dict.fromkeys([*first, *written])]
         return [("open the page" if i < len(first) else file, "./" + quote(file)) for i, file in enumerate(files)]
 
     text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes,
