@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -15,15 +16,22 @@ from tirefmu.fmu.description.variables import TIME, direct_feedthrough, variable
 from tirefmu.fmu.packaging.export import contents, fmi_headers
 from tirefmu.tires import published
 
+from .conftest import TIRES
 
-@pytest.fixture
-def described(name, fmus, fmi, tires):
+
+@pytest.fixture(scope="module", params=product(TIRES, (2, 3)), ids="{0[0]}-fmi{0[1]}".format)
+def described(request, fmus, tires):
     """Return tire and description as fmpy reads it, schema and all."""
-    return tires[name], read_model_description(str(fmus[name, fmi]), validate=True)
+    return tires[request.param[0]], read_model_description(str(fmus[request.param]), validate=True)
 
 
-def test_fmpy_reports_no_problem(fmus, name, fmi):
-    assert validate_fmu(str(fmus[name, fmi])) == []
+@pytest.mark.parametrize(
+    ("name", "inputs"),
+    [*((name, "slip") for name in TIRES), *product(("first", "rolling"), ("wheel", "hub")), ("first", "hub-torque")],
+)
+def test_fmpy_reports_no_problem(fmus, name, fmi, inputs):
+    key = (name, fmi) if inputs == "slip" else (name, fmi, inputs)
+    assert validate_fmu(str(fmus[key])) == []
 
 
 def test_start_values_are_the_tire_to_the_last_bit(described):

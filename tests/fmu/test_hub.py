@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from fmpy.validation import validate_fmu
 from scipy.spatial.transform import Rotation
 
 from tirefmu.boundary.errors import FmuError
@@ -45,11 +44,6 @@ def pose(rng, radius):
         "road_nx": 0.1 * numbers[13], "road_ny": 0.1 * numbers[14], "road_vx": numbers[15], "road_vy": numbers[16],
         "road_vz": 0.1 * numbers[17],
     }  # fmt: skip
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_it_is_valid(fmus, name, fmi):
-    assert validate_fmu(str(fmus[name, fmi, "hub"])) == []
 
 
 @pytest.mark.parametrize("name", NAMES)

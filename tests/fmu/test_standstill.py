@@ -317,21 +317,6 @@ def test_the_dissipated_power_is_never_negative(wheels, tires):
     assert min(power) >= -1e-9 * max(power)
 
 
-@pytest.mark.parametrize("name", ["mf61", "first"])
-def test_sliding_steadily_dissipates(standing, tires, name):
-    host, rng, time, power = standing(name), np.random.default_rng(7), 0.0, []
-    host.set(Fz=tires[name].nominal("Fz"))
-    radius = wheel_radius(host, tires[name])
-    for _ in range(300):
-        V_x, V_y, slip = rng.uniform(-0.9, 0.9), rng.normal() * 0.3, rng.normal() * 0.3
-        host.set(V_x=V_x, V_y=V_y, omega=(V_x + slip) / radius)
-        assert host.step(time, 100.0) == OK
-        time += 100.0
-        kappa = (host.get("omega")[0] * radius) - V_x
-        power.append(host.get("Fx", "Fy") @ [kappa, -V_y])
-    assert min(power) >= -1e-9 * max(power)
-
-
 def test_sae_axes_turn_the_same_way(tires, compiler, tmp_path):
     path = export(tires["mf61"], tmp_path / "sae.fmu", inputs="wheel", axes="sae")
     with loaded(path) as slave:
