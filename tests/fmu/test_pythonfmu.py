@@ -112,17 +112,6 @@ def test_invalid_step_sizes_are_rejected(python_host, lagging, size):
     assert host.everything().tolist() == before.tolist()
 
 
-def test_steps_do_not_depend_on_their_size(python_host, lagging):
-    one, many = python_host(lagging), python_host(lagging)
-    for host in (one, many):
-        host.start()
-        host.set(alpha=0.1, kappa=0.03, V=10.0)
-    assert one.step(0.0, 0.05) == OK
-    for i in range(50):
-        assert many.step(0.001 * i, 0.001) == OK
-    assert many.get(*many.outputs) == pytest.approx(one.get(*one.outputs), rel=1e-9)
-
-
 def test_reset_restarts(python_host, lagging):
     host = python_host(lagging)
     runs = []
