@@ -16,6 +16,8 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from hypothesis import given
 from hypothesis import strategies as st
 
+from .conftest import PHYSICAL, TIRES
+
 OK, DISCARD, ERROR = 0, 2, 3
 NO_REFERENCE = 4_000_000_000
 OUTPUTS = ("Fx", "Fy", "Mz")
@@ -48,6 +50,7 @@ ANY_INPUTS = {
 }
 
 
+@pytest.mark.parametrize("name", [*TIRES, *PHYSICAL])
 def test_output_is_the_direct_evaluation(hosts, tires, name, fmi):
     host = hosts(name, fmi)
     host.initialize()  # until its end every tire is in steady state

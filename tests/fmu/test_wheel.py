@@ -19,7 +19,7 @@ def settled(host, time=0.0, size=30.0):
     return host.get(*host.outputs)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [*NAMES, "fiala", "brush"])
 def test_at_speed_it_is_the_tire_at_the_reported_slips(wheels, tires, name):
     host = wheels(name).start()
     rng, time = np.random.default_rng(2), 0.0
