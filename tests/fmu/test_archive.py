@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import stat
 import struct
 import zipfile
@@ -200,24 +199,3 @@ def test_a_file_that_cannot_be_read(packed, temporary, monkeypatch):
     path = packed()
     monkeypatch.setattr(type(path), "open", broken)
     refused(path, r"some\.fmu: cannot be read \(Input/output error\)")
-
-
-def test_any_damage_is_one_line(packed, temporary):
-    code = random.Random(1).randbytes(300)
-    path = packed(("binaries/linux64/a.so", code), ("resources/", b""), ("resources/b", b"1" * 999))
-    content, errors = path.read_bytes(), []
-    for seed in range(400):
-        draw = random.Random(seed)
-        damaged = bytearray(content)
-        for _ in range(draw.choice([1, 2, 5])):
-            damaged[draw.randrange(len(damaged))] = draw.randrange(256)
-        if draw.random() < 0.2:
-            del damaged[draw.randrange(len(damaged)) :]
-        path.write_bytes(damaged)
-        try:
-            with unpacked(path):
-                pass
-        except FmuError as error:
-            errors.append(str(error))
-    assert 0 < len(errors) < 400
-    assert all(error.isprintable() for error in errors)

@@ -15,20 +15,16 @@ import pytest
 
 import tirefmu
 import tirefmu.generated
-from tirefmu.arguments import write_json
 from tirefmu.fitting.evidence.ripple import Ripple
 from tirefmu.fitting.results.fit_result import FitResult
 from tirefmu.fitting.results.records import FittedCoefficient, StageFit
 from tirefmu.fmu.comparison.result import CheckResult
-from tirefmu.measurements import read_recording
 from tirefmu.measurements.findings.finding import Finding
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers import generate
 from tirefmu.tires import read_tir
 
 from ..declared_flags import declared_flags, flags
-
-COMMANDS = ("generate", "inspect", "evaluate", "fit", "export", "check", "info", "draw", "demo")
 
 
 def strict(text):
@@ -68,11 +64,6 @@ def test_every_yes_or_no_of_a_json_file_is_true_or_false(chain):
         found = dict(flags(strict((chain[0] / f"{name}.json").read_text(encoding="utf-8")), names))
         assert [path for path, right in found.items() if not right] == []
         assert {path.rpartition("/")[2] for path in found} >= expected
-
-
-def test_a_truth_value_of_numpy_is_no_text(tmp_path):
-    write_json(tmp_path / "a.json", {"ok": np.bool_(False), "rows": np.int64(3), "path": tmp_path})
-    assert strict((tmp_path / "a.json").read_text()) == {"ok": False, "rows": 3, "path": str(tmp_path)}
 
 
 def test_the_report_has_the_figures_of_the_folder(chain):
@@ -165,25 +156,6 @@ def test_a_fit_from_a_tire_and_a_user_defined_recipe(chain, command, bench_csv, 
     assert f"tire: {tmp_path / '[new].tir'}" in outcome.out
 
 
-def test_without_removes_effects(command, bench_csv, tmp_path):
-    outcome = command(
-        "fit", bench_csv, "--model", "mf96", "--effects", "load_stiffness, camber_thrust", "--without", "camber_thrust",
-        "-o", tmp_path / "tire.tir",
-    )  # fmt: skip
-    assert outcome.status == 0, outcome.err
-    assert read_tir(tmp_path / "tire.tir").has == {"load_stiffness"}
-
-
-def test_data_in_another_convention_are_refused(command, bench_csv, tmp_path):
-    outcome = command(
-        "fit", bench_csv, "--model", "mf96", "--signs", "adapted-sae", "--effects", "none", "-o", tmp_path / "odd.tir"
-    )
-    assert outcome.status == 2
-    assert outcome.err.count("bench.csv: Fy falls with alpha") == 1
-    assert "the data fit iso (--signs iso)" in outcome.err
-    assert not (tmp_path / "odd.tir").exists()
-
-
 # ------------------------------------------------------------------ evaluate
 
 
@@ -223,22 +195,6 @@ def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp
     np.testing.assert_allclose(free["Fy"], expected[:2], rtol=1e-12)
     np.testing.assert_allclose(clamped["Fy"], expected[[0, 2]], rtol=1e-12)
     assert clamped.loc[1, "alpha"] == free.loc[1, "alpha"]  # the input is returned unchanged
-
-
-def test_evaluate_writes_the_convention_of_the_table(command, chain, bench_csv, tmp_path):
-    folder, _ = chain
-    recording = read_recording(bench_csv)
-    results = {}
-    for signs in ("iso", "adapted-sae", "sae"):
-        path = tmp_path / f"{signs}.csv"
-        recording.with_signs(signs).table.to_csv(path, index=False)
-        out = tmp_path / f"{signs}_out.csv"
-        assert command("evaluate", folder / "fitted.tir", path, "--signs", signs, "-o", out).status == 0
-        results[signs] = pd.read_csv(out)
-    for name in ("Fx", "Fy", "Mz"):
-        flips = -1.0 if name != "Fx" else 1.0
-        for signs in ("adapted-sae", "sae"):
-            np.testing.assert_allclose(results[signs][name], flips * results["iso"][name], rtol=1e-9, atol=1e-9)
 
 
 # ------------------------------------------------------------------ printed output
@@ -295,20 +251,6 @@ def test_info_reports_what_is_in_a_tire(command, published_tir):
     assert set(reported["effects"]) | set(reported["effects_at_neutral"]) == read_tir(published_tir).has
 
 
-def test_help_names_every_command(command):
-    for outcome in (command("--help"), command()):
-        assert outcome.status == 0
-        assert "Usage: tirefmu " in outcome.out
-        for name in COMMANDS:
-            assert f"\n  {name} " in outcome.out
-    for name in COMMANDS:
-        outcome = command(name, "--help")
-        assert outcome.status == 0
-        assert "--json" in outcome.out
-        assert "--quiet" in outcome.out
-    assert tirefmu.__version__ in command("--version").out
-
-
 # ------------------------------------------------------------------ generate
 
 
@@ -329,11 +271,6 @@ def generated(smallest, tmp_path, monkeypatch):
     shutil.copytree(smallest, folder)
     monkeypatch.setattr(tirefmu.generated, "__file__", str(folder / "__init__.py"))
     return folder
-
-
-def test_code_that_is_what_the_book_generates_passes(command, generated):
-    outcome = command("generate", "--check")
-    assert outcome.status == 0, outcome.out
 
 
 def test_a_planted_edit_is_found_shown_and_repaired(command, generated, capfd):
@@ -372,15 +309,6 @@ def test_another_folder_gets_the_jacobians_too(command, generated, tmp_path, mon
     assert "all/c/fiala_jacobians.c" in outcome.out
     assert not list(generated.rglob("*_jacobians.*"))
     assert command("generate", "--check", "-o", str(tmp_path / "all")).status == 2
-
-
-def test_a_missing_and_a_stray_file_are_found(command, generated):
-    (generated / "numpy" / "mf96.py").unlink()
-    (generated / "c" / "mf00.c").write_text("int old = 1;\n", encoding="utf-8")
-    outcome = command("generate", "--check")
-    assert outcome.status == 1
-    assert "generated/numpy/mf96.py" in outcome.out
-    assert "-int old = 1;" in outcome.out
 
 
 # ------------------------------------------------------------------ as a process
