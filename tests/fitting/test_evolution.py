@@ -130,12 +130,6 @@ def test_a_search_continues_with_its_population_and_more_constraints(problem, st
 # ------------------------------------------------------------------ how it ends
 
 
-def test_the_iteration_limit_is_reported(problem, start, bounds):
-    solution = Evolution(5)(problem, start, *bounds(), [])
-    assert (solution.iterations, solution.converged) == (5, False)
-    assert solution.reason == LIMIT == "iteration limit"
-
-
 def test_the_error_goal_ends_it(problem, start, bounds):
     goal = 1e-3
     solution = Evolution(5000, goal=goal)(problem, start, *bounds(), [])
@@ -172,20 +166,18 @@ def test_a_stopped_search_returns_the_best_individual(problem, start, bounds):
 # ------------------------------------------------------------------ within a fit
 
 
-def test_a_fit_by_ioa_reports_its_method_and_is_reproducible(known, make, tmp_path):
+def test_a_fit_by_ioa_reports_its_method_and_its_end(known, make, tmp_path):
     free = "\n".join(f"{name} = {{ guess = {START[name]} }}" for name in FREE)  # declared bounds
     path = make.recipe(tmp_path, f'[[stage]]\nname = "side"\nchannels = ["Fy"]\n[stage.free]\n{free}\n')
     recording = make.sideways(known, cambers=(0.0,))
-    results = [
+    found, stopped = (
         fit([recording], "mf96", start=known, recipe=path, method="ioa", iterations=iterations, seed=1)
-        for iterations in (400, 400, 3)
-    ]
-    assert results[0].tire.values == results[1].tire.values
-    assert results[0].run.method == results[0].to_json()["method"] == "ioa"
-    assert results[0].channels[0].rmse < 5.0
-    assert results[2].stages[0].reason == LIMIT
-    assert not results[2].ok
-    assert results[2].stages[0].iterations >= 3
+        for iterations in (400, 3)
+    )
+    assert found.run.method == found.to_json()["method"] == "ioa"
+    assert found.channels[0].rmse < 5.0
+    assert (stopped.ok, stopped.stages[0].reason) == (False, LIMIT)
+    assert stopped.stages[0].iterations >= 3
 
 
 def test_every_stage_of_the_default_recipe_can_be_solved_by_it(known, make):
