@@ -88,15 +88,6 @@ def test_pressure_coefficients_are_found_and_constraints_verified_over_pressure(
     assert set(margins["mu_y > 0"].at) == {"Fz", "gamma", "p"}
 
 
-def test_given_nominal_values_are_used():
-    nominal = {"Fz0": 1000.0, "R0": 0.2, "p0": 9e4, "V0": 20.0}
-    result = fit([measured(known_tire("mf61"), n=800, noise=0.01)], "mf61", nominal=nominal)
-    values = result.tire.values
-    assert [values[n] for n in ("FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "LONGVL")] == [1000.0, 0.2, 9e4, 20.0]
-    assert values["INFLPRES"] == 9e4
-    assert not [note for note in result.notes if "not given" in note]
-
-
 def test_the_scaling_recipe_adapts_a_tire_to_another_surface():
     truth = known_tire("mf61")
     icy = Tire("mf61", {**truth.values, "LMUX": 0.6, "LMUY": 0.55, "LKY": 0.8}, signs="adapted-sae")

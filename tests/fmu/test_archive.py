@@ -79,20 +79,13 @@ def test_a_name_with_a_zero_byte(packed, temporary):
     refused(path, r"'resources/harmless\\x00evil' is not allowed")
 
 
-@pytest.mark.parametrize(
-    ("names", "message"),
-    [
-        (["link"], "'link' is a link or a device"),
-        (["link", "link/file"], "'link' is a link or a device"),
-        (["link", "link"], "'link' is a link or a device"),
-    ],
-)
+@pytest.mark.parametrize("names", [["link"], ["link", "link/file"], ["link", "link"]])
 @pytest.mark.parametrize("kind", [stat.S_IFLNK, stat.S_IFIFO, stat.S_IFCHR])
 @pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_links_and_devices(packed, temporary, kind, names, message):
+def test_links_and_devices(packed, temporary, kind, names):
     entry = zipfile.ZipInfo(names[0])
     entry.external_attr = (kind | 0o777) << 16
-    refused(packed((entry, b"/etc"), *((name, b"") for name in names[1:])), message)
+    refused(packed((entry, b"/etc"), *((name, b"") for name in names[1:])), "'link' is a link or a device")
 
 
 @pytest.mark.parametrize(
@@ -190,12 +183,3 @@ def test_a_broken_model_description(packed, temporary, description, message):
 def test_a_huge_model_description(packed, temporary, monkeypatch):
     monkeypatch.setattr(archive, "LARGEST_DESCRIPTION", 50)
     refused(packed(), r"'modelDescription\.xml' has 0 MB when unpacked")
-
-
-def test_a_file_that_cannot_be_read(packed, temporary, monkeypatch):
-    def broken(*_):
-        raise OSError(5, "Input/output error")
-
-    path = packed()
-    monkeypatch.setattr(type(path), "open", broken)
-    refused(path, r"some\.fmu: cannot be read \(Input/output error\)")

@@ -13,7 +13,7 @@ from fmpy.validation import validate_fmu
 
 from tirefmu.fmu.description.model_description import Header, model_description
 from tirefmu.fmu.description.variables import TIME, direct_feedthrough, variables
-from tirefmu.fmu.packaging.export import contents, fmi_headers
+from tirefmu.fmu.packaging.export import contents
 from tirefmu.tires import published
 
 from .conftest import TIRES
@@ -139,11 +139,6 @@ def test_an_input_that_is_not_listed_has_no_influence(name, tires):
             assert felt or key not in reached or name != "first", (output, key)
 
 
-def test_names_of_any_kind_are_escaped(described, tires):
-    tire, description = described
-    assert description.modelName == tire.name
-
-
 def test_characters_that_xml_cannot_contain_are_omitted(fmi):
     text = model_description(fmi, Header("a\x00\x07b\ud800", "a", "\ufffe", ("a.c",)), [TIME], "{1}")
     assert ET.fromstring(text).get("modelName") == "a\ufffd\ufffdb\ufffd"
@@ -171,7 +166,3 @@ def test_token_ties_tire_code_and_description(tires):
     ]
     assert token(tire) == token(tire)
     assert len({token(tire), *others}) == 4
-
-
-def test_headers_of_the_standard_are_found():
-    assert (fmi_headers() / "fmi3FunctionTypes.h").is_file()

@@ -118,6 +118,8 @@ def fails(tire, path, message, **options):
     [
         ("t.fmu", {"fmi": 1}, "FMI 1 is not supported: supported are 2 and 3"),
         ("t.fmu", {"inputs": "motion"}, "inputs 'motion' are unknown: known are slip, wheel"),
+        ("t.fmu", {"inputs": "hub", "axes": "sae"}, "ISO axes only"),
+        ("t.fmu", {"kind": "julia"}, "kind 'julia' is unknown: known kinds are native, pythonfmu"),
         ("t.fmu", {"axes": "adapted-sae"}, "axes 'adapted-sae' are unknown: known are iso, sae"),
         ("no/t.fmu", {}, "cannot be written: No such file"),
         ("folder.fmu", {}, "cannot be written"),

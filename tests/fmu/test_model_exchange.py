@@ -112,14 +112,6 @@ def test_a_state_of_one_kind_is_none_of_the_other(hosts, fmus, fmi, tmp_path):
     solver.fmu.freeInstance()
 
 
-def test_an_fmu_with_fixed_steps_has_no_model_exchange(hosts):
-    host = hosts("rolling", 3).start()
-    assert host.call("EnterContinuousTimeMode") == ERROR
-    assert host.log[-1] == "continuous-time mode is allowed in Model Exchange only"
-    assert host.call("EnterEventMode") == ERROR
-    assert host.call("SetTime", 1.0) == ERROR
-
-
 def test_a_tire_without_states(fmus, fmi, tires, driving):
     result = simulate_fmu(
         str(fmus["first", fmi]),

@@ -192,8 +192,3 @@ def test_fmi_3_is_refused(tires, tmp_path):
     call = ["export", "trento_hoosier", "-o", str(tmp_path / "t.fmu"), "--kind", "pythonfmu", "--fmi", "3"]
     assert main(call) == 2
     assert list(tmp_path.iterdir()) == []
-
-
-def test_unknown_kind(tires, tmp_path):
-    with pytest.raises(FmuError, match="kind 'julia' is unknown: known kinds are native, pythonfmu"):
-        export(tires["first"], tmp_path / "t.fmu", kind="julia")
