@@ -89,11 +89,7 @@ def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, 
 def test_invalid_arguments_give_a_message_of_one_line(known, make):
     recording = make.sideways(known)
     cases = [
-        (UnknownName, "unknown model 'mf69': did you mean mf96", {"model": "mf69"}),
-        (UnknownName, "'camber_trust': did you mean camber_thrust", {"effects": ["camber_trust"]}),
         (UnknownName, "'camber_trust': did you mean camber_thrust", {"without": ["camber_trust"]}),
-        (UnknownName, "unknown recipe 'jiont': did you mean joint", {"recipe": "jiont"}),
-        (UnknownName, "unknown nominal value 'Fz': did you mean Fz0", {"nominal": {"Fz": 700.0}}),
         (FitError, "nominal Fz0 = -1 is not positive", {"nominal": {"Fz0": -1.0}}),
         (FitError, "nominal Fz0 = nan is not positive", {"nominal": {"Fz0": float("nan")}}),
         (

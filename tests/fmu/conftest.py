@@ -246,3 +246,13 @@ def host(hosts, fmi):
 def running(host):
     """Return a host of the first tire, initialized."""
     return host.start()
+
+
+@pytest.fixture
+def temporary(tmp_path, monkeypatch):
+    """Return the folder of temporary files; it is empty in the end."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    yield folder
+    assert list(folder.iterdir()) == []

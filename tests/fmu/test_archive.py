@@ -16,16 +16,6 @@ DESCRIPTION = b'<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0"/>'
 
 
 @pytest.fixture
-def temporary(tmp_path, monkeypatch):
-    """Return the folder of temporary files; it is empty in the end."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(folder))
-    yield folder
-    assert list(folder.iterdir()) == []
-
-
-@pytest.fixture
 def packed(tmp_path):
     """Return a function that packs entries, (name or ZipInfo, content), with a model description before them."""
 

@@ -62,16 +62,6 @@ def hostile(hostile_library, tmp_path):
 
 
 @pytest.fixture
-def temporary(tmp_path, monkeypatch):
-    """Return the folder of temporary files; it is empty in the end."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(folder))
-    yield folder
-    assert list(folder.iterdir()) == []
-
-
-@pytest.fixture
 def table():
     return pd.DataFrame({"t": [0.0, 0.1, 0.2], "alpha": [0.0, 0.01, 0.02], "Fy": [0.0, -10.0, -20.0]})
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import subprocess
@@ -100,45 +101,39 @@ def test_a_step_allocates_no_memory_and_opens_no_file(compiler, tires, tmp_path,
 KINDS = {2: (FMU2Slave, FMU2Model), 3: (FMU3Slave, FMU3Model, FMU3ScheduledExecution)}
 
 
-def test_every_function_of_the_standard_is_there(fmus, fmi):
-    with loaded(fmus["first", fmi]) as slave:
-        for kind in KINDS[fmi]:
-            # fmpy resolves every function when it loads a library.
-            library = kind(
-                guid="",
-                unzipDirectory=str(slave.folder),
-                modelIdentifier=slave.description.coSimulation.modelIdentifier,
-                instanceName="look",
-            )
-            library.freeLibrary()
+@pytest.fixture
+def library(fmus):
+    """Return a function that loads the library of an FMU as fmpy does, which resolves every function of a kind."""
+    with contextlib.ExitStack() as stack:
+
+        def load(fmi, kind, token=None):
+            slave = stack.enter_context(loaded(fmus["first", fmi]))
+            identifier = slave.description.coSimulation.modelIdentifier
+            guid = slave.description.guid if token is None else token
+            made = kind(guid=guid, unzipDirectory=str(slave.folder), modelIdentifier=identifier, instanceName="other")
+            stack.callback(made.freeLibrary)
+            return made
+
+        yield load
 
 
-def test_scheduled_execution_is_not_offered(fmus, capfd):
-    with loaded(fmus["first", 3]) as slave:
-        library = FMU3ScheduledExecution(
-            guid=slave.description.guid,
-            unzipDirectory=str(slave.folder),
-            modelIdentifier=slave.description.coSimulation.modelIdentifier,
-            instanceName="other",
-        )
-        with pytest.raises(Exception, match="Failed to instantiate"):
-            library.instantiate()
-        library.freeLibrary()
-    assert "this FMU does not support Scheduled Execution" in capfd.readouterr().out
+@pytest.mark.parametrize("kind", [kind for kinds in KINDS.values() for kind in kinds])
+def test_every_function_of_the_standard_is_there(library, kind):
+    library(2 if kind in KINDS[2] else 3, kind)
 
 
-def test_another_token_is_refused(fmus, fmi, capfd):
-    with loaded(fmus["first", fmi]) as slave:
-        library = KINDS[fmi][0](
-            guid="{00000000-0000-0000-0000-000000000000}",
-            unzipDirectory=str(slave.folder),
-            modelIdentifier=slave.description.coSimulation.modelIdentifier,
-            instanceName="other",
-        )
-        with pytest.raises(Exception, match="Failed to instantiate"):
-            library.instantiate()
-        library.freeLibrary()
-    assert "the token of the model description differs from the token of this binary" in capfd.readouterr().out
+@pytest.mark.parametrize(
+    ("fmi", "kind", "token", "message"),
+    [
+        (3, FMU3ScheduledExecution, None, "this FMU does not support Scheduled Execution"),
+        (2, FMU2Slave, "{0}", "the token of the model description differs from the token of this binary"),
+        (3, FMU3Slave, "{0}", "the token of the model description differs from the token of this binary"),
+    ],
+)
+def test_an_instance_that_is_refused_has_a_reason(library, capfd, fmi, kind, token, message):
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        library(fmi, kind, token).instantiate()
+    assert message in capfd.readouterr().out
 
 
 def test_what_is_not_supported_reports_so(host):

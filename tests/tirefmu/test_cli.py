@@ -136,18 +136,8 @@ def test_a_fit_from_a_tire_and_a_user_defined_recipe(chain, command, bench_csv, 
     folder, _ = chain
     recipe = tmp_path / "friction [only].toml"
     recipe.write_text('[[stage]]\nname = "[friction]"\n[stage.free]\nPDY1 = { guess = 2, lower = 1, upper = 4 }\n')
-    outcome = command(
-        "fit",
-        bench_csv,
-        "--model",
-        "mf96",
-        "--start",
-        folder / "fitted.tir",
-        "--recipe",
-        recipe,
-        "-o",
-        tmp_path / "[new].tir",
-    )
+    start = ("--start", folder / "fitted.tir", "--recipe", recipe, "-o", tmp_path / "[new].tir")
+    outcome = command("fit", bench_csv, "--model", "mf96", *start)
     assert outcome.status == 0, outcome.err
     before, after = read_tir(folder / "fitted.tir"), read_tir(tmp_path / "[new].tir")
     assert after.has == before.has
@@ -200,15 +190,20 @@ def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp
 # ------------------------------------------------------------------ printed output
 
 
-def test_json_is_the_only_standard_output(chain, command, bench_csv, published_tir, tmp_path):
-    folder, _ = chain
-    calls = [
-        ("evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"),
-        ("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tmp_path / "t.tir"),
-        ("export", published_tir, "-o", tmp_path / "t.fmu"),
-        ("check", folder / "fmi3.fmu", bench_csv),
-        ("info", published_tir),
+@pytest.fixture
+def calls(chain, bench_csv, published_tir, tmp_path):
+    """Return a call of every command of the workflow."""
+    fit = ["--model", "mf96", "--effects", "none", "-o", tmp_path / "t.tir", "--figures", tmp_path / "figures"]
+    return [
+        ["evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"],
+        ["fit", bench_csv, *fit],
+        ["export", published_tir, "-o", tmp_path / "t.fmu"],
+        ["check", chain[0] / "fmi3.fmu", bench_csv],
+        ["info", published_tir],
     ]
+
+
+def test_json_is_the_only_standard_output(calls, command):
     for call in calls:
         outcome = command(*call, "--quiet", "--json", "-")
         assert outcome.status == 0, (call, outcome.err)
@@ -216,26 +211,7 @@ def test_json_is_the_only_standard_output(chain, command, bench_csv, published_t
         assert outcome.err == ""
 
 
-def test_quiet_prints_nothing(chain, bench_csv, published_tir, tmp_path, capfd):
-    folder, _ = chain
-    calls = [
-        ["evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"],
-        [
-            "fit",
-            bench_csv,
-            "--model",
-            "mf96",
-            "--effects",
-            "none",
-            "-o",
-            tmp_path / "t.tir",
-            "--figures",
-            tmp_path / "figures",
-        ],
-        ["export", published_tir, "-o", tmp_path / "t.fmu"],
-        ["check", folder / "fmi2.fmu", bench_csv],
-        ["info", published_tir],
-    ]
+def test_quiet_prints_nothing(calls, capfd):
     for call in calls:
         assert tirefmu.cli.main([*map(str, call), "--quiet"]) == 0
         assert capfd.readouterr() == ("", ""), call  # includes output that libraries write directly
