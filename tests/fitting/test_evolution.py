@@ -17,7 +17,6 @@ from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
 from tirefmu.fitting.solvers.selection import METHODS, solver_for
-from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import code_for, forces_of_each
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2")
@@ -98,14 +97,6 @@ def test_constraints_are_satisfied_if_the_optimum_violates_them(problem, start, 
     assert code.quantities(points, problem.parameters(free.x))[index].max() > 1.8
     assert code.quantities(points, problem.parameters(constrained.x))[index].max() <= 1.6 + 2e-6
     assert constrained.cost == pytest.approx(reference.cost, rel=1e-2)
-
-
-def test_an_infeasible_start_becomes_feasible(problem, start, bounds):
-    points = np.array([[0.0], [0.0], [0.0], [700.0]])
-    floor = (Constraint("mu_y", 1.8, inf, ("Fz",)), points)  # the start has 1.5
-    solution = Evolution(100)(problem, start, *bounds(), [floor])
-    values = dict(zip(FREE, solution.x * problem.scale, strict=True))
-    assert values["PDY1"] >= 1.8 - 2e-6
 
 
 def test_infeasible_constraints_are_a_result(problem, start, bounds):
@@ -197,21 +188,6 @@ def test_invalid_methods_and_numbers_are_rejected():
     with pytest.raises(FitError, match="must not be negative"):
         solver_for("ioa", seed=-1)
     assert {method: solver_for(method, 7) for method in METHODS}["ioa"].max_iterations == 7
-
-
-def test_declared_bounds_limit_the_search(known, make, problem, start):
-    """Coefficients without bounds in a recipe have the bounds of their declarations."""
-    for model in MODELS.values():
-        assert all(
-            np.isfinite([declaration.lower, declaration.upper]).all() for declaration in model.coefficients.values()
-        )
-    wide = np.full(len(FREE), inf)
-    solution = Evolution(20)(problem, start, -wide, wide, [])
-    declarations = [problem.tire.symbolic_model.coefficients[name] for name in FREE]
-    values = solution.x * problem.scale
-    assert all(
-        declaration.lower <= value <= declaration.upper for declaration, value in zip(declarations, values, strict=True)
-    )
 
 
 # ------------------------------------------------------------------ many points at once
