@@ -165,13 +165,6 @@ def test_a_resumed_fit_equals_an_uninterrupted_one(recording, whole, make, tmp_p
     same(fit([recording], "mf96", **options, resume=True, progress=raised), whole)  # no stage runs again
 
 
-def test_a_fit_without_resume_restarts(recording, whole, make, tmp_path):
-    path = tmp_path / "tire.progress.json"
-    options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    fit([recording], "mf96", **options, progress=stopping(STAGES[-1], 1, raised))
-    same(fit([recording], "mf96", **options), whole)
-
-
 def test_a_progress_file_of_another_fit_is_rejected(recording, make, tmp_path):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}

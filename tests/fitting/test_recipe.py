@@ -239,15 +239,3 @@ def test_files_that_cannot_be_read(tmp_path):
             load_recipe(str(tmp_path / f"{name}.toml"), "mf96")
     with pytest.raises(UnknownName, match="unknown recipe 'jiont': did you mean joint"):
         load_recipe("jiont", "mf96")
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [("#" * 2_000_001, r"cannot be read \(larger than 2 MB\)"), ("a = " + "[" * 100_000, "levels"),
-     ("a = " + "9" * 5000, "digits")],
-)  # fmt: skip
-def test_an_excessive_recipe_gives_a_message_of_one_line(tmp_path, text, message):
-    path = tmp_path / "large.toml"
-    path.write_text(text, encoding="ascii")
-    with pytest.raises(FitError, match=rf"large\.toml: .*{message}"):
-        load_recipe(str(path), "mf96")

@@ -13,7 +13,7 @@ from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu import export
 from tirefmu.fmu.description.documentation import LICENSE
 from tirefmu.fmu.packaging.export import c_identifier
-from tirefmu.tires import published, read_tir
+from tirefmu.tires import read_tir
 
 ROOT = Path(__file__).parents[2]
 
@@ -113,54 +113,27 @@ def fails(tire, path, message, **options):
     assert (sorted(path.parent.iterdir()) if path.parent.is_dir() else []) == before
 
 
-def test_unknown_version(tire, tmp_path):
-    fails(tire, tmp_path / "t.fmu", "FMI 1 is not supported: supported are 2 and 3", fmi=1)
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("t.fmu", {"fmi": 1}, "FMI 1 is not supported: supported are 2 and 3"),
+        ("t.fmu", {"inputs": "motion"}, "inputs 'motion' are unknown: known are slip, wheel"),
+        ("t.fmu", {"inputs": "hub", "axes": "sae"}, "ISO axes only"),
+        ("t.fmu", {"kind": "julia"}, "kind 'julia' is unknown: known kinds are native, pythonfmu"),
+        ("t.fmu", {"axes": "adapted-sae"}, "axes 'adapted-sae' are unknown: known are iso, sae"),
+        ("no/t.fmu", {}, "cannot be written: No such file"),
+        ("folder.fmu", {}, "cannot be written"),
+    ],
+)
+def test_wrong_options_and_paths(compiler, tire, tmp_path, name, options, message):
+    (tmp_path / "folder.fmu").mkdir()
+    fails(tire, tmp_path / name, message, **options)
 
 
-def test_unknown_inputs(tire, tmp_path):
-    fails(tire, tmp_path / "t.fmu", "inputs 'motion' are unknown: known are slip, wheel", inputs="motion")
-    fails(tire, tmp_path / "t.fmu", "axes 'adapted-sae' are unknown: known are iso, sae", axes="adapted-sae")
-
-
-def test_folder_that_is_not_there(compiler, tire, tmp_path):
-    fails(tire, tmp_path / "no" / "t.fmu", "cannot be written: No such file")
-
-
-def test_folder_in_the_way(compiler, tire, tmp_path):
-    (tmp_path / "t.fmu").mkdir()
-    fails(tire, tmp_path / "t.fmu", "cannot be written")
-
-
-def test_no_compiler(tire, tmp_path, monkeypatch, fresh_cache):
-    monkeypatch.delenv("CC", raising=False)
-    monkeypatch.setattr("tirefmu.fmu.packaging.binaries.has_ziglang", lambda: False)
-    monkeypatch.setenv("PATH", str(tmp_path))
-    fails(tire, tmp_path / "t.fmu", "install gcc or clang")
-
-
-def test_a_compiler_that_is_not_there(tire, tmp_path, monkeypatch, fresh_cache):
-    monkeypatch.setenv("CC", "no-such-compiler -m64")
-    fails(tire, tmp_path / "t.fmu", "no-such-compiler")
-
-
-def test_a_compiler_that_fails_is_quoted(tire, tmp_path, monkeypatch, compiler):
-    monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "cache"))
-    (tmp_path / "cache").mkdir()
-    monkeypatch.setenv("CC", f"{compiler[0]} --no-such-option")
-    fails(tire, tmp_path / "t.fmu", "no-such-option")
-
-
-def test_an_existing_file_is_preserved_if_export_fails(tire, tmp_path, monkeypatch, fresh_cache):
+def test_a_compiler_that_fails_is_quoted_and_changes_no_file(tire, tmp_path, monkeypatch, compiler, fresh_cache):
     path = tmp_path / "t.fmu"
     path.write_bytes(b"precious")
-    monkeypatch.setenv("CC", "no-such-compiler")
-    fails(tire, path, "no-such-compiler")
+    (tmp_path / "fresh cache").mkdir()
+    monkeypatch.setenv("CC", f"{compiler[0]} --no-such-option")
+    fails(tire, path, "no-such-option")
     assert path.read_bytes() == b"precious"
-
-
-def test_a_tire_in_other_signs_is_rewritten(hosts, compiler, tire, tmp_path):
-    given = published("trento_hoosier")
-    assert given.signs != "iso"
-    path = export(given, tmp_path / "t.fmu")
-    with zipfile.ZipFile(path) as archive:
-        assert read_tir(archive.extract("resources/tire.tir", tmp_path)).signs == "iso"

@@ -66,11 +66,8 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        (["--effects", "camber_trust"], "camber_thrust"),
         (["--effect", "missing.toml"], "missing.toml: no such file"),
-        (["--nominal", "Fz=3000"], "Fz0"),
         (["--nominal", "Fz0=3,R0=0.3"], "nominal Fz0 = 3 N is far from the median of Fz"),
-        (["--model", "mf69"], "unknown model 'mf69'"),
     ],
 )
 def test_bad_input_is_one_line(recording, tmp_path, capsys, more, message):
