@@ -39,7 +39,7 @@ FLAGS = (
 SMALL = ("-Os", "-fno-inline")
 RARE = frozenset(
     {
-        "chain_rule.c", "derivatives.c", "events.c", "fmi3_not_offered.c", "hub_derivatives.c", "instance.c",
+        "chain_rule.c", "changes.c", "derivatives.c", "events.c", "fmi3_not_offered.c", "hub_derivatives.c", "instance.c",
         "life_cycle.c", "saved_state.c",
     }
 )  # fmt: skip
