@@ -17,8 +17,8 @@ from .written_headers import model_config, tire_values
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c", "arrays.c")}
 STI = ("sti.c", "sti_entries.c")
 COMMON = (
-    "values.c", "outputs.c", "instance.c", "life_cycle.c", "access.c", "stepping.c", "derivatives.c", "changes.c", "tangents.c",
-    "chain_rule.c", "events.c", "continuous.c", "saved_state.c",
+    "values.c", "outputs.c", "instance.c", "life_cycle.c", "access.c", "stepping.c", "derivatives.c", "changes.c",
+    "tangents.c", "chain_rule.c", "events.c", "continuous.c", "saved_state.c",
 )  # fmt: skip
 #: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.
 _WHEEL = ("wheel_inputs.c", "standstill.c")
