@@ -265,35 +265,35 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes alpha = *(const lanes_in_array *)(inputs + BRUSH_alpha*BLOCK + i);
         const lanes Fz = *(const lanes_in_array *)(inputs + BRUSH_Fz*BLOCK + i);
 
-        /* Independent computations are next to each other; quantities has the book's order */
+        /* Contact patch with bristles */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
-        const lanes tan_alpha = lanes_tan(alpha); /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
-        const lanes rolling = choose(lanes_absolute(1.0 + kappa) < 1e-06, each(1e-06), lanes_absolute(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
-        const lanes load_ratio = (1.0/FNOMIN)*F_z; /* [tirefmu] load per nominal load */
-        const lanes slip_x = kappa/rolling; /* [3.2.3] theoretical longitudinal slip: sliding per rolling velocity */
+        const lanes load_ratio = F_z/FNOMIN; /* [tirefmu] load per nominal load */
         const lanes stiffness_ratio = lanes_pow(load_ratio, each(NSTIFF)); /* [tirefmu] slip stiffness per that at nominal load */
         const lanes friction_ratio = lanes_pow(load_ratio, each(NMU)); /* [tirefmu] friction per that at nominal load */
-        const lanes a = PATCH*lanes_pow(load_ratio, each(NPATCH)); /* [tirefmu] half length of the contact patch */
         const lanes mu_x = MUX*friction_ratio; /* [tirefmu] longitudinal friction */
         const lanes mu_y = MUY*friction_ratio; /* [tirefmu] lateral friction */
         const lanes K_xkappa = CKAPPA*stiffness_ratio; /* [3.2.2] longitudinal slip stiffness */
-        const lanes K_yalpha = (CALPHA*side)*stiffness_ratio; /* [3.2.1] cornering stiffness */
-        const lanes D_t = 0.3333333333333333*a; /* [3.2.1] pneumatic trail at zero slip */
-        const lanes reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x); /* [3.2.3] psi of the longitudinal slip alone */
+        const lanes K_yalpha = CALPHA*side*stiffness_ratio; /* [3.2.1] cornering stiffness */
+        const lanes a = PATCH*lanes_pow(load_ratio, each(NPATCH)); /* [tirefmu] half length of the contact patch */
+        const lanes tan_alpha = lanes_tan(alpha); /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
+        const lanes rolling = choose(lanes_absolute(1.0 + kappa) < 1e-06, each(1e-06), lanes_absolute(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
+        const lanes slip_x = kappa/rolling; /* [3.2.3] theoretical longitudinal slip: sliding per rolling velocity */
         const lanes slip_y = tan_alpha/rolling; /* [3.2.3] theoretical side slip: sliding per rolling velocity */
-        const lanes sliding_squared = lanes_square(kappa)*lanes_square(mu_x) + lanes_square(mu_y)*lanes_square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
+        const lanes reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x); /* [3.2.3] psi of the longitudinal slip alone */
         const lanes reach_y = 0.3333333333333333*K_yalpha*slip_y/(F_z*mu_y); /* [3.2.3] psi of the side slip alone */
         const lanes psi_squared = lanes_square(reach_x) + lanes_square(reach_y); /* [3.2.3] psi squared, beyond full sliding too */
-        const lanes sliding_nonzero = choose(sliding_squared < 1e-30, each(1e-30), sliding_squared); /* [tirefmu] the same, limited to positive values */
         const lanes psi_bounded = choose(psi_squared >= 1.0, each(1.0), choose(psi_squared < 1e-30, each(1e-30), psi_squared)); /* [3.2.3] psi squared */
         const lanes psi = lanes_sqrt(psi_bounded); /* [3.2.3] share of the contact patch that slides */
+        const lanes sliding_squared = lanes_square(kappa)*lanes_square(mu_x) + lanes_square(mu_y)*lanes_square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
+        const lanes sliding_nonzero = choose(sliding_squared < 1e-30, each(1e-30), sliding_squared); /* [tirefmu] the same, limited to positive values */
         const lanes sliding = F_z*lanes_square(psi)*(3.0 - 2.0*psi)/lanes_sqrt(sliding_nonzero); /* [tirefmu] load on the sliding part per weighted sliding velocity */
         const lanes sticking = lanes_square(1.0 - psi)/rolling; /* [3.2.3] share of the slip stiffness on the sticking part, per rolling velocity */
-        const lanes arm_sliding = 9.0*lanes_square(1.0 - psi)/(3.0 - 2.0*psi); /* [3.2.1] arm of the sliding part per trail at zero slip */
         const lanes F_y_sticking = K_yalpha*sticking; /* [3.2.3] side force of the sticking part per tan(alpha) */
         const lanes F_y_sliding = side*sliding*lanes_square(mu_y); /* [3.2.3] side force of the sliding part per tan(alpha) */
         const lanes Fx = choose(Fz <= 1e-06, each(0.0), kappa*(K_xkappa*sticking + sliding*lanes_square(mu_x))); /* [3.2.3] longitudinal force */
         const lanes Fy = choose(Fz <= 1e-06, each(0.0), tan_alpha*(F_y_sliding + F_y_sticking)); /* [3.2.3] side force */
+        const lanes D_t = 0.3333333333333333*a; /* [3.2.1] pneumatic trail at zero slip */
+        const lanes arm_sliding = 9.0*lanes_square(1.0 - psi)/(3.0 - 2.0*psi); /* [3.2.1] arm of the sliding part per trail at zero slip */
         const lanes trail = D_t*(F_y_sliding*arm_sliding + F_y_sticking*(1.0 - 4.0*psi))/(F_y_sliding + F_y_sticking); /* [3.2.1] pneumatic trail */
         const lanes Mz = -Fy*trail; /* [3.2.1] aligning moment */
 

@@ -276,7 +276,7 @@ void fiala_relaxation(const double inputs[], const double parameters[], double r
     const double REL_LEN_LON = parameters[FIALA_REL_LEN_LON];
     const double REL_LEN_LAT = parameters[FIALA_REL_LEN_LAT];
 
-    /* Independent computations are next to each other; quantities has the book's order */
+    /* Fiala tire */
     const double sigma_kappa = REL_LEN_LON; /* [Adams] relaxation length that acts on kappa */
     const double sigma_alpha = REL_LEN_LAT; /* [Adams] relaxation length that acts on tan(alpha) */
 

@@ -229,24 +229,24 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes Fz = *(const lanes_in_array *)(inputs + FIALA_Fz*BLOCK + i);
         const lanes V = *(const lanes_in_array *)(inputs + FIALA_V*BLOCK + i);
 
-        /* Independent computations are next to each other; quantities has the book's order */
+        /* Fiala tire */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
         const lanes tan_alpha = lanes_tan(alpha); /* [tirefmu] tangent of the side slip angle */
-        const lanes F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
-        const lanes My = choose(Fz <= 1e-06, each(0.0), (ROLLING_RESISTANCE*sense)*F_z*lanes_sgn(V)); /* [Adams] rolling resistance moment */
         const lanes S_square = lanes_square(kappa) + lanes_square(tan_alpha); /* [Adams] comprehensive slip, squared */
-        const lanes F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
         const lanes S_square_inside = choose((S_square >= 1.0) | (S_square <= 0.0), each(1.0), S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
         const lanes S_s_alpha = choose(S_square <= 0.0, each(0.0), lanes_sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
         const lanes U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
         const lanes mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
         const lanes mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
         const lanes F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
-        const lanes F_y_limit = F_z*mu_y; /* [Adams] largest side force */
+        const lanes F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
         const lanes Fx = choose(Fz <= 1e-06, each(0.0), choose(lanes_absolute(F_x_linear) <= 0.5*F_x_limit, F_x_linear, F_x_limit*lanes_sgn(F_x_linear) - 0.25*lanes_square(F_x_limit)/F_x_linear)); /* [Adams] longitudinal force */
+        const lanes F_y_limit = F_z*mu_y; /* [Adams] largest side force */
+        const lanes F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
         const lanes sliding_y = choose(lanes_absolute(F_y_linear) >= 3.0*F_y_limit, lanes_sgn(F_y_linear), 0.3333333333333333*F_y_linear/F_y_limit); /* [Adams] 1 - H with the sense of the side force: share of the contact that slides */
         const lanes Fy = choose(Fz <= 1e-06, each(0.0), F_y_limit*sliding_y*(3.0 + lanes_square(sliding_y) - 3.0*lanes_absolute(sliding_y))); /* [Adams] side force */
-        const lanes Mz = choose(Fz <= 1e-06, each(0.0), (-3.0*t_0)*F_y_limit*sliding_y*lanes_cube(1.0 - lanes_absolute(sliding_y))); /* [Adams] aligning moment */
+        const lanes Mz = choose(Fz <= 1e-06, each(0.0), -3.0*F_y_limit*sliding_y*t_0*lanes_cube(1.0 - lanes_absolute(sliding_y))); /* [Adams] aligning moment */
+        const lanes My = choose(Fz <= 1e-06, each(0.0), F_z*ROLLING_RESISTANCE*sense*lanes_sgn(V)); /* [Adams] rolling resistance moment */
 
         *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;
         *(lanes_in_array *)(results + 1*STRIDE + i) = Fy;

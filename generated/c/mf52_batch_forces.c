@@ -455,100 +455,110 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes p = *(const lanes_in_array *)(inputs + MF52_p*BLOCK + i);
         const lanes V = *(const lanes_in_array *)(inputs + MF52_V*BLOCK + i);
 
-        /* Independent computations are next to each other; quantities has the book's order */
+        /* Inputs */
         const lanes F_z = choose(Fz < 1e-100, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
-        const lanes dpi = (1.0/NOMPRES)*(p - NOMPRES); /* [4.E2b] normalized change in pressure */
+        const lanes dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
+        const lanes dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
         const lanes tan_alpha = lanes_tan(alpha); /* [2.11] lateral slip */
-        const lanes gamma_star = lanes_sin(gamma); /* [4.E4] inclination gamma* */
-        const lanes M_y_near_locked = lanes_sin((0.5*PI/VXLOW)*(1.0 + kappa)*lanes_absolute(V)); /* [MFeval] fade near the locked wheel */
-        const lanes dfz = (1.0/F_z01)*(F_z - F_z01); /* [4.E2a] normalized change in load */
-        const lanes F_zx = choose(FZMIN > F_z, (1.0/square(FZMIN))*lanes_cube(F_z), F_z); /* [MFeval] load of M_x */
-        const lanes F_zy = choose(FZMIN > F_z, (1.0/FZMIN)*lanes_square(F_z), F_z); /* [MFeval] load of M_y */
-        const lanes S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
-        const lanes mu_x_loaded = LMUX*(1.0 - PDX3*lanes_square(gamma))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*lanes_square(dpi)); /* [4.E13] peak friction */
-        const lanes K_xkappa = F_z*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*lanes_square(dpi))*lanes_exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-        const lanes S_Vx = (LMUX*LVX)*F_z*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
-        const lanes E_xalpha = REX1 + REX2*dfz; /* [4.E56] curvature of G_xa */
-        const lanes S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
-        const lanes E_ykappa = REY1 + REY2*dfz; /* [4.E64] curvature of G_yk */
-        const lanes B_t = (LKY/LMUY)*(1.0 + QBZ4*gamma + QBZ5*lanes_absolute(gamma))*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz)); /* [4.E40] stiffness factor of the trail */
-        const lanes D_t = (LTR*UNLOADED_RADIUS/F_z01)*F_z*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*lanes_square(gamma)); /* [4.E43] peak factor of the trail */
-        const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
-        const lanes E_x = LEX*(1.0 - PEX4*lanes_sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
-        const lanes K_yalpha = (F_z01*LKY*PKY1)*(1.0 + PPY1*dpi)*(1.0 - PKY3*lanes_absolute(gamma_star))*lanes_sin(PKY4*lanes_atan((1.0/F_z01)*F_z/((1.0 + PPY2*dpi)*(PKY2 + PKY5*lanes_square(gamma_star))))); /* [4.E25] cornering stiffness */
-        const lanes S_Vygamma = (LKYC*LMUY)*F_z*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
-        const lanes S_Hy = LHY*(PHY1 + PHY2*dfz) + (LKYC*PHY3)*gamma_star; /* [4.E27] horizontal shift */
-        const lanes mu_y_loaded = LMUY*(1.0 - PDY3*lanes_square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*lanes_square(dpi)); /* [4.E23] peak friction */
-        const lanes B_xalpha = LXAL*(RBX1 + RBX3*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
-        const lanes S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-        const lanes S_Vy = S_Vygamma + (LMUY*LVY)*F_z*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
         const lanes V_c = lanes_sqrt(1.0 + lanes_square(tan_alpha))*lanes_absolute(V); /* [2.12] speed of the contact point */
-        const lanes alpha_star = tan_alpha*lanes_sgn(V); /* [4.E3] lateral slip alpha* */
-        const lanes mu_x = choose(F_z <= 0.0, each(0.0), mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
-        const lanes alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
-        const lanes B_ykappa = LYKA*(RBY1 + RBY4*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
-        const lanes alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
-        const lanes D_r = (LMUY*UNLOADED_RADIUS)*F_z*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*lanes_absolute(gamma_star)))*lanes_cos(alpha_star)*lanes_sgn(V); /* [4.E47] peak factor of the residual moment */
-        const lanes M_y_backward = choose(kappa >= -VXLOW - VXLOW/lanes_absolute(V), M_y_near_locked, each(-1.0)); /* [MFeval] the same, -1 where the wheel turns backward */
-        const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
-        const lanes E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*lanes_square(gamma_star) - (PEY3 + PEY4*gamma_star)*lanes_sgn1(alpha_y)); /* [4.E24] curvature factor */
-        const lanes E_t = (1.0 + (1.0/PI)*(2.0*QEZ4 + (2.0*QEZ5)*gamma_star)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
-        const lanes tan_alpha_teq = lanes_tan(alpha_t); /* [4.E77] the same as a slip */
-        const lanes B_x = K_xkappa/(1e-06*lanes_sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
-        const lanes D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
-        const lanes mu_y = choose(F_z <= 0.0, each(0.0), mu_y_loaded); /* [4.E23] peak friction; 0 off the ground, as MFeval prints it */
-        const lanes M_y_taper = choose(kappa <= -1.0 + VXLOW/lanes_absolute(V), M_y_backward, each(1.0)); /* [MFeval] the same, 1 where the wheel rolls */
-        const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha_star)); /* [4.E67] peak of S_Vyk */
         const lanes cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
+        const lanes alpha_star = tan_alpha*lanes_sgn(V); /* [4.E3] lateral slip alpha* */
+        const lanes gamma_star = lanes_sin(gamma); /* [4.E4] inclination gamma* */
+
+        /* Longitudinal force, pure slip */
+        const lanes S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
+        const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
+        const lanes mu_x_loaded = LMUX*(1.0 - PDX3*lanes_square(gamma))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*lanes_square(dpi)); /* [4.E13] peak friction */
+        const lanes mu_x = choose(F_z <= 0.0, each(0.0), mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
+        const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
+        const lanes E_x = LEX*(1.0 - PEX4*lanes_sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
+        const lanes K_xkappa = F_z*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*lanes_square(dpi))*lanes_exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
+        const lanes B_x = K_xkappa/(1e-06*lanes_sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
+        const lanes S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
         const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
         const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
-        const lanes G_xa_u = B_xalpha*(RHX1 + alpha_star); /* [4.1] B x */
-        const lanes G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
-        const lanes G_xa_v = G_xa_u - E_xalpha*(G_xa_u - lanes_atan(G_xa_u)); /* [4.1] B x bent by E */
-        const lanes G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - lanes_atan(G_xa0_u)); /* [4.1] B x bent by E */
-        const lanes G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
-        const lanes G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
-        const lanes G_yk_v = G_yk_u - E_ykappa*(G_yk_u - lanes_atan(G_yk_u)); /* [4.1] B x bent by E */
-        const lanes G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - lanes_atan(G_yk0_u)); /* [4.1] B x bent by E */
-        const lanes S_Vyk = D_Vyk*LVYKA*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
         const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_xa_w = C_xalpha*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_xa0_w = C_xalpha*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_yk_w = C_ykappa*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_yk0_w = C_ykappa*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
         const lanes F_x0 = (S_Vx + D_x*lanes_sin(F_x0_w))*lanes_sgn1(V); /* [4.E9] longitudinal force in pure slip */
+
+        /* Side force, pure slip */
+        const lanes K_yalpha = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*lanes_absolute(gamma_star))*lanes_sin(PKY4*lanes_atan(F_z/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*lanes_square(gamma_star))))); /* [4.E25] cornering stiffness */
         const lanes K_yalpha1 = K_yalpha + 1e-06*lanes_sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
+        const lanes S_Vygamma = F_z*LKYC*LMUY*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
+        const lanes S_Hy = LHY*(PHY1 + PHY2*dfz) + LKYC*PHY3*gamma_star; /* [4.E27] horizontal shift */
+        const lanes alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
+        const lanes mu_y_loaded = LMUY*(1.0 - PDY3*lanes_square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*lanes_square(dpi)); /* [4.E23] peak friction */
+        const lanes D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
+        const lanes E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*lanes_square(gamma_star) - (PEY3 + PEY4*gamma_star)*lanes_sgn1(alpha_y)); /* [4.E24] curvature factor */
         const lanes B_y = K_yalpha/(1e-06*lanes_sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
-        const lanes alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
-        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
-        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
+        const lanes S_Vy = S_Vygamma + F_z*LMUY*LVY*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
-        const lanes B_r = (C_y*QBZ10)*B_y + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
         const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
-        const lanes tan_alpha_req = lanes_tan(alpha_r); /* [4.E78] the same as a slip */
-        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
-        const lanes slip_alpha_teq = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
         const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
-        const lanes slip_alpha_req = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
-        const lanes alpha_teq = lanes_atan(slip_alpha_teq)*lanes_sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
         const lanes F_y0 = (S_Vy + D_y*lanes_sin(F_y0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
+        const lanes mu_y = choose(F_z <= 0.0, each(0.0), mu_y_loaded); /* [4.E23] peak friction; 0 off the ground, as MFeval prints it */
+
+        /* Forces, combined slip */
+        const lanes B_xalpha = LXAL*(RBX1 + RBX3*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
+        const lanes E_xalpha = REX1 + REX2*dfz; /* [4.E56] curvature of G_xa */
+        const lanes G_xa_u = B_xalpha*(RHX1 + alpha_star); /* [4.1] B x */
+        const lanes G_xa_v = G_xa_u - E_xalpha*(G_xa_u - lanes_atan(G_xa_u)); /* [4.1] B x bent by E */
+        const lanes G_xa_w = C_xalpha*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
+        const lanes G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - lanes_atan(G_xa0_u)); /* [4.1] B x bent by E */
+        const lanes G_xa0_w = C_xalpha*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
+        const lanes S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
+        const lanes E_ykappa = REY1 + REY2*dfz; /* [4.E64] curvature of G_yk */
+        const lanes B_ykappa = LYKA*(RBY1 + RBY4*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
+        const lanes G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
+        const lanes G_yk_v = G_yk_u - E_ykappa*(G_yk_u - lanes_atan(G_yk_u)); /* [4.1] B x bent by E */
+        const lanes G_yk_w = C_ykappa*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
+        const lanes G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - lanes_atan(G_yk0_u)); /* [4.1] B x bent by E */
+        const lanes G_yk0_w = C_ykappa*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
+        const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha_star)); /* [4.E67] peak of S_Vyk */
+        const lanes S_Vyk = D_Vyk*LVYKA*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
         const lanes Fx = choose(Fz < 1e-100, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
+        const lanes Fy = choose(Fz < 1e-100, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+
+        /* Aligning moment */
+        const lanes S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
+        const lanes alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
+        const lanes alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
+        const lanes B_t = LKY*(1.0 + QBZ4*gamma + QBZ5*lanes_absolute(gamma))*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
+        const lanes D_t = F_z*LTR*UNLOADED_RADIUS*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*lanes_square(gamma))/F_z01; /* [4.E43] peak factor of the trail */
+        const lanes E_t = (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*lanes_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
+        const lanes B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
+        const lanes D_r = F_z*LMUY*UNLOADED_RADIUS*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*lanes_absolute(gamma_star)))*lanes_cos(alpha_star)*lanes_sgn(V); /* [4.E47] peak factor of the residual moment */
+        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
+        const lanes tan_alpha_teq = lanes_tan(alpha_t); /* [4.E77] the same as a slip */
+        const lanes slip_alpha_teq = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+        const lanes alpha_teq = lanes_atan(slip_alpha_teq)*lanes_sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
+        const lanes tan_alpha_req = lanes_tan(alpha_r); /* [4.E78] the same as a slip */
+        const lanes slip_alpha_req = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
         const lanes alpha_req = lanes_atan(slip_alpha_req)*lanes_sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
-        const lanes M_y_speed = QSY1 + QSY3*lanes_absolute((1.0/LONGVL)*V) + (QSY2/FNOMIN)*Fx + (QSY4/fourth(LONGVL))*lanes_fourth(V); /* [4.E70] resistance by force and speed */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
         const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
-        const lanes Fy = choose(Fz < 1e-100, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-        const lanes M_zr = D_r/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
-        const lanes s = (LS*UNLOADED_RADIUS)*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + (SSZ2/FNOMIN)*Fy); /* [4.E76] moment arm of Fx */
-        const lanes F_y1 = Fy - S_Vyk; /* [4.E74] side force that the trail carries */
-        const lanes M_x_hump = QSX4*lanes_cos(QSX5*lanes_atan((square(QSX6)/square(FNOMIN))*lanes_square(F_zx)))*lanes_sin(QSX7*gamma + QSX8*lanes_atan((QSX9/FNOMIN)*Fy)); /* [M] hump of M_x over load and side force */
         const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
-        const lanes M_y_full = -(LMY*UNLOADED_RADIUS)*F_zy*M_y_speed; /* [4.E70] rolling resistance moment of the rolling wheel */
+        const lanes trail = D_t*LFZO*cos_alpha*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
+        const lanes M_zr = D_r/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
+        const lanes s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
+        const lanes F_y1 = Fy - S_Vyk; /* [4.E74] side force that the trail carries */
+        const lanes Mz = choose(Fz < 1e-100, each(0.0), M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+
+        /* Overturning and rolling resistance moment */
+        const lanes F_zx = choose(FZMIN > F_z, lanes_cube(F_z)/square(FZMIN), F_z); /* [MFeval] load of M_x */
+        const lanes M_x_hump = QSX4*lanes_cos(QSX5*lanes_atan(lanes_square(F_zx)*square(QSX6)/square(FNOMIN)))*lanes_sin(QSX7*gamma + QSX8*lanes_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
+        const lanes Mx = choose(Fz < 1e-100, each(0.0), LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*lanes_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*lanes_absolute(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*lanes_absolute(gamma)))); /* [4.E69] overturning moment */
+        const lanes F_zy = choose(FZMIN > F_z, lanes_square(F_z)/FZMIN, F_z); /* [MFeval] load of M_y */
+        const lanes M_y_speed = QSY1 + QSY3*lanes_absolute(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*lanes_fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
+        const lanes M_y_near_locked = lanes_sin(0.5*PI*(1.0 + kappa)*lanes_absolute(V)/VXLOW); /* [MFeval] fade near the locked wheel */
+        const lanes M_y_backward = choose(kappa >= -VXLOW - VXLOW/lanes_absolute(V), M_y_near_locked, each(-1.0)); /* [MFeval] the same, -1 where the wheel turns backward */
+        const lanes M_y_taper = choose(kappa <= -1.0 + VXLOW/lanes_absolute(V), M_y_backward, each(1.0)); /* [MFeval] the same, 1 where the wheel rolls */
+        const lanes M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
         const lanes M_y_rolling = choose(V == 0.0, each(0.0), M_y_full*M_y_taper*lanes_sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
         const lanes My = choose(Fz < 1e-100, each(0.0), M_y_rolling); /* [4.E70] rolling resistance moment */
-        const lanes trail = D_t*LFZO*cos_alpha*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
-        const lanes Mz = choose(Fz < 1e-100, each(0.0), M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
-        const lanes Mx = choose(Fz < 1e-100, each(0.0), (LMX*UNLOADED_RADIUS)*(F_zx*(M_x_hump + LVMX*QSX1 + (QSX3/FNOMIN)*Fy + QSX10*gamma*lanes_atan((QSX11/FNOMIN)*F_zx) - QSX12*gamma*lanes_absolute(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*lanes_absolute(gamma)))); /* [4.E69] overturning moment */
 
         *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;
         *(lanes_in_array *)(results + 1*STRIDE + i) = Fy;

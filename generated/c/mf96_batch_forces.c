@@ -356,68 +356,76 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes gamma = *(const lanes_in_array *)(inputs + MF96_gamma*BLOCK + i);
         const lanes Fz = *(const lanes_in_array *)(inputs + MF96_Fz*BLOCK + i);
 
-        /* Independent computations are next to each other; quantities has the book's order */
+        /* Normalized inputs */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
+        const lanes dfz = -1.0 + F_z/F_z01; /* [4.E2a] normalized change in load */
         const lanes gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
-        const lanes B_xalpha = (LXA*RBX1)/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
-        const lanes B_ykappa = (LYK*RBY1)/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-        const lanes dfz = -1.0 + (1.0/F_z01)*F_z; /* [4.E2a] normalized change in load */
         const lanes sign_gamma = gamma_s/lanes_sqrt(1e-06 + lanes_square(gamma_s)); /* [Trento] smoothed sign */
-        const lanes K_yalpha_w = 2.0*lanes_atan((1.0/(F_z01*PKY2))*F_z); /* [4.E25] how far K_yalpha is up */
+
+        /* Longitudinal force, pure slip */
         const lanes S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
-        const lanes mu_x = LMUX*(1.0 - PDX3*lanes_square(gamma_s))*(PDX1 + PDX2*dfz); /* [4.E13] peak friction */
-        const lanes K_xkappa = F_z*LKXK*(PKX1 + PKX2*dfz)*lanes_exp(-PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-        const lanes S_Vx = (LMUX*LVX)*F_z*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
-        const lanes S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s); /* [4.E27] horizontal shift */
-        const lanes S_Vy = (LMUY*LVY)*F_z*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
-        const lanes mu_y = LMUY*(1.0 - PDY3*lanes_square(gamma_s))*(PDY1 + PDY2*dfz); /* [4.E23] peak friction */
-        const lanes S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-        const lanes D_t = (LT*UNLOADED_RADIUS/FNOMIN)*F_z*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*lanes_square(gamma_s)); /* [4.E43] peak factor of the trail */
-        const lanes D_r = (LMR*LMUY*UNLOADED_RADIUS)*F_z*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
         const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
-        const lanes alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
-        const lanes alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
         const lanes sign_kappa_x = kappa_x/lanes_sqrt(1e-06 + lanes_square(kappa_x)); /* [Trento] smoothed sign */
-        const lanes sign_alpha_y = alpha_y/lanes_sqrt(1e-06 + lanes_square(alpha_y)); /* [Trento] smoothed sign */
-        const lanes B_t = (LKY/LMUY)*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz)); /* [4.E40] stiffness factor of the trail */
+        const lanes mu_x = LMUX*(1.0 - PDX3*lanes_square(gamma_s))*(PDX1 + PDX2*dfz); /* [4.E13] peak friction */
         const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
+        const lanes E_x = LEX*(1.0 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
+        const lanes K_xkappa = F_z*LKXK*(PKX1 + PKX2*dfz)*lanes_exp(-PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
+        const lanes B_x = K_xkappa/(C_x*D_x); /* [4.E16] stiffness factor */
+        const lanes S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
+        const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
+        const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
+        const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
+        const lanes F_x0 = S_Vx + D_x*lanes_sin(F_x0_w); /* [4.E9] longitudinal force in pure slip */
+
+        /* Side force, pure slip */
+        const lanes S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s); /* [4.E27] horizontal shift */
+        const lanes S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
+        const lanes alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
+        const lanes sign_alpha_y = alpha_y/lanes_sqrt(1e-06 + lanes_square(alpha_y)); /* [Trento] smoothed sign */
+        const lanes mu_y = LMUY*(1.0 - PDY3*lanes_square(gamma_s))*(PDY1 + PDY2*dfz); /* [4.E23] peak friction */
         const lanes D_y = F_z*mu_y; /* [4.E22] peak factor */
-        const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha)); /* [4.E67] peak of S_Vyk */
+        const lanes E_y = LEY*(1.0 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
+        const lanes K_yalpha_w = 2.0*lanes_atan(F_z/(F_z01*PKY2)); /* [4.E25] how far K_yalpha is up */
+        const lanes K_yalpha = F_z01*LFZ0*LKA*PKY1*(1.0 - PKY3*sign_gamma)*lanes_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
+        const lanes B_y = K_yalpha/(C_y*D_y); /* [4.E26] stiffness factor */
+        const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
+        const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
+        const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
+        const lanes F_y0 = S_Vy + D_y*lanes_sin(F_y0_w); /* [4.E19] side force in pure slip */
+
+        /* Forces, combined slip */
+        const lanes B_xalpha = LXA*RBX1/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
         const lanes G_xa_w = RCX1*lanes_atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
         const lanes G_xa_w0 = RCX1*lanes_atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
+        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
+        const lanes B_ykappa = LYK*RBY1/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
         const lanes G_yk_w = RCY1*lanes_atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
         const lanes G_yk_w0 = RCY1*lanes_atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
-        const lanes B_x = (1.0/C_x)*K_xkappa/D_x; /* [4.E16] stiffness factor */
-        const lanes E_x = LEX*(1.0 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
-        const lanes E_y = LEY*(1.0 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
-        const lanes E_t = (1.0 + (QEZ4 + QEZ5*gamma_s)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
-        const lanes K_yalpha = (F_z01*LFZ0*LKA*PKY1)*(1.0 - PKY3*sign_gamma)*lanes_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
-        const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
-        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
         const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
+        const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha)); /* [4.E67] peak of S_Vyk */
         const lanes S_Vyk = D_Vyk*LVYK*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
-        const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
-        const lanes B_y = (1.0/C_y)*K_yalpha/D_y; /* [4.E26] stiffness factor */
+        const lanes Fx = choose(Fz <= 1e-06, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
+        const lanes Fy = choose(Fz <= 1e-06, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+
+        /* Aligning moment */
         const lanes S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
-        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
-        const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
+        const lanes S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
+        const lanes alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
         const lanes alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
-        const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
-        const lanes B_r = (C_y*QBZ10)*B_y + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
-        const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
+        const lanes B_t = LKY*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
+        const lanes D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*lanes_square(gamma_s))/FNOMIN; /* [4.E43] peak factor of the trail */
+        const lanes E_t = (1.0 + (QEZ4 + QEZ5*gamma_s)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
+        const lanes B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
+        const lanes D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
+        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
         const lanes alpha_teq = alpha_t*lanes_sqrt(1.0 + kappa_share/(1e-06 + lanes_square(alpha_t))); /* [4.E77] equivalent slip of the trail */
         const lanes alpha_req = alpha_r*lanes_sqrt(1.0 + kappa_share/(1e-06 + lanes_square(alpha_r))); /* [4.E78] equivalent slip of the residual moment */
-        const lanes F_x0 = S_Vx + D_x*lanes_sin(F_x0_w); /* [4.E9] longitudinal force in pure slip */
-        const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
-        const lanes M_zr = D_r*lanes_cos(alpha)/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
         const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
-        const lanes Fx = choose(Fz <= 1e-06, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
-        const lanes F_y0 = S_Vy + D_y*lanes_sin(F_y0_w); /* [4.E19] side force in pure slip */
         const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
-        const lanes Fy = choose(Fz <= 1e-06, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-        const lanes s = (LS*UNLOADED_RADIUS)*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + (SSZ2/FNOMIN)*Fy); /* [4.E76] moment arm of Fx */
         const lanes trail = D_t*lanes_cos(alpha)*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
+        const lanes M_zr = D_r*lanes_cos(alpha)/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
+        const lanes s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
         const lanes Mz = choose(Fz <= 1e-06, each(0.0), M_zr + Fx*s - trail*(Fy - S_Vyk)); /* [4.E71] aligning moment */
 
         *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model import Model
-from .c import heading, in_order, parameters_read, statements
+from .c import heading, parameters_read, statements
 from .definitions import INCLUDES, KERNEL, comment, definitions
 from .expressions import LanesPrinter
 from .routines import STRAIGHT, Routine, entries
@@ -55,7 +55,7 @@ def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     printer = LanesPrinter(_varying(inputs, routine))
     fixed = [assignment for assignment in routine.body if not printer.varies(assignment.expression)]
-    rows = [assignment for assignment in in_order(routine) if printer.varies(assignment.expression)]
+    rows = [assignment for assignment in routine.body if printer.varies(assignment.expression)]
     before = [*parameters_read(model, routine), *statements(fixed)]
     loop = [f"const lanes {name} = *(const lanes_in_array *)(inputs + {prefix}_{name}*BLOCK + i);" for name in inputs]
     loop += [*statements(rows, printer, "lanes"), ""]

@@ -245,8 +245,6 @@ class LanesPrinter(PlainCPrinter):
     'square(B) + lanes_square(lanes_atan(B*x))'
     >>> LanesPrinter({"x"}).doprint(sp.Piecewise((B, x > 0), (x, True)))
     'choose(x > 0.0, each(B), x)'
-    >>> LanesPrinter({"x"}).doprint(-2 * x / B)
-    '(-2.0/B)*x'
     """
 
     def __init__(self, varying: Collection[str]) -> None:
@@ -278,16 +276,6 @@ class LanesPrinter(PlainCPrinter):
             return f"lanes_pow({self.in_lanes(expr.base)}, {self.in_lanes(expr.exp)})"
         text = f"lanes_{called}({self._print(expr.base)})"
         return text if expr.exp > 0 else f"1.0/{text}"
-
-    def _print_Mul(self, expr: Any) -> str:
-        """Write the product of the factors that are equal in all rows first: it is computed once, with its division."""
-        fixed = [factor for factor in expr.args if factor is not sp.S.NegativeOne and not self.varies(factor)]
-        others = [factor for factor in expr.args if factor not in fixed]
-        divides = any(factor.is_Pow and factor.exp.could_extract_minus_sign() for factor in fixed)
-        if not self.varies(expr) or not (divides or len(fixed) > 1):
-            return str(super()._print_Mul(expr))
-        once = sp.Symbol(f"({self._print(sp.Mul(*fixed))})")
-        return str(super()._print_Mul(sp.Mul(once, *others)))
 
     def _print_And(self, expr: Any) -> str:
         return " & ".join(f"({self._print(arg)})" for arg in expr.args)
