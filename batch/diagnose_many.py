@@ -199,7 +199,7 @@ def run(task: DiagnosisTask) -> Outcome[DiagnosisResult]:
 def _digest_of(job: DiagnosisJob) -> str:
     """Return a digest of what determines the result of a job."""
     tire = job.tire and (job.tire.model, sorted(job.tire.values.items()), sorted(job.tire.has), job.tire.added)
-    paths = [job.table, *([job.where] if job.where else [])]
+    paths: list[str | Path] = [job.table, *([job.where] if job.where else [])]
     return digest_of((job.signs, job.where, job.fmus, tire, sorted(job.options.items())), paths)
 
 

@@ -7,7 +7,7 @@ or `escaped`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -153,7 +153,7 @@ def render(
         "remark": layout.remark,
         "escaped": layout.escape,
         "broken": lambda code: "\n".join(layout.lines(code)),
-        "wrapped": lambda items, width=100: "\n".join(line.rstrip() for line in wrapped(list(items), width)),
+        "wrapped": _wrapped,
         "text": repr,
         "quoted": lambda name: f'"{name}"',
     }
@@ -164,6 +164,11 @@ def render(
         for file, template in templates.items()
     }
     return rendered | program.data_files()
+
+
+def _wrapped(items: Iterable[str], width: int = 100) -> str:
+    """Return items in lines of a width, without blanks at their ends."""
+    return "\n".join(line.rstrip() for line in wrapped(list(items), width))
 
 
 def variables(program: Program, layout: Layout) -> dict[str, Any]:
