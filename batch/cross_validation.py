@@ -12,10 +12,7 @@ from tirefmu.measurements import TableLike
 from tirefmu.tires import tire_from
 from tirefmu.tires.tire import Tire
 
-from .workers import all_results
-
-#: Called with the numbers of finished and of all folds.
-Progress = Callable[[int, int], None]
+from .workers import Progress, all_results
 
 
 def cross_validate(
@@ -69,14 +66,6 @@ def cross_validate(
         options["start"] = tire_from(options["start"])  # workers read no files
 
     def compute(function: Callable[[FoldTask], Tire], tasks: Sequence[FoldTask]) -> list[Tire]:
-        done = 0
-
-        def finished(task: FoldTask) -> None:
-            nonlocal done
-            done += 1
-            if progress:
-                progress(done, len(tasks))
-
-        return all_results(function, tasks, scheduler, workers, finished)
+        return all_results(function, tasks, scheduler, workers, progress)
 
     return in_this_process(tables, model, compute=compute, **options)

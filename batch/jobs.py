@@ -12,9 +12,8 @@ from tirefmu.boundary.errors import FitError, path_from
 from tirefmu.boundary.escaping import file_name, quoted
 from tirefmu.boundary.json_schema import document, object_schema
 from tirefmu.boundary.schema_check import check_content
-from tirefmu.measurements.files.reading import READERS
 
-from .resumable import Job
+from .resumable import Job, recordings_in
 
 #: Options of a job: the arguments of `tirefmu.fit` with their types.
 OPTIONS: Mapping[str, Any] = {
@@ -83,12 +82,11 @@ def jobs_schema() -> dict[str, Any]:
 
 def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
     """Return a job for each recording in a folder."""
-    tables = sorted(one for one in folder.iterdir() if one.suffix.lower() in READERS and one.is_file())
-    if not tables:
-        raise FitError(f"{folder}: no recording ({', '.join(READERS)})")
     how = {key: options[key] for key in READING if key in options}
     others = {key: value for key, value in options.items() if key not in READING}
-    return [FitJob(file_name(one.stem), (one,), how.get("signs"), how.get("where"), others) for one in tables]
+    return [
+        FitJob(file_name(one.stem), (one,), how.get("signs"), how.get("where"), others) for one in recordings_in(folder)
+    ]
 
 
 def _job(item: Mapping[str, Any], defaults: Mapping[str, Any], path: Path) -> FitJob:

@@ -1,0 +1,199 @@
+"""Printouts from templates: a language is a printer of expressions, a layout of statements, and templates of its files.
+
+The templates are in the folder `templates`, in the syntax of Jinja with delimiters that no language has:
+``<@ value @>`` and ``<% block %>``. Texts of a file of the user pass the filter `remark`, which makes comments of them,
+or `escaped`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from ..routines import Routine
+from .layout import Layout, wrapped
+from .program import TOLERANCE, Program
+
+
+@dataclass(frozen=True)
+class Function:
+    """A routine in a language.
+
+    - `first`: index of its first result among those of all functions.
+    """
+
+    routine: Routine
+    program: Program
+    layout: Layout
+    first: int = 0
+
+    @property
+    def name(self) -> str:
+        """Name of the routine."""
+        return self.routine.name
+
+    @property
+    def type(self) -> str:
+        """Name of a type, such as JacobianInputs."""
+        return "".join(word.capitalize() for word in self.name.split("_"))
+
+    @property
+    def summary(self) -> str:
+        """What the routine returns, in a sentence."""
+        return self.routine.summary
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the results, or of the columns of a matrix."""
+        return self.routine.labels
+
+    @property
+    def members(self) -> list[str]:
+        """The results as members of the result, such as forces.Fx."""
+        return [f"{self.name}.{label}" for label in self.labels]
+
+    @property
+    def is_matrix(self) -> bool:
+        """Whether there is a row of results for each force."""
+        return self.name.startswith("jacobian_")
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows of a matrix."""
+        return len(self.routine.results)
+
+    @property
+    def size(self) -> int:
+        """Number of results."""
+        return sum(map(len, self.routine.results))
+
+    @property
+    def tolerance(self) -> str:
+        """Largest accepted relative difference, as a number of the language."""
+        return repr(TOLERANCE[self.name])
+
+    @cached_property
+    def inputs(self) -> list[str]:
+        """The inputs that it reads."""
+        return self.routine.uses(self.program.input_names)
+
+    @cached_property
+    def coefficients(self) -> list[str]:
+        """The coefficients that it reads."""
+        return self.routine.uses(list(self.program.coefficients))
+
+    @property
+    def statements(self) -> str:
+        """Its statements, indented."""
+        return self.layout.statements(self.routine)
+
+    @property
+    def assigned(self) -> list[str]:
+        """Names of the local variables."""
+        return [str(assignment.symbol) for assignment in self.routine.body]
+
+    @property
+    def values(self) -> list[str]:
+        """Its results as expressions, row by row."""
+        return self.layout.values(self.routine)
+
+    def rows(self, row: str) -> list[str]:
+        """Return the rows of a matrix as lines, each in the brackets of the language."""
+        return self.layout.rows(self.routine, row)
+
+
+@dataclass(frozen=True)
+class Named:
+    """An input, an output or a coefficient: name, value, unit, description, and the last two in one text."""
+
+    name: str
+    unit: str
+    description: str
+    value: float = 0.0
+
+    @property
+    def about(self) -> str:
+        """Description and unit."""
+        return f"{self.description} [{self.unit}]"
+
+
+def functions_of(program: Program, layout: Layout) -> list[Function]:
+    """Return the functions of a program in a language."""
+    found: list[Function] = []
+    for routine in program.routines:
+        first = found[-1].first + found[-1].size if found else 0
+        found.append(Function(routine, program, layout, first))
+    return found
+
+
+def render(
+    program: Program,
+    layout: Layout,
+    templates: Mapping[str, str],
+    filters: Mapping[str, Any] | None = None,
+    **more: Any,
+) -> dict[str, str]:
+    """Return the files of a printout, with its data: text by file name.
+
+    `templates`: template by file name, in which ``{}`` is the name of the program. `filters`: further filters of the
+    templates. `more`: further variables; they replace those of `variables`.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"), undefined=StrictUndefined, autoescape=False,
+        variable_start_string="<@", variable_end_string="@>", block_start_string="<%", block_end_string="%>",
+        comment_start_string="<#", comment_end_string="#>", trim_blocks=True, lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )  # fmt: skip
+    environment.filters |= {
+        "remark": layout.remark,
+        "escaped": layout.escape,
+        "broken": lambda code: "\n".join(layout.lines(code)),
+        "wrapped": _wrapped,
+        "text": repr,
+        "quoted": lambda name: f'"{name}"',
+    }
+    content = {**variables(program, layout), **more}
+    environment.filters |= {"result": content["results"].__getitem__, **(filters or {})}
+    rendered = {
+        file.format(program.name): environment.get_template(f"{template}.jinja").render(content)
+        for file, template in templates.items()
+    }
+    return rendered | program.data_files()
+
+
+def _wrapped(items: Iterable[str], width: int = 100) -> str:
+    """Return items in lines of a width, without blanks at their ends."""
+    return "\n".join(line.rstrip() for line in wrapped(list(items), width))
+
+
+def variables(program: Program, layout: Layout) -> dict[str, Any]:
+    """Return the variables that every template has."""
+    declared, functions = program.model.coefficients, functions_of(program, layout)
+    inputs = [Named(q.name, q.unit, q.description, program.nominal[q.name]) for q in program.inputs]
+    outputs = [Named(q.name, q.unit, q.description) for q in program.outputs]
+    lines = [Named(str(line.symbol), line.unit, line.description) for line in program.lines]
+    return {
+        "program": program,
+        "name": program.name,
+        "title": program.model.title,
+        "head": layout.head(program.header),
+        "short_head": layout.head(program.header[:1]),
+        "in_file": program.placement == "file",
+        "in_struct": program.placement == "struct",
+        "check_file": program.check_file,
+        "values_file": program.values_file,
+        "inputs": inputs,
+        "outputs": outputs,
+        "coefficients": [
+            Named(name, declared[name].unit, declared[name].description, value)
+            for name, value in program.coefficients.items()
+        ],
+        "results": {result.name: result for result in (*outputs, *lines)},
+        "functions": functions,
+        "n_results": sum(function.size for function in functions),
+    }
