@@ -100,6 +100,9 @@ def gather(root: ET.Element, variables: Sequence[Variable]) -> None:
     for element in list(structure):
         reference = element.get("valueReference", "")
         element.set("valueReference", moved.get(reference, reference))
+        known = element.get("dependencies")
+        if known is not None:
+            element.set("dependencies", " ".join(dict.fromkeys(moved.get(each, each) for each in known.split())))
     seen: set[tuple[str, str | None]] = set()
     for element in list(structure):
         key = (element.tag, element.get("valueReference"))

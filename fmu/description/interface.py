@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from tirefmu.boundary.errors import FmuError, UnknownName
 from tirefmu.symbolic.added.state import State, rate_unit
 from tirefmu.symbolic.declarations import Quantity
+from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from tirefmu.symbolic.wheel.quantities import SPIN
 from tirefmu.tires import Tire
@@ -19,8 +20,10 @@ from .standstill import standstill_parameters, with_lengths
 from .variables import (
     TIME,
     Variable,
+    feedthrough,
     indicator,
     input_variable,
+    is_indicator,
     option_variable,
     parameter_variable,
     read_inputs,
@@ -47,6 +50,8 @@ YAWING = Quantity("psi_dot", "rad/s", "yaw rate of the wheel", typical=1.0)
 SPEED = 15.0
 TWIST = Quantity("twist", "rad", "twist of the contact patch, by turning on the spot", typical=0.1)
 DISTANCE = Quantity("distance", "m", "distance rolled", typical=1000.0)
+
+LAGGED_SLIPS = frozenset({KAPPA_LAGGED.name, TAN_ALPHA_LAGGED.name})
 
 
 @dataclass(frozen=True)
@@ -190,7 +195,7 @@ def interface(
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned), note, road)
+    return Interface(tire, inputs, axes, _with_structure(turned, model, inputs), note, road)
 
 
 def _memory_state(tire: Tire, name: str) -> Variable:
@@ -289,15 +294,73 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     ]
 
 
-def _with_structure(variables: tuple[Variable, ...]) -> tuple[Variable, ...]:
-    """Return the variables; a derivative has the value reference of its state."""
+def _with_structure(variables: tuple[Variable, ...], model: Model, kind: str) -> tuple[Variable, ...]:
+    """Return the variables with the dependencies of computed ones, and the state of each derivative.
+
+    `kind`: of the inputs, one of `INPUTS`.
+    """
     references = {variable.name: reference for reference, variable in enumerate(variables)}
-    return tuple(
-        replace(variable, derivative_of=references[_stem(variable.name)])
-        if variable.group == "derivative"
-        else variable
+    inputs = {variable.name for variable in variables if variable.causality == "input"}
+    spin = {SPIN.name} if kind == "hub-torque" else set()
+    states = spin | {variable.name for variable in variables if variable.group == "state"}
+
+    def causes(variable: Variable) -> set[str]:
+        if variable.group == "state":
+            return {variable.name}
+        if variable.group == "input":  # the plane of a road inside the FMU, or the spin
+            return spin if variable.name in spin else inputs
+        if kind in HUB or is_indicator(variable):  # at a hub the load depends on the slips, and all else on the load
+            return inputs | states
+        if variable.group == "derivative":
+            return _causes_of_rate(_stem(variable.name), model, inputs, states)
+        read = _model_inputs_of(variable.name, model)
+        acting = {state for state in states if _acts(state, variable.name, read, model)}
+        return acting | (inputs if kind == "wheel" else inputs & read)
+
+    computed = [
+        variable
         for variable in variables
-    )
+        if variable.group in ("motion", "force", "extra", "derivative")
+        or (variable.group in ("input", "state") and variable.causality == "output")
+    ]
+    with_causes = {
+        variable.name: replace(
+            variable,
+            depends=tuple(sorted(references[name] for name in causes(variable))),
+            derivative_of=references[_stem(variable.name)] if variable.group == "derivative" else None,
+        )
+        for variable in computed
+    }
+    return tuple(with_causes.get(variable.name, variable) for variable in variables)
+
+
+def _causes_of_rate(state: str, model: Model, inputs: set[str], states: set[str]) -> set[str]:
+    """Return the inputs and states that the rate of a state depends on, for slip and wheel inputs."""
+    if state in model.states:
+        return inputs | states
+    speed = inputs & {"V", "V_x"}
+    if state == DISTANCE.name:
+        return speed
+    return {*speed, YAWING.name, state} if state == TWIST.name else {*inputs, state}
+
+
+def _model_inputs_of(name: str, model: Model) -> set[str]:
+    """Return the inputs of the model that an output depends on; the slips if the model does not compute it."""
+    names = [name]
+    if name == "friction_use":
+        names = ["Fx", "Fy", model.quantity("friction_x"), model.quantity("friction_y")]
+    elif name not in model.structure.quantities and name not in {quantity.name for quantity in model.outputs}:
+        return {"kappa", "alpha"}
+    return set().union(*feedthrough(model, names).values())
+
+
+def _acts(state: str, output: str, read: set[str], model: Model) -> bool:
+    """Return whether an output that reads some inputs of the model depends on a state."""
+    if state in LAGGED_SLIPS:
+        return bool(read & {"kappa", "alpha"})
+    if state == TWIST.name:
+        return output == "Mz"
+    return state in read if state == DISTANCE.name else state in model.states
 
 
 def host_input_indices(shown: Interface) -> list[int]:

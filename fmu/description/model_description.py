@@ -231,9 +231,11 @@ def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) 
     for name, references in (("Outputs", outputs), ("Derivatives", derivatives)):
         element = ET.SubElement(structure, name) if references else structure
         for reference in references:
-            ET.SubElement(element, "Unknown", {"index": str(indices[reference])})
+            known = " ".join(str(indices[depends]) for depends in variables[reference].depends)
+            ET.SubElement(element, "Unknown", {"index": str(indices[reference]), "dependencies": known})
     unknowns = ET.SubElement(structure, "InitialUnknowns")
     for reference in computed:
+        # Without a list of dependencies: dependent on all inputs and parameters.
         ET.SubElement(unknowns, "Unknown", {"index": str(indices[reference])})
 
 
@@ -260,7 +262,8 @@ def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) 
     outputs, derivatives, computed = _by_group(variables)
     for name, references in (("Output", outputs), ("ContinuousStateDerivative", derivatives)):
         for reference in references:
-            ET.SubElement(structure, name, {"valueReference": str(reference)})
+            known = " ".join(map(str, variables[reference].depends))
+            ET.SubElement(structure, name, {"valueReference": str(reference), "dependencies": known})
     for reference in computed:
         ET.SubElement(structure, "InitialUnknown", {"valueReference": str(reference)})
     for reference in _indicators(variables):

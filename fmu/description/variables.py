@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import inf, isfinite
 
 from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Coefficient, Option, Quantity
+from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.options import signs
 from tirefmu.symbolic.quantities import BEYOND
 from tirefmu.tires import Tire
@@ -24,6 +26,8 @@ class Variable:
     - `start`: none for a computed variable.
     - `lower`, `upper`: limits that the FMU enforces; infinite without limits.
     - `nominal`: typical magnitude; 0 if unknown.
+    - `depends`: of an output or a derivative: the value references of the inputs and states that it depends on
+      directly.
     - `group`: of a native FMU: its group in the C code; see `tirefmu.fmu.description.interface`.
     - `reversed`: of a native FMU: host and formula use opposite signs.
     - `derivative_of`: value reference of the state whose derivative it is.
@@ -38,6 +42,7 @@ class Variable:
     lower: float = -inf
     upper: float = inf
     nominal: float = 0.0
+    depends: tuple[int, ...] = ()
     group: str = ""
     reversed: bool = False
     derivative_of: int | None = None
@@ -67,6 +72,7 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     """
     model = tire.symbolic_model
     values = dict(zip(model.parameters, tire.parameters().tolist(), strict=True))
+    feedthrough = direct_feedthrough(model)
     silent = (set(tire.inputs) - read_inputs(tire)) | {"distance"}  # the FMU computes the distance
     return (
         TIME,
@@ -78,6 +84,9 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
                 quantity.unit,
                 quantity.description,
                 nominal=quantity.typical,
+                depends=tuple(
+                    1 + i for i, known in enumerate(model.inputs) if known.name in feedthrough[quantity.name] - silent
+                ),
             )
             for quantity in model.outputs
         ),
@@ -126,6 +135,27 @@ def read_inputs(tire: Tire) -> set[str]:
     reached = tire.symbolic_model.reached({*tire.outputs, *map(tire.symbolic_model.quantity, LENGTHS)}, tire.has)
     idle = {name for name in BEYOND if name not in reached}
     return set(tire.inputs) - idle - {name for effect, name in tire.symbolic_model.on_demand if effect not in tire.has}
+
+
+def direct_feedthrough(model: Model) -> dict[str, set[str]]:
+    """Return for every output of a model the inputs that it depends on.
+
+    >>> from tirefmu.symbolic.models import model_named
+    >>> sorted(direct_feedthrough(model_named("mf96"))["Fx"])
+    ['Fz', 'alpha', 'gamma', 'kappa']
+    """
+    return feedthrough(model, [quantity.name for quantity in model.outputs])
+
+
+def feedthrough(model: Model, names: Iterable[str]) -> dict[str, set[str]]:
+    """Return for named quantities and outputs of a model the inputs that they depend on."""
+    inputs = {quantity.name for quantity in model.inputs}
+    return {name: inputs & _reached(model, name) for name in names}
+
+
+@lru_cache(maxsize=1024)
+def _reached(model: Model, name: str) -> frozenset[str]:
+    return frozenset(model.reached([name]))
 
 
 def indicator(state: State, index: int) -> Variable:
