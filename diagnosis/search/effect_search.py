@@ -21,9 +21,9 @@ from ..thresholds import (
     EFFECT_P,
     FURTHER_MEMORY,
     LOOKAHEAD,
+    P_FACTOR,
     PREFERRED_JOINT_SHARE,
     PREFERRED_SHARE,
-    REFIT_P_FACTOR,
     REFITTED,
     REFITTED_REFINEMENTS,
     ROUNDS,
@@ -147,7 +147,7 @@ class Search:
             distinct(effects)[:REFITTED]
             + distinct([t for t in ordered if t.name.startswith(REFINEMENT)])[:REFITTED_REFINEMENTS]
         )
-        promising = [t for t in chosen if t.response.p_coloured * self.tests < REFIT_P_FACTOR * EFFECT_P]
+        promising = [t for t in chosen if t.response.p_coloured * self.tests < P_FACTOR * EFFECT_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
         passing = [refit for refit in refits if refit.passes and not self._is_form_artefact(refit)]
         self._passing = [refit for refit in passing if not self._is_part_of_memory(refit)]
