@@ -17,6 +17,7 @@ from tirefmu.diagnosis.reporting.memory_figure import memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.search.confirmation import Confirmation
 from tirefmu.diagnosis.search.proposals import FormCorrection
+from tirefmu.diagnosis.thresholds import ROUNDS
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
 from tirefmu.diagnosis.verdict.adequacy import Adequacy
 from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
@@ -339,6 +340,8 @@ def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
     recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
     text = verdict_text((finding,), (), confounded, (), (), {}, (), recording)
     assert text == "Missing: relax_lat (probability 80 %; confounded with relax_slip, relax_load)"
+    ended = verdict_text((finding,), (), confounded, (), (), {}, (), recording, stopped=True)
+    assert ended == f"{text}. The search ended after {ROUNDS} rounds; further effects may be missing"
 
 
 def test_no_effect_is_identified_without_a_missing_effect():
