@@ -10,7 +10,7 @@ There are four kinds of reasons:
 
 No recorded study validates a single threshold on independent data. The benchmark validates, as a set, the thresholds
 that it did not select. The measured recordings of ``make real`` (docs/diagnosis.md) selected no value, but some rules
-followed from looking at one of them: `MAX_LOAD_ERROR`, the least variation of a speed, `FURTHER_MEMORY` beside an
+followed from looking at one of them: errors of the load, the least variation of a speed, `FURTHER_MEMORY` beside an
 effect of a recorded temperature, another first effect (`search/memory.py`), and corrections of the functional form
 (`search/proposals.py`). For these, the confirmation suite is the validation (docs/discovery.md).
 
@@ -64,10 +64,8 @@ MAX_SKEW = 0.03
 #: skew of -2 ms was found in a recording with hysteresis.
 MIN_SKEW = 0.003
 #: Prior standard deviation of the relative error of the load that follows the direction of slip: benches hold the load
-#: within 1 %. More is attributed to the tire. Convention.
+#: within 1 %. Errors beyond two deviations are attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
-#: Larger errors of the load are removed from the disturbances, as implausible cross-talk is. Derived: as above.
-MAX_LOAD_ERROR = 0.01
 #: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load or speed. Not recorded,
 #: except the last one, a convention: a bench holds a constant speed within 1 %.
 MIN_VARIATION: Mapping[str, float] = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02, "V": 0.05}
@@ -107,8 +105,10 @@ MIN_SHARE = 0.4
 #: p-value under coloured noise with Bonferroni correction. Convention: one false identification in 1000 recordings if
 #: the noise model were exact. It is not, hence three further criteria.
 EFFECT_P = 1e-3
-#: p-value of the block jackknife. The limit is higher, as blocks are few and unequal. Not recorded.
-EFFECT_P_OF_BLOCKS = 1e-2
+#: Other p-values are larger or smaller by this factor. Larger: that of the block jackknife, as blocks are few and
+#: unequal, and that from which a candidate is refitted, as the nonlinear fit may gain more. Smaller: those of a
+#: formula, which can have many forms. Not recorded.
+P_FACTOR = 10.0
 #: Minimum gain in cross-validation, in standard errors. Benchmark: increased from 1 to 1.2 and to 1.4 after false
 #: identifications in recordings without a missing effect (docs/discovery.md, "Limitations").
 EFFECT_ERRORS = 1.4
@@ -118,14 +118,11 @@ LARGEST_SHARE = 0.2
 #: Minimum gain as a share of the squared misfit. Decreased from 0.008, which rejected weak true effects; no study of it
 #: is recorded.
 EFFECT_GAIN = 0.003
-#: Candidates with p-values up to this multiple of `EFFECT_P` are refitted, as the nonlinear fit may gain more. Not
-#: recorded.
-REFIT_P_FACTOR = 10.0
 #: Number of candidates and of refinements refitted in a round, and maximum number of rounds. Five as in the independent
 #: study of the method; the others are conventions.
 REFITTED, REFITTED_REFINEMENTS, ROUNDS = 5, 2, 6
-#: Standard errors of the difference by which the gain of a refinement, or of an effect that contains another, must
-#: exceed that of the simpler explanation. Convention: about 95 %.
+#: Standard errors of the difference by which the gain of a refinement, of an effect that contains another, or of a
+#: formula with one more term must exceed that of the simpler explanation. Convention: about 95 %.
 PREFERRED_ERRORS = 2.0
 #: An effect is preferred to unexplained structure from this share of its gain. Not recorded: a flexible formula gains
 #: more than one effect if several are missing.
@@ -146,9 +143,6 @@ SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
 #: (docs/discovery.md) is none of 100 recordings of the first generator from 2 on, and 4 of 100 of the second generator
 #: at any threshold up to 4. It was selected on neither.
 CONFIRMED_Z = 4.0
-#: Long stretches (of `STRETCHES`) that an effect must predict better. From the requirements of the diagnosis: 43 of 44
-#: true effects of an independent study passed it.
-CONFIRMED_STRETCHES = 6
 #: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
 #: the agreement that is required of reported residuals.
 MAX_WHITENED_MISFIT = 1.02
@@ -159,7 +153,7 @@ MAX_WHITENED_MISFIT = 1.02
 #: an independent study of 76 recordings; the suites of docs/discovery.md did not select it.
 LIKELIHOOD_POWER = 0.3
 #: Prior odds of each effect and of an unknown component. Convention: about one of all effects is missing.
-EFFECT_ODDS, UNKNOWN_ODDS = 1.0 / 40.0, 1.0 / 40.0
+EFFECT_ODDS = 1.0 / 40.0
 #: Prior standard deviation of a term of the unknown component, as a share of all forces. Convention.
 UNKNOWN_SHARE = 0.1
 #: Prior standard deviation of the discrepancy of an effect, as a share of its response, and those of the discrepancy of
@@ -171,19 +165,20 @@ RIVALS, REFIT_MARGIN = 3, -4.0
 
 # ------------------------------------------------------------------ unexplained structure
 
-#: p-values as for effects; lower by a factor of ten, as a formula can have many forms. Not recorded.
-STRUCTURE_P, STRUCTURE_P_OF_BLOCKS = 1e-4, 1e-3
-#: Minimum gain in standard errors (benchmark: increased from 1), and as a share of the squared misfit (not recorded).
-STRUCTURE_ERRORS, STRUCTURE_GAIN = 1.2, 0.03
+#: Minimum gain of a formula in standard errors. Benchmark: increased from 1.
+STRUCTURE_ERRORS = 1.2
+#: Minimum gain of a formula as a share of the squared misfit, and of a further term as a share of the gain of the
+#: previous terms. Not recorded.
+STRUCTURE_GAIN = 0.03
 #: Number of best correlated columns that are cross-validated. Convention: computing time.
 SHORTLIST = 12
 #: Maximum number of terms of a formula. Convention: legibility.
 MAX_TERMS = 3
-#: Minimum gain of a further term: share of the gain of the previous terms, standard errors, and standard errors of a
-#: term with a new variable. Benchmark: variables of unexplained structure.
-TERM_GAIN, TERM_ERRORS, TERM_ERRORS_OF_VARIABLE = 0.03, 2.0, 2.5
-#: Number of long stretches for cross-validation, minimum number with a positive gain, and share of the gain that must
-#: remain. By chance 6 or more of 8 are positive in 14 %: the criterion rejects proxies, not noise. Benchmark.
+#: Minimum gain of a further term with a new variable in standard errors. Benchmark: variables of unexplained structure.
+TERM_ERRORS_OF_VARIABLE = 2.5
+#: Number of long stretches of a recording, minimum number that an effect or a formula must predict better, and share of
+#: the gain of a formula that must remain. By chance 6 or more of 8 are positive in 14 %: the criterion rejects proxies,
+#: not noise. 43 of 44 true effects of an independent study passed it. Benchmark.
 STRETCHES, MIN_STRETCHES, MIN_RETAINED_GAIN = 8, 6, 0.5
 #: Share of the squared misfit on the hold-out set that a formula must remove to be added. Not recorded.
 MIN_IMPROVEMENT = 0.02

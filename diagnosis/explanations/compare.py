@@ -17,7 +17,7 @@ from ..least_squares import Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
 from ..search.effect_search import Search
-from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS, UNKNOWN_ODDS
+from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS
 from .answer import Answer, answer_of
 from .evidence import Projected
 from .explanation import UNKNOWN, Explanation, Term
@@ -58,7 +58,7 @@ def compared(
         term
         for one in search.structures
         for column in np.moveaxis(one.columns, -1, 0)
-        for term in term_of(problem, one.formula, column)
+        for term in term_of(problem, one.formula, column, one.tests)
     ]
     fitted = {*baseline.free, *(name for _, form in forms for name in form.free)}
     at = problem.at(parameters, tuple(sorted(fitted, key=simulator.names.index)))
@@ -92,13 +92,8 @@ def _compared(
 ) -> Refitted:  # fmt: skip
     """Refit an explanation with the skew of another one first, and store its evidence."""
     refit = refitted(shared, explanation, start, (near.linear if near else shared).problem.simulator)
-    evidences[explanation.parts] = refit.evidence + log_prior(explanation)
+    evidences[explanation.parts] = refit.evidence + explanation.log_prior
     return refit
-
-
-def log_prior(explanation: Explanation) -> float:
-    """Return the logarithm of the prior odds of an explanation."""
-    return len(explanation.forms) * float(np.log(EFFECT_ODDS)) + bool(explanation.terms) * float(np.log(UNKNOWN_ODDS))
 
 
 def _add(
@@ -151,13 +146,13 @@ def _refit(
     simulator, solution = refit.linear.simulator, refit.linear.solution
     if isinstance(addition.part, Term):
         one = refitted(shared, extended, solution.parameters, simulator)
-        evidences[extended.parts] = one.evidence + log_prior(refit.explanation) + addition.log_prior + other_forms
+        evidences[extended.parts] = one.evidence + extended.log_prior + other_forms
         return
     tried = [
         refitted(shared, extended, start, simulator)
         for start in starts(simulator, solution, addition.part, estimate * addition.deviation)
     ]
-    evidences[extended.parts] = max(one.evidence for one in tried) + log_prior(extended)
+    evidences[extended.parts] = max(one.evidence for one in tried) + extended.log_prior
 
 
 def _with(explanation: Explanation, addition: Addition) -> Explanation:

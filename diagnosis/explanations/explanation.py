@@ -9,6 +9,8 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.detection import Form
 
+from ..thresholds import EFFECT_ODDS
+
 FloatArray = npt.NDArray[np.float64]
 
 #: The name of the unknown component of an explanation.
@@ -22,11 +24,13 @@ class Term:
     - `name`: the quantity and the formula, which identify it.
     - `column`, shape (n_channels, n): change of the forces per unit of its coefficient, N and N m.
     - `deviation`: prior standard deviation of the coefficient.
+    - `tests`: number of terms of which it is one.
     """
 
     name: str
     column: FloatArray
     deviation: float
+    tests: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +53,17 @@ class Explanation:
     def parts(self) -> tuple[str, ...]:
         """The effects, then `UNKNOWN` if it has an unknown component: equal parts are the same explanation."""
         return (*self.effects, UNKNOWN) if self.terms else self.effects
+
+    @property
+    def log_prior(self) -> float:
+        """Logarithm of the prior odds: one number for all effects and the unknown component, shared by its terms.
+
+        >>> odds = [Explanation((), (Term("", np.ones(1), 1.0, tests),)).log_prior for tests in (1, 100)]
+        >>> round(float(np.exp(odds[0] - odds[1])))
+        100
+        """
+        terms = sum(float(np.log(term.tests)) for term in self.terms)
+        return (len(self.forms) + bool(self.terms)) * float(np.log(EFFECT_ODDS)) - terms
 
     def without(self, part: str) -> Explanation:
         """Return the explanation without an effect, or without its unknown component.

@@ -15,7 +15,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
 from ..recording.simulation import Simulator
-from ..thresholds import EFFECT_ODDS, FORM_ERROR, UNKNOWN_ODDS, UNKNOWN_SHARE
+from ..thresholds import EFFECT_ODDS, FORM_ERROR, UNKNOWN_SHARE
 from ..unexplained.features import determined, directions, features, locations_of
 from ..unexplained.structure import CORE_INPUTS
 from .discrepancy import bench_errors, effect_discrepancy
@@ -158,9 +158,9 @@ class Linearization:
             if name not in self.explanation.effects and is_testable(signals, tire, candidate):
                 added += self._of_effect(name, candidate)
         if not self.explanation.terms:
-            terms = unknown_terms(self.problem, self.solution)
-            prior = float(np.log(UNKNOWN_ODDS / max(len(terms), 1)))
-            added += [Addition(UNKNOWN, one, one.column[:, :, None], np.array([one.deviation]), prior) for one in terms]
+            for one in unknown_terms(self.problem, self.solution):
+                prior = Explanation((), (one,)).log_prior
+                added.append(Addition(UNKNOWN, one, one.column[:, :, None], np.array([one.deviation]), prior))
         return added
 
     def _of_effect(self, name: str, candidate: Candidate) -> list[Addition]:
@@ -185,19 +185,19 @@ def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
     signals, tire = simulator.signals, simulator.tire
     even, odd = features(signals, tire)
     acting = directions(simulator, solution.parameters)
-    terms = []
-    for location in locations_of(simulator.symbolic_model):
-        for feature in even if location.how == "factor" else [*odd, *even]:
-            depends_on = feature.depends_on.union(location.proportional_to)
-            if not depends_on <= CORE_INPUTS and determined(location, feature, signals, tire):
-                name = f"{location.name}, {location.how}: {feature.text}"
-                terms += term_of(problem, name, acting[location.name] * feature.values)
-    return terms
+    named = {
+        f"{location.name}, {location.how}: {feature.text}": acting[location.name] * feature.values
+        for location in locations_of(simulator.symbolic_model)
+        for feature in (even if location.how == "factor" else [*odd, *even])
+        if not feature.depends_on.union(location.proportional_to) <= CORE_INPUTS
+        and determined(location, feature, signals, tire)
+    }
+    return [term for name, column in named.items() for term in term_of(problem, name, column, len(named))]
 
 
-def term_of(problem: LeastSquares, name: str, column: FloatArray) -> list[Term]:
-    """Return a column as a term; none if it changes no force."""
+def term_of(problem: LeastSquares, name: str, column: FloatArray, tests: int) -> list[Term]:
+    """Return a column as a term, of a number of terms that were tested; none if it changes no force."""
     size, norm = (
         float(np.linalg.norm(problem.inverse_noise * one)) for one in (problem.simulator.signals.measured, column)
     )
-    return [Term(name, column, UNKNOWN_SHARE * size / norm)] if norm > 0.0 else []
+    return [Term(name, column, UNKNOWN_SHARE * size / norm, tests)] if norm > 0.0 else []

@@ -19,7 +19,7 @@ from tirefmu.estimation.block_regression import error_of_sum
 
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
-from ..thresholds import CONFIRMED_STRETCHES, CONFIRMED_Z, STRETCHES
+from ..thresholds import CONFIRMED_Z, MIN_STRETCHES, STRETCHES
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -64,7 +64,7 @@ class Confirmation:
 
         The hold-out set has four to eight blocks: an increase of its misfit within one standard error says nothing.
         """
-        predicts = self.stretches >= CONFIRMED_STRETCHES and self.holdout_gain > -self.holdout_error
+        predicts = self.stretches >= MIN_STRETCHES and self.holdout_gain > -self.holdout_error
         return self.z > CONFIRMED_Z and predicts and not (self.compensated or self.within_noise)
 
     @property
@@ -76,7 +76,7 @@ class Confirmation:
             return "noise of the inputs explains it"
         if self.z <= CONFIRMED_Z:
             return f"{self.z:.1f} standard deviations"
-        if self.stretches < CONFIRMED_STRETCHES:
+        if self.stretches < MIN_STRETCHES:
             return f"it predicts {self.stretches} of {STRETCHES} stretches better"
         return "it worsens the hold-out set"
 
@@ -157,7 +157,7 @@ def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:
     edges = screen.stretches(STRETCHES)
     evidence = np.cumsum(np.sum(change**2, axis=0))
     shares = np.diff(np.concatenate([[0.0], evidence])[edges]) / max(float(evidence[-1]), 1e-300)
-    if np.sum(z**2 * shares > 1.0) >= CONFIRMED_STRETCHES:
+    if np.sum(z**2 * shares > 1.0) >= MIN_STRETCHES:
         return edges
     inner = np.searchsorted(evidence, np.linspace(0.0, evidence[-1], STRETCHES + 1)[1:-1]) + 1
     return np.unique(np.concatenate([edges[:1], inner, edges[-1:]]))

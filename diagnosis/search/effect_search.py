@@ -21,9 +21,9 @@ from ..thresholds import (
     EFFECT_P,
     FURTHER_MEMORY,
     LOOKAHEAD,
+    P_FACTOR,
     PREFERRED_JOINT_SHARE,
     PREFERRED_SHARE,
-    REFIT_P_FACTOR,
     REFITTED,
     REFITTED_REFINEMENTS,
     ROUNDS,
@@ -58,6 +58,8 @@ class Search:
         Candidates of the last round with their responses.
     rivals : frozenset of str
         Effects that explained the residual of the baseline model nearly as well as the first one that was identified.
+    stopped : bool
+        Whether the last of `ROUNDS` rounds still identified something.
     screen : Screen
         Of the current solution.
     tests : int
@@ -78,6 +80,7 @@ class Search:
     screen: Screen = field(init=False)
     tests: int = 0
     rivals: frozenset[str] = frozenset()
+    stopped: bool = False
     _passing: list[Refit] = field(default_factory=list)  # of the last round
 
     def copy(self) -> Search:
@@ -100,6 +103,8 @@ class Search:
                     self.rivals = rivals(best, self._passing)
                 self.accept(best)
                 self.progress(f"identified: {best.name} (gain {100 * best.gain:.2f} %)")
+        else:
+            self.stopped = True
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
 
@@ -147,7 +152,7 @@ class Search:
             distinct(effects)[:REFITTED]
             + distinct([t for t in ordered if t.name.startswith(REFINEMENT)])[:REFITTED_REFINEMENTS]
         )
-        promising = [t for t in chosen if t.response.p_coloured * self.tests < REFIT_P_FACTOR * EFFECT_P]
+        promising = [t for t in chosen if t.response.p_coloured * self.tests < P_FACTOR * EFFECT_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
         passing = [refit for refit in refits if refit.passes and not self._is_form_artefact(refit)]
         self._passing = [refit for refit in passing if not self._is_part_of_memory(refit)]

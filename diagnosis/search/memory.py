@@ -26,7 +26,7 @@ from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen
 from ..recording.load_error import LAGS, load_error_responses
 from ..recording.skew import delay_response
-from ..thresholds import EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, LOAD_ERROR_PRIOR, MAX_LOAD_ERROR, MAX_SKEW, MIN_SKEW
+from ..thresholds import EFFECT_GAIN, EFFECT_P, LOAD_ERROR_PRIOR, MAX_SKEW, MIN_SKEW, P_FACTOR
 from . import alignment
 from .effect_search import Search
 from .refits import Tried, consistent
@@ -145,7 +145,7 @@ def _is_significant(screen: Screen, tried: Tried, tests: int) -> bool:
     response, loss = tried.response, screen.baseline.loss
     gains = loss - response.loss
     material = float(gains.sum()) > EFFECT_GAIN * float(loss.sum()) and consistent(gains)
-    return material and response.p_coloured * tests < EFFECT_P and response.p_blocks < EFFECT_P_OF_BLOCKS
+    return material and response.p_coloured * tests < EFFECT_P and response.p_blocks < P_FACTOR * EFFECT_P
 
 
 def _disturbed(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
@@ -160,7 +160,7 @@ def _disturbed(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares,
     disturbed = replace(problem, disturbances=problem.disturbances.without(names).extended(names, columns, deviations))
     first = disturbed.at(solution.parameters, solution.free)
     errors = first.disturbance[[disturbed.disturbances.names.index(name) for name in LOAD_ERRORS]]
-    if np.all(np.abs(errors) <= MAX_LOAD_ERROR):
+    if np.all(np.abs(errors) <= 2.0 * LOAD_ERROR_PRIOR):
         return disturbed, first
     disturbed = replace(disturbed, disturbances=disturbed.disturbances.without(LOAD_ERRORS))
     return disturbed, disturbed.at(solution.parameters, solution.free)

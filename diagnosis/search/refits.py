@@ -18,8 +18,8 @@ from ..thresholds import (
     EFFECT_ERRORS,
     EFFECT_GAIN,
     EFFECT_P,
-    EFFECT_P_OF_BLOCKS,
     LARGEST_SHARE,
+    P_FACTOR,
     PREFERRED_ERRORS,
 )
 
@@ -62,7 +62,7 @@ class Refit:
     @property
     def passes(self) -> bool:
         """Whether the gain is significant and material."""
-        significant = self.p < EFFECT_P and self.response.p_blocks < EFFECT_P_OF_BLOCKS
+        significant = self.p < EFFECT_P and self.response.p_blocks < P_FACTOR * EFFECT_P
         return significant and self.gain > EFFECT_GAIN and consistent(self.gains)
 
 

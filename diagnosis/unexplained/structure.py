@@ -12,19 +12,18 @@ from tirefmu.estimation.block_regression import block_sums, error_of_sum, regres
 
 from ..probing.effect_probing import Response, Screen
 from ..thresholds import (
+    EFFECT_P,
     MAX_TERMS,
     MIN_RETAINED_GAIN,
     MIN_STRETCHES,
+    P_FACTOR,
+    PREFERRED_ERRORS,
     PROBE_PRIOR,
     SHORTLIST,
     STRETCHES,
     STRUCTURE_ERRORS,
     STRUCTURE_GAIN,
-    STRUCTURE_P,
-    STRUCTURE_P_OF_BLOCKS,
-    TERM_ERRORS,
     TERM_ERRORS_OF_VARIABLE,
-    TERM_GAIN,
 )
 from .features import Feature, Location, determined, directions, features, locations_of
 
@@ -71,7 +70,7 @@ class Structure:
     @property
     def passes(self) -> bool:
         """Whether the gain is significant; the criteria are stricter than for effects, as many forms are tested."""
-        significant = self.p < STRUCTURE_P and self.response.p_blocks < STRUCTURE_P_OF_BLOCKS
+        significant = self.p < EFFECT_P / P_FACTOR and self.response.p_blocks < EFFECT_P
         return significant and self.gain > max(STRUCTURE_ERRORS * self.gain_error, STRUCTURE_GAIN) and self.generalizes
 
     @property
@@ -219,9 +218,9 @@ def _best(screen: Screen, response: Response, richer: list[tuple[Response, int, 
     richer : list of (Response, int, bool)
         Extended response, index of the added column, and whether its variables are already in the formula.
     """
-    least = TERM_GAIN * float(np.sum(screen.baseline.loss - response.loss))
+    least = STRUCTURE_GAIN * float(np.sum(screen.baseline.loss - response.loss))
     for known_only in (True, False):
-        errors = TERM_ERRORS if known_only else TERM_ERRORS_OF_VARIABLE
+        errors = PREFERRED_ERRORS if known_only else TERM_ERRORS_OF_VARIABLE
         gaining = [
             (more, i) for more, i, known in richer if known == known_only and _adds(response, more, errors) > least
         ]

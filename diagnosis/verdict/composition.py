@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import stdtrit
 
+from tirefmu.estimation.noise_floor import NoiseFloor
 from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
 
@@ -33,7 +34,7 @@ from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
 from .findings import Finding, Interval
-from .fit_error import delivered_residuals, fit_errors, floors_of, preprocessed, without_skew
+from .fit_error import FitErrors, Residuals, delivered_residuals, fit_errors, floors_of, preprocessed, without_skew
 from .improved_tire import tire_of
 from .operating_range import undetermined_change
 from .residual_location import residual_maps, time_course
@@ -82,6 +83,23 @@ class SearchOutcome:
         return self.search.problem.simulator.signals
 
 
+@dataclass(frozen=True, eq=False)
+class _Delivery:
+    """Which tire is delivered, and its fit error.
+
+    - `against`: reasons why it is not the improved tire.
+    - `final`: the solution of the delivered tire.
+    """
+
+    base_tire: Tire
+    tire: Tire
+    against: tuple[str, ...]
+    final: Screen
+    residuals: Residuals
+    errors: FitErrors
+    floors: dict[str, NoiseFloor]
+
+
 def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     """Return the diagnosis, in the sign convention of the formula.
 
@@ -91,15 +109,81 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     began : float
         Start time of the diagnosis by `time.perf_counter`, s.
     """
+    search, settled, signals = outcome.search, outcome.settled, outcome.signals
+    added = _added(outcome)
+    delivery = _delivery(outcome, added)
+    against, final = delivery.against, delivery.final
+    where_after = residual_maps(final)
+    after = {name: one["after"] for name, one in delivery.errors["train"].items()}
+    adequacy = adequacies(after, delivery.floors, where_after)
+    unknown = outcome.unknown or _unidentified(adequacy, search)
+    if against:
+        unknown = tuple(
+            replace(one, added=False, not_added_because=NOT_DELIVERED) if one.added else one for one in unknown
+        )
+    findings = _in_order(outcome, unknown, adequacy, settled.whitened.standard_errors())
+    confounded = confounded_with(outcome)
+    correction = None if against else outcome.correction
+    refined = tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements)
+    refined += correction.formulas if correction else ()
+    tested = {name: one for name, one in outcome.tried.items() if name in search.candidates}
+    detectable, not_identifiable = detectable_sizes(search, tested, outcome.start)
+    outliers = delivery.residuals.outlier_rows(signals.channels)
+    found_errors = _recording_errors(outcome, final) | {
+        "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
+    }  # fmt: skip
+    return Diagnosis(
+        verdict=verdict_text(
+            findings, unknown, confounded, refined, adequacy, detectable, against, found_errors, stopped=search.stopped
+        ),
+        found=findings,
+        answer=outcome.answer,
+        confounded_with=confounded,
+        next_measurement=_next_measurements(outcome, confounded, unknown),
+        unknown=unknown,
+        not_identifiable=not_identifiable,
+        refined=refined,
+        correction=correction,
+        gap=delivery.errors,
+        adequacy=adequacy,
+        delivered=not against,
+        not_delivered_because=against,
+        confirmed=settled.confirmed,
+        rejected=settled.rejected,
+        detectable=detectable,
+        where=residual_maps(settled.before),
+        where_after=where_after,
+        time_course=time_course(settled.before, final),
+        recording=found_errors,
+        extrapolation=extrapolations(
+            search.problem, search.solution, added, {name: _inputs_of(outcome, name) for name in added}
+        ),
+        holdout_rows=tuple(
+            (int(signals.table_rows[first]), int(signals.table_rows[last]))
+            for first, last in signals.holdout_stretches()
+        ),
+        base_tire=delivery.base_tire,
+        tire=delivery.tire,
+        signs=FORMULA_SIGNS,
+        recording_signs=outcome.recording.signs,
+        seconds=time.perf_counter() - began,
+        rows=outcome.recording.table,
+    )
+
+
+def _added(outcome: SearchOutcome) -> dict[str, tuple[str, ...]]:
+    """Return the effects of the improved tire that the baseline tire lacks, with their free coefficients."""
+    effects = [one.effect for one in outcome.unknown if one.added and one.effect]
+    effects += [outcome.correction.effect] if outcome.correction else []
+    return {refit.name: refit.form.free for refit in outcome.search.found} | {
+        effect.name: tuple(declaration.name for declaration in effect.declarations) for effect in effects
+    }
+
+
+def _delivery(outcome: SearchOutcome, added: Mapping[str, tuple[str, ...]]) -> _Delivery:
+    """Return the improved tire with its fit error, or the baseline tire if there are reasons against it."""
     search, settled = outcome.search, outcome.settled
     before, after = settled.before, settled.after
-    added = {refit.name: refit.form.free for refit in search.found}
-    for one in outcome.unknown:
-        if one.added and one.effect:
-            added[one.effect.name] = tuple(declaration.name for declaration in one.effect.declarations)
-    if outcome.correction:
-        effect = outcome.correction.effect
-        added[effect.name] = tuple(declaration.name for declaration in effect.declarations)
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
     tire = tire_of(outcome.start, search.problem, search.solution, added)
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
@@ -113,78 +197,24 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         without_noise = preprocessed(outcome.recording, outcome.signals)
         judged = delivered_residuals(complete, without_noise, screens, rows)
         compared = fit_errors(*screens, judged, floors)
-    against = (
-        reasons_against(compared, judged, undetermined_change(settled.whitened, added))
-        if added or search.refinements
-        else ()
-    )
-    if against:
-        tire = base_tire
-        errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)
-    final = before if against else after
-    where_after = residual_maps(final)
-    adequacy = adequacies({name: one["after"] for name, one in errors["train"].items()}, floors, where_after)
-    unknown = outcome.unknown or _unidentified(adequacy, search)
-    if against:
-        unknown = tuple(
-            replace(one, added=False, not_added_because=NOT_DELIVERED) if one.added else one for one in unknown
-        )
-    findings = _in_order(outcome, unknown, adequacy, settled.whitened.standard_errors())
-    confounded = confounded_with(outcome)
-    next_measurement = tuple(
-        dict.fromkeys(
-            [
-                separating_measurement(name, other, outcome.start.symbolic_model.detections)
-                for name, others in confounded.items()
-                for other in others
-            ]
-            + [one.next_measurement for one in unknown if one.next_measurement]
-        )
-    )
-    correction = None if against else outcome.correction
-    refined = tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements)
-    refined += correction.formulas if correction else ()
-    tested = {name: one for name, one in outcome.tried.items() if name in search.candidates}
-    detectable, not_identifiable = detectable_sizes(search, tested, outcome.start)
-    outliers = residuals.outlier_rows(outcome.signals.channels)
-    found_errors = _recording_errors(outcome, final) | {
-        "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
-    }  # fmt: skip
-    return Diagnosis(
-        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, found_errors),
-        found=findings,
-        answer=outcome.answer,
-        confounded_with=confounded,
-        next_measurement=next_measurement,
-        unknown=unknown,
-        not_identifiable=not_identifiable,
-        refined=refined,
-        correction=correction,
-        gap=errors,
-        adequacy=adequacy,
-        delivered=not against,
-        not_delivered_because=against,
-        confirmed=settled.confirmed,
-        rejected=settled.rejected,
-        detectable=detectable,
-        where=residual_maps(before),
-        where_after=where_after,
-        time_course=time_course(before, final),
-        recording=found_errors,
-        extrapolation=extrapolations(
-            search.problem, search.solution, added, {name: _inputs_of(outcome, name) for name in added}
-        ),
-        holdout_rows=tuple(
-            (int(outcome.signals.table_rows[first]), int(outcome.signals.table_rows[last]))
-            for first, last in outcome.signals.holdout_stretches()
-        ),
-        base_tire=base_tire,
-        tire=tire,
-        signs=FORMULA_SIGNS,
-        recording_signs=outcome.recording.signs,
-        seconds=time.perf_counter() - began,
-        rows=outcome.recording.table,
-    )
+    if not added and not search.refinements:
+        return _Delivery(base_tire, tire, (), after, residuals, errors, floors)
+    against = reasons_against(compared, judged, undetermined_change(settled.whitened, added))
+    if not against:
+        return _Delivery(base_tire, tire, (), after, residuals, errors, floors)
+    errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)
+    return _Delivery(base_tire, base_tire, against, before, residuals, errors, floors)
+
+
+def _next_measurements(
+    outcome: SearchOutcome, confounded: Mapping[str, Mapping[str, float]], unknown: tuple[Unknown, ...]
+) -> tuple[str, ...]:
+    """Return the measurements that separate confounded explanations, and that determine unexplained structure."""
+    detections = outcome.start.symbolic_model.detections
+    separating = [
+        separating_measurement(name, one, detections) for name, others in confounded.items() for one in others
+    ]
+    return tuple(dict.fromkeys([*separating, *(one.next_measurement for one in unknown if one.next_measurement)]))
 
 
 def _recording_errors(outcome: SearchOutcome, final: Screen) -> dict[str, Any]:

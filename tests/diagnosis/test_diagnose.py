@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 import pytest
+from markupsafe import escape
 
 import tirefmu
 from tirefmu.boundary.errors import DataError, TirefmuError, UnknownName
@@ -17,6 +18,7 @@ from tirefmu.diagnosis.reporting.memory_figure import memory_figure
 from tirefmu.diagnosis.reporting.report import report_page
 from tirefmu.diagnosis.search.confirmation import Confirmation
 from tirefmu.diagnosis.search.proposals import FormCorrection
+from tirefmu.diagnosis.thresholds import ROUNDS
 from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
 from tirefmu.diagnosis.verdict.adequacy import Adequacy
 from tirefmu.diagnosis.verdict.extrapolation import Extrapolation
@@ -200,13 +202,15 @@ def test_the_parts_of_a_recording_have_plain_names_on_the_page(thrust, monkeypat
     assert set(diagnosis.gap) <= set(report.ROWS)
 
 
-def test_the_first_screen_has_the_numbers(thrust, monkeypatch):
-    """Before, after and noise floor of each channel, and the coefficients, before the first figure."""
+def test_the_first_screen_has_the_next_measurement_the_picture_and_the_numbers(thrust, monkeypatch):
+    """The force that the improved tire improves most; before, after and floor of each channel; the coefficients."""
     monkeypatch.setattr(report, "_maps", lambda *_: [])
     case, diagnosis = thrust
     page = report_page(diagnosis, Recording(case.table, case.signs, "plain"))
     first = page[page.index(diagnosis.verdict) : page.index("<h2")]
-    assert "<img" not in first
+    answer, _, numbers_below = first.partition("<section")
+    assert f"Next measurement: {escape('; '.join(diagnosis.next_measurement) or 'none')}" in answer
+    assert numbers_below.partition("<h3>")[2].startswith("Fy over slip")
     for channel, one in diagnosis.gap["train"].items():
         (row,) = (text for text in first.split("<tr>") if text.startswith(f"<td>{channel} ("))
         numbers = [f"{one[key]:.4g}" for key in ("before", "after", "floor_with_history")]
@@ -339,6 +343,8 @@ def test_the_verdict_has_every_explanation_that_the_page_lists_as_confounded():
     recording = {"periodic": [], "derived_columns": [], "ignored_columns": []}
     text = verdict_text((finding,), (), confounded, (), (), {}, (), recording)
     assert text == "Missing: relax_lat (probability 80 %; confounded with relax_slip, relax_load)"
+    ended = verdict_text((finding,), (), confounded, (), (), {}, (), recording, stopped=True)
+    assert ended == f"{text}. The search ended after {ROUNDS} rounds; further effects may be missing"
 
 
 def test_no_effect_is_identified_without_a_missing_effect():

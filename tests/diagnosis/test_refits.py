@@ -6,6 +6,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from tirefmu.diagnosis.search import effect_search
+from tirefmu.diagnosis.search.effect_search import Search
 from tirefmu.diagnosis.search.memory import _simpler
 from tirefmu.diagnosis.search.refits import REFINEMENT, Refit, Tried, consistent, distinct, preferred, rivals
 from tirefmu.estimation.block_regression import error_of_sum
@@ -31,6 +33,16 @@ class CompletedSearch:
     def run(self):
         """Remember which candidates were tested."""
         self.completed, self.tested = True, set(self.candidates)
+
+
+def test_a_search_that_its_rounds_end_states_it(at_true_values, monkeypatch):
+    ended = []
+    for rounds in (0, 1):
+        search = Search(at_true_values.problem, at_true_values.solution, {}, lambda sentence: None)
+        monkeypatch.setattr(effect_search, "ROUNDS", rounds)
+        search.run()
+        ended.append(search.stopped)
+    assert ended == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from tirefmu.diagnosis.recording.simulation import Simulator
 from tirefmu.diagnosis.search import proposals
 from tirefmu.diagnosis.search.effect_search import Search
 from tirefmu.diagnosis.search.proposals import with_correction
-from tirefmu.diagnosis.thresholds import MIN_STRETCHES, STRETCHES, STRUCTURE_P
+from tirefmu.diagnosis.thresholds import EFFECT_P, MIN_STRETCHES, P_FACTOR, STRETCHES
 from tirefmu.diagnosis.unexplained.drift import is_drift
 from tirefmu.diagnosis.unexplained.features import (
     Feature,
@@ -67,7 +67,7 @@ def test_a_zero_that_drifts_in_steps_is_no_structure(problem, at_true_values, ve
     gains = screen.baseline.loss - response.loss
     resembling = replace(found, columns=column, response=response, gains=gains,
                          gain=gains.sum() / screen.baseline.loss.sum(), p=response.p_coloured)  # fmt: skip
-    assert resembling.response.p_coloured < STRUCTURE_P
+    assert resembling.response.p_coloured < EFFECT_P / P_FACTOR
     assert is_drift(screen, resembling)
 
 
