@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.json_schema import json_value
+from tirefmu.boundary.json_schema import document, json_value, schema_of
 from tirefmu.fitting.evidence.residuals import Residuals
 from tirefmu.fitting.evidence.undetermined import undetermined
 from tirefmu.measurements import Recording, VirtualBench
@@ -21,20 +21,20 @@ from .bench_file import Bench, Heat, PlanError
 from .information import (
     Experiment,
     Information,
-    channel_weights,
+    common_scores,
     covariances,
     energies,
-    fisher,
     information,
-    inverse_of,
+    sandwich,
     tires_around,
 )
-from .maneuvers import Maneuver, held_levels, library, neighbors
-from .plan_content import VERSION, PlanContent, Separation
+from .maneuvers import Maneuver, held_levels, library
 from .program import TestProgram, cost, ordered
 from .selection import Selection
 
 FloatArray = npt.NDArray[np.float64]
+#: Version of plan.json. New keys increment the second number, changed meanings the first.
+VERSION = "1.0"
 #: An aim with a wider relative 95 % interval (half width) is not determined: nothing is known to a factor of two.
 UNDETERMINED = 0.5
 #: Number of repetitions of the whole library that an aim may need.
@@ -45,9 +45,58 @@ SIZE_SHARE = 0.5
 EQUAL = 0.05
 #: Seconds of a recorded program that count as one maneuver.
 PART = 10.0
-#: Largest number of variants in the refinement; rounds in which its time is adjusted, until this share is used.
-VARIANTS, ROUNDS, CLOSE = 300, 4, 0.96
 Progress = Callable[[str, float], None]
+
+
+class TimedIntervals(TypedDict):
+    """The predicted intervals after a bench time, s."""
+
+    seconds: float
+    intervals: dict[str, float]
+
+
+class ComparedProgram(TypedDict):
+    """The program of `--compare`, and after which bench time the planned one equals it."""
+
+    name: str
+    seconds: float
+    intervals: dict[str, float]
+    equal_after: Annotated[float | None, "s; null if it does not"]
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How well a program separates an effect from another one.
+
+    - `effect`, `rival`: if the tire has the effect, and the rival is fitted instead.
+    - `evidence`: expected logarithm of the likelihood ratio, for the form of the effect that is hardest to separate.
+    - `alone`: the same against a tire whose coefficients are known and that lacks the effect, for the strongest form.
+    """
+
+    effect: str
+    rival: str
+    evidence: float
+    alone: float
+
+
+class PlanContent(TypedDict):
+    """The keys of plan.json; see `PlanResult`."""
+
+    version: str
+    ok: bool
+    seconds: Annotated[float, "bench time"]
+    steps: int
+    aims: list[str]
+    intervals: Annotated[dict[str, float], "relative half widths of the predicted 95 % intervals by quantity"]
+    over_time: list[TimedIntervals]
+    undetermined: Annotated[dict[str, str], "coefficients that remain undetermined, and why"]
+    compared: ComparedProgram | None
+    separations: Sequence[Separation]
+
+
+def plan_schema() -> dict[str, Any]:
+    """Return the JSON Schema of plan.json."""
+    return document("plan", VERSION, "Planned test program", schema_of(PlanContent, missing=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,14 +127,13 @@ class Prediction:
 
     def over_time(self) -> list[tuple[float, dict[str, float]]]:
         """Return the widths after each minute of the program."""
-        minutes = np.arange(60.0, self.seconds + 60.0, 60.0)
         found = []
-        for end in minutes:
+        for end in np.arange(60.0, self.seconds + 60.0, 60.0).tolist():
             done = np.flatnonzero(self.times <= end).tolist()
             if done:
-                part = Prediction("", float(end), self.times[done], self.information.take(done), self.experiment,
-                                  self.targets)  # fmt: skip
-                found.append((float(min(end, self.seconds)), part.widths))
+                covariance = covariances(self.experiment, self.information.take(done), self.times[done])
+                widths = {target.name: target.width(covariance) for target in self.targets}
+                found.append((min(end, self.seconds), widths))
         return found
 
     def undetermined(self) -> dict[str, float]:
@@ -120,17 +168,20 @@ class PlanResult:
     undetermined: Mapping[str, str] = field(default_factory=dict)
     separations: tuple[Separation, ...] = ()
 
+    @cached_property
+    def over_time(self) -> list[tuple[float, dict[str, float]]]:
+        """The widths after each minute."""
+        return self.prediction.over_time() if self.prediction else []
+
+    @property
     def equal_after(self) -> float | None:
-        """Return the bench time after which every interval is as wide as that of today's program or narrower, s.
+        """The bench time after which every interval is as wide as that of today's program or narrower, s.
 
         A difference of `EQUAL` counts as equal: offsets of the bench limit some intervals of all programs.
         """
-        if self.today is None or self.prediction is None:
-            return None
-        for seconds, widths in self.prediction.over_time():
-            if all(widths[name] <= (1.0 + EQUAL) * self.today.widths[name] for name in widths):
-                return seconds
-        return None
+        limits = {name: (1.0 + EQUAL) * width for name, width in (self.today.widths if self.today else {}).items()}
+        equal = (time for time, widths in self.over_time if all(widths[name] <= limits[name] for name in limits))
+        return next(equal, None) if limits else None
 
     def to_json(self) -> dict[str, Any]:
         """Return the contents of plan.json; a number that is not finite is null."""
@@ -138,13 +189,11 @@ class PlanResult:
             "version": VERSION, "ok": True,
             "seconds": self.program.seconds, "steps": len(self.program.steps), "aims": list(self.aims),
             "intervals": self.prediction.widths if self.prediction else {},
-            "over_time": [
-                {"seconds": s, "intervals": w} for s, w in (self.prediction.over_time() if self.prediction else ())
-            ],
+            "over_time": [{"seconds": seconds, "intervals": widths} for seconds, widths in self.over_time],
             "undetermined": dict(self.undetermined),
             "compared": None if self.today is None else {
                 "name": self.today.name, "seconds": self.today.seconds, "intervals": self.today.widths,
-                "equal_after": self.equal_after(),
+                "equal_after": self.equal_after,
             },
             "separations": self.separations,
         }  # fmt: skip
@@ -202,69 +251,118 @@ def plan(
     wanted = targets(experiment, bench, aims)
     if not wanted:
         raise PlanError(f"no slip of this bench has an influence on {', '.join(aims)}")
-    report("library of maneuvers", 0.0)
-    budget = 60.0 * minutes - bench.warm_up
     current = _predicted(experiment, today, wanted, bench) if today is not None else None
-    compared = current.covariances if current is not None else None
-    selection, maneuvers = _selection(experiment, library(bench, experiment.tires[0]), wanted, bench, budget, compared)
-    _check_aims(selection, bench)
-    chosen = selection.chosen([], lambda share: report("choosing maneuvers", share))
-    if not chosen:
-        raise PlanError(f"{minutes:g} min are too short for one sweep after a warm-up of {bench.warm_up:g} s")
-    report("refining", 0.0)
-    distinct = list(dict.fromkeys(chosen))
-    variants = dict.fromkeys(maneuvers[i] for i in distinct)
-    variants |= dict.fromkeys(
-        [v for i in distinct for v in neighbors(maneuvers[i], bench, experiment.tires[0])][:VARIANTS]
-    )
-    start = [maneuvers[i] for i in chosen]
-    selection, maneuvers = _selection(experiment, list(variants), wanted, bench, budget, compared)
-    program = _fitting_program(selection, maneuvers, [maneuvers.index(one) for one in start], bench, report)
+    report("library of maneuvers", 0.0)
+    maneuvers, seconds, energy = affordable(experiment, library(bench, experiment.tires[0]), bench)
+    known = information(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])
+    _check_aims(wanted, known, bench)
+    criterion = _Criterion.of(experiment, wanted, current)
+    parts = (known.products, criterion.with_drift(known))
+    selection = Selection(parts, criterion, seconds, energy, bench.heat.energy)
+    program = best_program(selection, maneuvers, bench, minutes, lambda share: report("choosing maneuvers", share))
     report("predicting intervals", 0.0)
-    tables = [step.maneuver.table(bench.sample_rate) for step in program.steps]
-    known = information(experiment, tables, channel_weights(experiment, tables))
-    prediction = Prediction("plan", program.seconds, program.times, known, experiment, wanted)
+    learned = information(experiment, program.tables)
+    prediction = Prediction("plan", program.seconds, program.times, learned, experiment, wanted)
     return PlanResult(program, tuple(aims), prediction, current, _reasons(prediction, program))
 
 
 def _tires(tire: TireLike | Sequence[TireLike]) -> tuple[Any, ...]:
     if isinstance(tire, Sequence) and not isinstance(tire, str):
-        tires = tuple(tire_from(one).in_signs("adapted-sae") for one in tire)
-        if len({(one.model, one.has) for one in tires}) != 1:
+        tires = tuple(tire_from(member).in_signs("adapted-sae") for member in tire)
+        if len({(member.model, member.has) for member in tires}) != 1:
             raise PlanError("the tires of a family must have one model with the same effects")
         return tires
     return tires_around(tire_from(tire))
 
 
-def _selection(
-    experiment: Experiment, maneuvers: list[Maneuver], wanted: tuple[Target, ...], bench: Bench, budget: float,
-    compared: FloatArray | None,
-) -> tuple[Selection, list[Maneuver]]:  # fmt: skip
-    """Return the choice among maneuvers that do not heat the tread too much, and these maneuvers."""
-    tables, energy = [one.table(bench.sample_rate) for one in maneuvers], np.zeros(len(maneuvers))
+@dataclass(frozen=True, eq=False)
+class _Criterion:
+    """The criterion of a choice, of sums over its maneuvers.
+
+    The sum over the targets of the logarithm of their mean relative variance in a fit, averaged over the tires
+    (Chaloner and Verdinelli, Bayesian experimental design: a review, Statistical Science 10, 1995): halving the interval
+    of one target counts as much as halving that of another. With a program to compare with, it is the sum of the
+    squares of the ratios to its variances instead, to which a target that is determined worse contributes most.
+
+    - `squares`, shape (n_targets, t, p, p): mean squares of the derivatives.
+    - `offset`, `drift`, shape (k,): of the sources of noise; drift has an independent value in each maneuver.
+    - `reference`, shape (n_targets, t): variances by the program to compare with; 1 without one.
+    """
+
+    squares: FloatArray
+    offset: FloatArray
+    drift: FloatArray
+    reference: FloatArray | None
+
+    @classmethod
+    def of(cls, experiment: Experiment, wanted: Sequence[Target], current: Prediction | None) -> _Criterion:
+        squares = np.array([target.squares for target in wanted])
+        offset, drift = (np.array([getattr(part, name) for part in experiment.sources]) for name in ("offset", "drift"))
+        return cls(squares, offset, drift, _traces(squares, current.covariances) if current else None)
+
+    def with_drift(self, known: Information) -> FloatArray:
+        """Return the noise of maneuvers with drift, shape (m, t, p, p)."""
+        p = self.squares.shape[-1]
+        return known.noise + common_scores(known.products[:, :, p:, :p], self.drift)
+
+    def __call__(self, products: FloatArray, noise: FloatArray) -> float:
+        p = self.squares.shape[-1]
+        covariance = sandwich(products[:, :p, :p], noise + common_scores(products[:, p:, :p], self.offset))
+        variances = _traces(self.squares, covariance)
+        if self.reference is None:
+            return float(np.log(variances).mean(axis=1).sum())
+        return float(np.square(variances / self.reference).mean(axis=1).sum())
+
+
+def _traces(squares: FloatArray, covariance: FloatArray) -> FloatArray:
+    return np.asarray(np.maximum(np.einsum("atpq,tpq->at", squares, covariance), 1e-30))
+
+
+def affordable(
+    experiment: Experiment, maneuvers: list[Maneuver], bench: Bench
+) -> tuple[list[Maneuver], FloatArray, FloatArray]:
+    """Return the maneuvers that do not heat the tread too much, with their bench time, s, and sliding energy, J."""
+    energy = np.zeros(len(maneuvers))
     if bench.heat != Heat():
-        energy = energies(experiment, tables)
-        kept = np.flatnonzero(energy <= bench.heat.energy_of_a_sweep)
-        if not kept.size:
+        energy = energies(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])
+        possible = np.flatnonzero(energy <= bench.heat.energy_of_a_sweep)
+        if not possible.size:
             raise PlanError(
                 f"[heat] energy_of_a_sweep: every sweep has more sliding energy, {energy.min():.4g} J at least"
             )
-        energy, maneuvers, tables = energy[kept], [maneuvers[i] for i in kept], [tables[i] for i in kept]
+        maneuvers, energy = [maneuvers[i] for i in possible], energy[possible]
     nominal = held_levels(bench, experiment.tires[0])
-    seconds = np.array([cost(one, bench, joule, nominal) for one, joule in zip(maneuvers, energy, strict=True)])
-    spread = experiment.spread.values()
-    offsets, drifts = (np.array([getattr(part, name) for part in spread]) for name in ("offset", "drift"))
-    known = information(experiment, tables, channel_weights(experiment, tables)).with_independent(drifts)
-    matrices = fisher(experiment, tables)
-    return Selection(matrices, known, offsets, wanted, seconds, energy, budget, bench.heat.energy, compared), maneuvers
+    seconds = [cost(maneuver, bench, joule, nominal) for maneuver, joule in zip(maneuvers, energy, strict=True)]
+    return maneuvers, np.array(seconds), energy
 
 
-def _check_aims(selection: Selection, bench: Bench) -> None:
-    """Raise for an aim that all maneuvers together, each many times, do not determine."""
-    limit = inverse_of(MANY * selection.fisher.sum(axis=0))
-    for target in selection.targets:
-        p = target.rows.shape[-1]
-        width = target.width(limit[:, :p, :p])
+def best_program(
+    selection: Selection, maneuvers: Sequence[Maneuver], bench: Bench, minutes: float,
+    progress: Callable[[float], None], *, alternate: bool = True,
+) -> TestProgram:  # fmt: skip
+    """Return the program of the best choice; raises `PlanError` if the time is too short."""
+
+    def program(chosen: Sequence[int]) -> TestProgram:
+        energy = selection.energy[list(chosen)].tolist()
+        return ordered([maneuvers[i] for i in chosen], energy, bench, alternate=alternate)
+
+    budget = 60.0 * minutes - bench.warm_up
+    chosen = selection.chosen(budget, lambda some: program(some).seconds - bench.warm_up, progress)
+    if not chosen:
+        raise PlanError(
+            f"{minutes:g} min are too short for one maneuver of this bench after a warm-up of {bench.warm_up:g} s: the "
+            f"shortest needs {selection.seconds.min():.3g} s with its change"
+        )
+    return program(chosen)
+
+
+def _check_aims(wanted: Sequence[Target], known: Information, bench: Bench) -> None:
+    """Raise for an aim that all maneuvers together, each many times, do not determine, apart from offsets."""
+    p = wanted[0].rows.shape[-1]
+    curvature = MANY * known.products[:, :, :p, :p].sum(axis=0)
+    limit = sandwich(curvature, MANY * known.noise.sum(axis=0))
+    for target in wanted:
+        width = target.width(limit)
         if width > UNDETERMINED:
             raise PlanError(
                 f"no program on this bench determines {target.name}: with all sweeps {MANY:g} times its 95 % interval "
@@ -283,26 +381,6 @@ def _lacking(bench: Bench, target: Target) -> str:
     )
 
 
-def _fitting_program(
-    selection: Selection, maneuvers: list[Maneuver], start: list[int], bench: Bench, report: Progress
-) -> TestProgram:
-    """Exchange maneuvers with their variants and order them, with more or less time if changes need less or more."""
-    budget, best = selection.budget, None
-    for _ in range(ROUNDS):
-        chosen = selection.chosen(start, lambda share: report("exchanging maneuvers", share))
-        program = ordered([maneuvers[i] for i in chosen], selection.energy[chosen].tolist(), bench)
-        used = program.seconds - bench.warm_up
-        if used <= budget and (best is None or program.seconds > best.seconds):
-            best = program
-        if CLOSE * budget <= used <= budget:
-            break
-        allowed = selection.budget * min(0.99 * budget / used, 1.3)
-        selection, start = replace(selection, budget=allowed), chosen if used <= budget else []
-    if best is None:
-        raise PlanError(f"{(budget + bench.warm_up) / 60.0:.3g} min are too short for the changes of this bench")
-    return best
-
-
 def _predicted(experiment: Experiment, program: Recording, wanted: tuple[Target, ...], bench: Bench) -> Prediction:
     """Return what a program of inputs over time determines; it is cut into parts of some seconds."""
     table = program.with_signs("adapted-sae").table
@@ -313,8 +391,9 @@ def _predicted(experiment: Experiment, program: Recording, wanted: tuple[Target,
     groups = table.groupby([program.segment_numbers(), (t // PART).astype(int)], sort=False)
     parts = [rows.reset_index(drop=True) for _, rows in groups]
     times = np.array([float(part["t"].mean()) for part in parts])
-    known = information(experiment, parts, channel_weights(experiment, parts))
-    return Prediction(program.source, float(np.ptp(t)) + bench.warm_up, times, known, experiment, wanted)
+    return Prediction(
+        program.source, float(np.ptp(t)) + bench.warm_up, times, information(experiment, parts), experiment, wanted
+    )
 
 
 def _reasons(prediction: Prediction, program: TestProgram) -> dict[str, str]:
@@ -326,4 +405,4 @@ def _reasons(prediction: Prediction, program: TestProgram) -> dict[str, str]:
     rows = len(table) / experiment.correlation_factor(table["t"].to_numpy(float))
     effective = dict.fromkeys(experiment.channels, rows)
     found = undetermined(residuals, experiment.free, names, effective)
-    return {name: one.reason for one in found for name in one.coefficients}
+    return {name: part.reason for part in found for name in part.coefficients}

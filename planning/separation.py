@@ -27,12 +27,11 @@ from tirefmu.symbolic.detection import LARGEST_IN_SIZES
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, TireLike, tire_from
 
-from .bench_file import Bench, Heat, PlanError
-from .information import Experiment, energies, fisher, thinned, tires_around
-from .maneuvers import held_levels, library_with_memory
-from .plan import PlanResult, Progress
-from .plan_content import Separation
-from .program import TestProgram, cost, ordered
+from .bench_file import Bench, PlanError
+from .information import Experiment, information, thinned, tires_around
+from .maneuvers import library
+from .plan import PlanResult, Progress, Separation, affordable, best_program
+from .selection import Selection
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows of a maneuver that are evaluated: effects with memory change within tenths of a second.
@@ -91,32 +90,18 @@ def plan_between(
     report = progress or (lambda what, share: None)
     bench = replace(bench, warm_up=0.0, repeat_every=0.0)
     discrimination = Discrimination.of(tire_from(tire), bench, pairs)
+    base = discrimination.experiment.tires[0]
     report("library of maneuvers", 0.0)
-    maneuvers = library_with_memory(bench, discrimination.experiment.tires[0])
+    maneuvers, seconds, energy = affordable(discrimination.experiment, library(bench, base, memory=True), bench)
     tables = [maneuver.table(bench.sample_rate) for maneuver in maneuvers]
-    matrices = discrimination.information(tables)
-    energy = energies(discrimination.experiment, tables) if bench.heat != Heat() else np.zeros(len(tables))
-    nominal = held_levels(bench, discrimination.experiment.tires[0])
-    seconds = np.array([cost(one, bench, joule, nominal) for one, joule in zip(maneuvers, energy, strict=True)])
-    possible = energy <= bench.heat.energy_of_a_sweep
-    chosen: list[int] = []
-    total = np.zeros_like(matrices[0])
-    while True:
-        left = 60.0 * minutes - seconds[chosen].sum()
-        index = np.flatnonzero((seconds <= left) & possible)
-        report("choosing maneuvers", 1.0 - left / (60.0 * minutes))
-        if not index.size:
-            break
-        now = discrimination.value(total)
-        gains = [(discrimination.value(total + matrices[i]) - now) / seconds[i] for i in index]
-        chosen.append(int(index[np.argmax(gains)]))
-        total = total + matrices[chosen[-1]]
-    if not chosen:
-        raise PlanError(f"{minutes:g} min are too short for one maneuver of this bench")
-    program = ordered([maneuvers[i] for i in chosen], energy[chosen].tolist(), bench, alternate=False)
+    products = discrimination.products(tables, pd.concat(tables, ignore_index=True))
+    selection = Selection((products,), discrimination.criterion, seconds, energy, bench.heat.energy)
+    program = best_program(
+        selection, maneuvers, bench, minutes, lambda share: report("choosing maneuvers", share), alternate=False
+    )
     report("simulating the program", 0.0)
-    separations = discrimination.separations(discrimination.information_of(program))
-    _check(separations, minutes, discrimination.experiment.tires[0])
+    separations = discrimination.separations(discrimination.products(program.tables, program.rows).sum(axis=0))
+    _check(separations, minutes, base)
     return PlanResult(program, tuple(f"{a} or {b}" for a, b in pairs), separations=separations)
 
 
@@ -170,31 +155,26 @@ class Discrimination:
 
     @cached_property
     def columns(self) -> dict[str, npt.NDArray[np.intp]]:
-        """The columns of each effect among the responses."""
-        ends = np.cumsum([0, *(len(forms) for forms in self.forms.values())])
+        """The columns of each effect among the products."""
+        ends = len(self.experiment.free) + np.cumsum([0, *(len(forms) for forms in self.forms.values())])
         return {name: np.arange(ends[i], ends[i + 1]) for i, name in enumerate(self.forms)}
 
-    def information(self, tables: Sequence[pd.DataFrame]) -> FloatArray:
-        """Return the information of maneuvers, each from equilibrium, shape (m, t, q, q)."""
-        return self._information(tables, pd.concat(tables, ignore_index=True))
+    def products(self, tables: Sequence[pd.DataFrame], joined: pd.DataFrame) -> FloatArray:
+        """Return the products of maneuvers in variances of the noise, shape (m, t, q, q).
 
-    def information_of(self, program: TestProgram) -> FloatArray:
-        """Return the information of a program that is simulated as a whole, shape (t, q, q)."""
-        tables = [step.maneuver.table(program.bench.sample_rate) for step in program.steps]
-        return np.asarray(self._information(tables, program.rows).sum(axis=0))
-
-    def _information(self, tables: Sequence[pd.DataFrame], joined: pd.DataFrame) -> FloatArray:
-        """Return the information of tables that are simulated one after another, with the time of `joined`."""
+        `joined`: the rows of the tables, with the time over which they are simulated.
+        """
         ends, responses = np.cumsum([len(table) for table in tables])[:-1], []
         for tire in self.experiment.tires:
             parts = np.split(self._responses(tire, joined), ends)
             responses.append(np.concatenate([part[thinned(len(part), POINTS)] for part in parts]))
-        return fisher(self.experiment, tables, responses, POINTS)
+        factor = self.experiment.correlation_factor(tables[0]["t"].to_numpy(float))
+        return information(self.experiment, tables, responses, POINTS).products / factor
 
-    def value(self, total: FloatArray) -> float:
-        """Return the criterion: mean logarithm of the evidence of every form of an effect against its rival."""
+    def criterion(self, total: FloatArray) -> float:
+        """Return minus the mean logarithm of the evidence of every form of an effect against its rival."""
         evidences = [self._evidences(total, *pair) for a, b in self.pairs for pair in ((a, b), (b, a))]
-        return float(np.mean([np.log1p(one).mean() for one in evidences]))
+        return -float(np.mean([np.log1p(evidence).mean() for evidence in evidences]))
 
     def separations(self, total: FloatArray) -> tuple[Separation, ...]:
         """Return the evidence of the hardest form of each effect against its rival.
@@ -202,23 +182,22 @@ class Discrimination:
         Forms without an influence on the measured channels of this program are not counted unless all are.
         """
         found = []
-        for a, b in self.pairs:
-            for effect, rival in ((a, b), (b, a)):
-                evidence = self._evidences(total, effect, rival).mean(axis=0)
-                tested = len(self.experiment.free) + self.columns[effect]
-                alone = 0.5 * total[:, tested, tested].mean(axis=0)
-                hardest = evidence[alone >= min(SEPARATED, alone.max())].min()
-                found.append(Separation(effect, rival, float(hardest), float(alone.max())))
+        for effect, rival in (pair for a, b in self.pairs for pair in ((a, b), (b, a))):
+            tested, evidence = self.columns[effect], self._evidences(total, effect, rival).mean(axis=0)
+            alone = 0.5 * total[:, tested, tested].mean(axis=0)
+            hardest = evidence[alone >= min(SEPARATED, alone.max())].min()
+            found.append(Separation(effect, rival, float(hardest), float(alone.max())))
         return tuple(found)
 
     def _evidences(self, total: FloatArray, effect: str, rival: str) -> FloatArray:
         """Return half the squared response of each form that remains after the fit of all else, shape (t, forms)."""
-        p, e = len(self.experiment.free), sum(len(one) for one in self.columns.values())
-        fitted = np.concatenate([np.arange(p), p + self.columns[rival], np.arange(p + e, total.shape[-1])])
-        tested = p + self.columns[effect]
-        prior = np.ones(len(fitted))
-        prior[p : p + len(self.columns[rival])] = LARGEST_IN_SIZES**-2
-        matrix = total[:, fitted[:, None], fitted] + np.diag(prior)
+        sources, tested = self.experiment.sources, self.columns[effect]
+        first = total.shape[-1] - len(sources)
+        fitted = np.concatenate([np.arange(len(self.experiment.free)), self.columns[rival], np.arange(first, len(total[0]))])
+        size = np.ones(total.shape[-1])
+        size[self.columns[rival]] = LARGEST_IN_SIZES
+        size[first:] = [max(np.hypot(part.offset, part.drift), 1e-12) for part in sources]
+        matrix = total[:, fitted[:, None], fitted] + np.diag(size[fitted] ** -2)
         cross = total[:, fitted[:, None], tested]
         scale = 1.0 / np.sqrt(np.einsum("tii->ti", matrix))[:, :, None]
         with one_blas_thread():

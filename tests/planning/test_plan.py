@@ -45,7 +45,7 @@ def test_program_respects_the_limits_of_the_bench(result):
         gap = after.start - before.start - before.maneuver.duration
         assert gap >= change_time(before.maneuver, after.maneuver, LATERAL) - 1e-6
     assert [step.reason for step in steps].count("repeat") >= 2
-    sides = {np.sign(step.maneuver.first) for step in steps}
+    sides = {np.sign(step.maneuver.values[1]) for step in steps}
     assert sides == {1.0, -1.0}
 
 
