@@ -165,7 +165,9 @@ def information(
         roots = np.split(np.sqrt(weights)[:, None] * np.concatenate(parts, axis=2), ends)
         counts = [len(table) / len(root) for table, root in zip(tables, roots, strict=True)]
         with one_blas_thread():
-            products.append([n * _square(root.reshape(-1, root.shape[2])) for n, root in zip(counts, roots, strict=True)])
+            products.append(
+                [n * _square(root.reshape(-1, root.shape[2])) for n, root in zip(counts, roots, strict=True)]
+            )
             rows = zip(counts, factors, np.split(scores, ends), strict=True)
             noise.append([n * f * _square(part.reshape(len(part) * k, p)) for n, f, part in rows])
     return Information(np.swapaxes(np.array(products), 0, 1), np.swapaxes(np.array(noise), 0, 1))
@@ -174,7 +176,7 @@ def information(
 def _columns(
     experiment: Experiment, tables: Sequence[pd.DataFrame], points: int
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Yield for each tire the derivatives by coefficients and errors, (n, c, p + k), and deviations of noise, (k, n)."""
+    """Yield for each tire the columns J and U, shape (n, c, p + k), and deviations of the noise, shape (k, n)."""
     inputs = np.concatenate([experiment.inputs_of(t.iloc[thinned(len(t), points)]) for t in tables], axis=1)
     for tire in experiment.tires:
         forces, by_coefficients, by_inputs = experiment.derivatives(tire, inputs)

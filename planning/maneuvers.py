@@ -104,7 +104,9 @@ def library(bench: Bench, tire: Tire, *, memory: bool = False) -> list[Maneuver]
     determine the tire without memory.
     """
     if memory:
-        bench = replace(bench, limits={n: replace(part, levels=min(part.levels, 3)) for n, part in bench.limits.items()})
+        bench = replace(
+            bench, limits={n: replace(part, levels=min(part.levels, 3)) for n, part in bench.limits.items()}
+        )
     slips = [name for name in SWEPT if name in bench.limits and name in tire.inputs]
     nominal, maneuvers = held_levels(bench, tire), list[Maneuver]()
     for levels in _levels(bench, tire):

@@ -29,7 +29,7 @@ from .information import (
     tires_around,
 )
 from .maneuvers import Maneuver, held_levels, library
-from .program import TestProgram, cost, ordered
+from .program import TestProgram, cost
 from .selection import Selection
 
 FloatArray = npt.NDArray[np.float64]
@@ -45,6 +45,8 @@ SIZE_SHARE = 0.5
 EQUAL = 0.05
 #: Seconds of a recorded program that count as one maneuver.
 PART = 10.0
+#: Exchanges of two steps that are tried against drift.
+TRIALS = 300
 Progress = Callable[[str, float], None]
 
 
@@ -256,10 +258,12 @@ def plan(
     maneuvers, seconds, energy = affordable(experiment, library(bench, experiment.tires[0]), bench)
     known = information(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])
     _check_aims(wanted, known, bench)
-    criterion = _Criterion.of(experiment, wanted, current)
+    criterion = _Criterion.between(experiment, wanted, current)
     parts = (known.products, criterion.with_drift(known))
-    selection = Selection(parts, criterion, seconds, energy, bench.heat.energy)
-    program = best_program(selection, maneuvers, bench, minutes, lambda share: report("choosing maneuvers", share))
+    selection = Selection(maneuvers, parts, criterion, seconds, energy, bench.heat.energy)
+    chosen = selection.chosen(bench, minutes, lambda share: report("choosing maneuvers", share))
+    report("order against drift", 0.0)
+    program = _against_drift(selection, criterion, chosen, known, experiment, bench, 60.0 * minutes)
     report("predicting intervals", 0.0)
     learned = information(experiment, program.tables)
     prediction = Prediction("plan", program.seconds, program.times, learned, experiment, wanted)
@@ -280,9 +284,9 @@ class _Criterion:
     """The criterion of a choice, of sums over its maneuvers.
 
     The sum over the targets of the logarithm of their mean relative variance in a fit, averaged over the tires
-    (Chaloner and Verdinelli, Bayesian experimental design: a review, Statistical Science 10, 1995): halving the interval
-    of one target counts as much as halving that of another. With a program to compare with, it is the sum of the
-    squares of the ratios to its variances instead, to which a target that is determined worse contributes most.
+    (Chaloner and Verdinelli, Bayesian experimental design: a review, Statistical Science 10, 1995): halving the
+    interval of one target counts as much as halving that of another. With a program to compare with, it is the sum of
+    the squares of the ratios to its variances instead, to which a target that is determined worse contributes most.
 
     - `squares`, shape (n_targets, t, p, p): mean squares of the derivatives.
     - `offset`, `drift`, shape (k,): of the sources of noise; drift has an independent value in each maneuver.
@@ -295,7 +299,7 @@ class _Criterion:
     reference: FloatArray | None
 
     @classmethod
-    def of(cls, experiment: Experiment, wanted: Sequence[Target], current: Prediction | None) -> _Criterion:
+    def between(cls, experiment: Experiment, wanted: Sequence[Target], current: Prediction | None) -> _Criterion:
         squares = np.array([target.squares for target in wanted])
         offset, drift = (np.array([getattr(part, name) for part in experiment.sources]) for name in ("offset", "drift"))
         return cls(squares, offset, drift, _traces(squares, current.covariances) if current else None)
@@ -308,6 +312,10 @@ class _Criterion:
     def __call__(self, products: FloatArray, noise: FloatArray) -> float:
         p = self.squares.shape[-1]
         covariance = sandwich(products[:, :p, :p], noise + common_scores(products[:, p:, :p], self.offset))
+        return self.of(covariance)
+
+    def of(self, covariance: FloatArray) -> float:
+        """Return the criterion of covariances of the coefficients, shape (t, p, p)."""
         variances = _traces(self.squares, covariance)
         if self.reference is None:
             return float(np.log(variances).mean(axis=1).sum())
@@ -336,24 +344,23 @@ def affordable(
     return maneuvers, np.array(seconds), energy
 
 
-def best_program(
-    selection: Selection, maneuvers: Sequence[Maneuver], bench: Bench, minutes: float,
-    progress: Callable[[float], None], *, alternate: bool = True,
+def _against_drift(
+    selection: Selection, criterion: _Criterion, order: list[int], known: Information, experiment: Experiment,
+    bench: Bench, limit: float,
 ) -> TestProgram:  # fmt: skip
-    """Return the program of the best choice; raises `PlanError` if the time is too short."""
-
-    def program(chosen: Sequence[int]) -> TestProgram:
-        energy = selection.energy[list(chosen)].tolist()
-        return ordered([maneuvers[i] for i in chosen], energy, bench, alternate=alternate)
-
-    budget = 60.0 * minutes - bench.warm_up
-    chosen = selection.chosen(budget, lambda some: program(some).seconds - bench.warm_up, progress)
-    if not chosen:
-        raise PlanError(
-            f"{minutes:g} min are too short for one maneuver of this bench after a warm-up of {bench.warm_up:g} s: the "
-            f"shortest needs {selection.seconds.min():.3g} s with its change"
-        )
-    return program(chosen)
+    """Return the program of the best order: random exchanges of two steps within the bench time lower the criterion."""
+    random, best = np.random.default_rng(0), np.inf
+    program, trial = selection.program(order, bench), order
+    for _ in range(TRIALS):
+        candidate = selection.program(trial, bench)
+        steps = [trial[step.number] for step in candidate.steps]
+        value = criterion.of(covariances(experiment, known.take(steps), candidate.times))
+        if candidate.seconds <= limit and value < best:
+            program, order, best = candidate, trial, value
+        i, j = random.integers(len(order), size=2)
+        trial = list(order)
+        trial[i], trial[j] = order[j], order[i]
+    return program
 
 
 def _check_aims(wanted: Sequence[Target], known: Information, bench: Bench) -> None:

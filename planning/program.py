@@ -31,11 +31,13 @@ UNITS = {
 class Step:
     """A maneuver of a program.
 
+    - `number`: index among the maneuvers from which the program is made.
     - `start`: s, of its first row.
     - `pause`: s before it, in which the bench changes levels and the tread cools.
     - `reason`: why it is in the program: "" or "repeat", to see drift.
     """
 
+    number: int
     maneuver: Maneuver
     start: float
     pause: float
@@ -140,13 +142,8 @@ def change_time(first: Maneuver, second: Maneuver, bench: Bench) -> float:
     return max(bench.limits[name].change for name in (*changed, second.swept))
 
 
-def ordered(
-    maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Bench, *, alternate: bool = True
-) -> TestProgram:
-    """Return the program with the shortest changes: the nearest maneuver follows.
-
-    The first sweep is repeated at intervals of the bench and at the end. `alternate`: whether starting sides alternate.
-    """
+def nearest_order(maneuvers: Sequence[Maneuver], bench: Bench) -> list[int]:
+    """Return the order in which the nearest maneuver follows, so that changes are short."""
     left, order = list(range(len(maneuvers))), list[int]()
     while left:
         # Ties alternate between low and high loads, so that drift is not confounded with the load.
@@ -156,27 +153,36 @@ def ordered(
             sign * dict(maneuvers[i].held).get("Fz", 0.0), i,
         )))  # fmt: skip
         left.remove(order[-1])
-    steps: list[Step] = []
-    last, repeated, shortest = order[0], bench.warm_up, 1.0 / bench.sample_rate  # no two rows at one time
+    return order
 
-    def add(i: int, *, turned: bool = False, reason: str = "") -> None:
-        nonlocal last
+
+def timed(
+    maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Bench, *, alternate: bool = True
+) -> TestProgram:
+    """Return the program of maneuvers in their order.
+
+    The first one is repeated at intervals of the bench and at the end. `alternate`: whether starting sides alternate.
+    """
+    steps: list[Step] = []
+    repeated, shortest = bench.warm_up, 1.0 / bench.sample_rate  # no two rows at one time
+
+    def add(number: int, *, turned: bool = False, reason: str = "") -> None:
         pause, start = 0.0, bench.warm_up
         if steps:
+            last = steps[-1].number
             cooling = _cooling(maneuvers[last], bench, energies[last])
-            pause = max(change_time(maneuvers[last], maneuvers[i], bench), cooling, shortest)
+            pause = max(change_time(maneuvers[last], maneuvers[number], bench), cooling, shortest)
             start = steps[-1].end + pause
-        maneuver = maneuvers[i].turned if turned else maneuvers[i]
-        steps.append(Step(maneuver, ceil(1e3 * start - 1e-6) / 1e3, pause, reason))
-        last = i
+        maneuver = maneuvers[number].turned if turned else maneuvers[number]
+        steps.append(Step(number, maneuver, ceil(1e3 * start - 1e-6) / 1e3, pause, reason))
 
-    for number, i in enumerate(order):
+    for number in range(len(maneuvers)):
         if bench.repeat_every and steps and steps[-1].end - repeated >= bench.repeat_every:
-            add(order[0], reason="repeat")
+            add(0, reason="repeat")
             repeated = steps[-1].end
-        add(i, turned=alternate and number % 2 == 1)
-    if bench.repeat_every and len(order) > 1:
-        add(order[0], reason="repeat")
+        add(number, turned=alternate and number % 2 == 1)
+    if bench.repeat_every and len(maneuvers) > 1:
+        add(0, reason="repeat")
     return TestProgram(bench, tuple(steps))
 
 

@@ -52,8 +52,8 @@ def write_plan(result: PlanResult, folder: str | Path, *, command: str = "", nex
     """
     folder, steps = path_from(folder, "folder"), result.program.table
     page = page_text(
-        "tirefmu.planning", {}, result=result, figures=figures(result), tables=tables(result), compared=comparison(result),
-        command=command, next_command=next_command,
+        "tirefmu.planning", {}, result=result, figures=figures(result), tables=tables(result),
+        compared=comparison(result), command=command, next_command=next_command,
     )  # fmt: skip
     paths = [folder / name for name in ("program.csv", "steps.csv", "plan.json", "report.html")]
     try:

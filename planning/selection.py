@@ -14,6 +14,10 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from .bench_file import Bench, PlanError
+from .maneuvers import Maneuver
+from .program import TestProgram, nearest_order, timed
+
 FloatArray = npt.NDArray[np.float64]
 #: Maneuvers of a sample; rounds of exchange, and the share of the maneuvers that a round may exchange.
 SAMPLE, EXCHANGES, EXCHANGED = 24, 3, 1.0 / 3.0
@@ -25,37 +29,50 @@ ROUNDS, CLOSE = 4, 0.96
 class Selection:
     """Chooses maneuvers within limits of time and energy.
 
+    - `maneuvers`, of length m: the library.
     - `parts`, each with maneuvers along its first axis: what a maneuver adds to the information of a program.
     - `criterion`: of sums of these parts; the best program has the lowest.
     - `seconds`, `energy`, shape (m,): what each maneuver needs, about.
     - `max_energy`: of the whole program.
     """
 
+    maneuvers: Sequence[Maneuver]
     parts: tuple[FloatArray, ...]
     criterion: Callable[..., float]
     seconds: FloatArray
     energy: FloatArray
     max_energy: float
 
-    def chosen(
-        self, budget: float, needed: Callable[[list[int]], float], progress: Callable[[float], None]
-    ) -> list[int]:
-        """Return the indices of the best maneuvers, with repetitions; none if the time is too short.
+    def chosen(self, bench: Bench, minutes: float, progress: Callable[[float], None]) -> list[int]:
+        """Return the indices of the best maneuvers, with repetitions, in an order with short changes.
 
-        `budget`: s. `needed`: returns the real bench time of maneuvers. `progress`: called with the share of the time.
+        `progress`: called with the share of the time that is used. Raises `PlanError` if the time is too short.
         """
-        allowed, best, chosen = budget, list[int](), list[int]()
+        budget = allowed = 60.0 * minutes - bench.warm_up
+        best, longest, chosen = list[int](), 0.0, list[int]()
         for _ in range(ROUNDS):
             chosen = self._exchanged(self._filled(chosen, allowed, progress), allowed, progress)
-            used = needed(chosen) if chosen else 0.0
-            if used <= budget and (not best or used > needed(best)):
-                best = chosen
-            if not chosen or CLOSE * budget <= used <= budget:
+            if not chosen:
+                break
+            order = [chosen[i] for i in nearest_order([self.maneuvers[i] for i in chosen], bench)]
+            used = self.program(order, bench).seconds - bench.warm_up
+            if longest < used <= budget:
+                best, longest = order, used
+            if CLOSE * budget <= used <= budget:
                 break
             allowed *= min(0.99 * budget / used, 1.3)
             while chosen and self.seconds[chosen].sum() > allowed:
                 chosen = self._without_least(chosen, 1)
+        if not best:
+            raise PlanError(
+                f"{minutes:g} min are too short for one maneuver of this bench after a warm-up of {bench.warm_up:g} s: "
+                f"the shortest needs {self.seconds.min():.3g} s with its change"
+            )
         return best
+
+    def program(self, order: Sequence[int], bench: Bench, *, alternate: bool = True) -> TestProgram:
+        """Return the program of some maneuvers in their order."""
+        return timed([self.maneuvers[i] for i in order], self.energy[list(order)].tolist(), bench, alternate=alternate)
 
     def _exchanged(self, chosen: list[int], budget: float, progress: Callable[[float], None]) -> list[int]:
         """Exchange the least useful maneuvers as long as the criterion gets lower."""
@@ -78,19 +95,23 @@ class Selection:
                 return chosen
             index = np.flatnonzero(possible)
             sample = self._random.choice(index, min(SAMPLE, len(index)), replace=False)
-            now = self._sums(chosen)
-            values = [self.criterion(*(total + part[i] for total, part in zip(now, self.parts, strict=True))) for i in sample]
-            chosen.append(int(sample[np.argmin((np.array(values) - self.criterion(*now)) / self.seconds[sample])]))
+            gains = self._changes(chosen, sample, 1.0) / self.seconds[sample]
+            chosen.append(int(sample[np.argmin(gains)]))
 
     def _without_least(self, chosen: list[int], count: int) -> list[int]:
         """Return a program without the maneuvers that contribute least per second."""
-        now = self._sums(chosen)
-        losses = {
-            i: self.criterion(*(total - part[i] for total, part in zip(now, self.parts, strict=True))) - self.criterion(*now)
-            for i in set(chosen)
-        }
-        order = sorted(range(len(chosen)), key=lambda k: losses[chosen[k]] / self.seconds[chosen[k]])
+        distinct = list(dict.fromkeys(chosen))
+        losses = dict(zip(distinct, self._changes(chosen, distinct, -1.0) / self.seconds[distinct], strict=True))
+        order = sorted(range(len(chosen)), key=lambda k: losses[chosen[k]])
         return [chosen[k] for k in sorted(order[count:])]
+
+    def _changes(self, chosen: Sequence[int], others: Sequence[int], sign: float) -> FloatArray:
+        """Return the changes of the criterion by adding other maneuvers, or by removing them."""
+        now = self._sums(chosen)
+        values = [
+            self.criterion(*(s + sign * part[i] for s, part in zip(now, self.parts, strict=True))) for i in others
+        ]
+        return np.array(values) - self.criterion(*now)
 
     def _value(self, chosen: Sequence[int]) -> float:
         return self.criterion(*self._sums(chosen))

@@ -30,7 +30,7 @@ from tirefmu.tires import Tire, TireLike, tire_from
 from .bench_file import Bench, PlanError
 from .information import Experiment, information, thinned, tires_around
 from .maneuvers import library
-from .plan import PlanResult, Progress, Separation, affordable, best_program
+from .plan import PlanResult, Progress, Separation, affordable
 from .selection import Selection
 
 FloatArray = npt.NDArray[np.float64]
@@ -95,10 +95,9 @@ def plan_between(
     maneuvers, seconds, energy = affordable(discrimination.experiment, library(bench, base, memory=True), bench)
     tables = [maneuver.table(bench.sample_rate) for maneuver in maneuvers]
     products = discrimination.products(tables, pd.concat(tables, ignore_index=True))
-    selection = Selection((products,), discrimination.criterion, seconds, energy, bench.heat.energy)
-    program = best_program(
-        selection, maneuvers, bench, minutes, lambda share: report("choosing maneuvers", share), alternate=False
-    )
+    selection = Selection(maneuvers, (products,), discrimination.criterion, seconds, energy, bench.heat.energy)
+    chosen = selection.chosen(bench, minutes, lambda share: report("choosing maneuvers", share))
+    program = selection.program(chosen, bench, alternate=False)
     report("simulating the program", 0.0)
     separations = discrimination.separations(discrimination.products(program.tables, program.rows).sum(axis=0))
     _check(separations, minutes, base)
@@ -193,7 +192,8 @@ class Discrimination:
         """Return half the squared response of each form that remains after the fit of all else, shape (t, forms)."""
         sources, tested = self.experiment.sources, self.columns[effect]
         first = total.shape[-1] - len(sources)
-        fitted = np.concatenate([np.arange(len(self.experiment.free)), self.columns[rival], np.arange(first, len(total[0]))])
+        others = np.setdiff1d(np.arange(total.shape[-1]), np.concatenate(list(self.columns.values())))
+        fitted = np.concatenate([others, self.columns[rival]])
         size = np.ones(total.shape[-1])
         size[self.columns[rival]] = LARGEST_IN_SIZES
         size[first:] = [max(np.hypot(part.offset, part.drift), 1e-12) for part in sources]
