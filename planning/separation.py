@@ -13,7 +13,9 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +26,7 @@ from tirefmu.boundary.errors import UnknownName
 from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.symbolic.added import library as library_effects
 from tirefmu.symbolic.detection import LARGEST_IN_SIZES
-from tirefmu.symbolic.models import model_named
+from tirefmu.symbolic.model import Model
 from tirefmu.tires import Tire, TireLike, tire_from
 
 from .bench_file import Bench, PlanError
@@ -192,8 +194,9 @@ class Discrimination:
         """Return half the squared response of each form that remains after the fit of all else, shape (t, forms)."""
         sources, tested = self.experiment.sources, self.columns[effect]
         first = total.shape[-1] - len(sources)
-        others = np.setdiff1d(np.arange(total.shape[-1]), np.concatenate(list(self.columns.values())))
-        fitted = np.concatenate([others, self.columns[rival]])
+        fitted = np.concatenate(
+            [np.arange(len(self.experiment.free)), np.arange(first, total.shape[-1]), self.columns[rival]]
+        )
         size = np.ones(total.shape[-1])
         size[self.columns[rival]] = LARGEST_IN_SIZES
         size[first:] = [max(np.hypot(part.offset, part.drift), 1e-12) for part in sources]
@@ -238,48 +241,33 @@ def _value(declaration: object, size: float) -> float:
 
 
 def pairs_of(answer: str | Path) -> tuple[Path, list[tuple[str, str]]]:
-    """Return the base tire of a diagnosis and the effects that it does not tell apart.
+    """Return the base tire of a diagnosis and the effects that it does not tell apart (`pairs_in`).
 
-    Parameters
-    ----------
-    answer : str or Path
-        The folder of ``tirefmu diagnose -o``.
-
-    Returns
-    -------
-    tuple of Path and list of (str, str)
-        Each identified effect with an explanation that is plausible without it, or confounded with it.
-
-    Raises
-    ------
-    PlanError
-        If the folder has no diagnosis, or the diagnosis has nothing that a program can separate.
+    `answer`: the folder of ``tirefmu diagnose -o``. Raises `PlanError` if it has no diagnosis, or the diagnosis has
+    nothing that a program can separate.
     """
     path = Path(answer) / "diagnosis.json"
     try:
         content = json.loads(text_file(path, PlanError))
-        found = [one["effect"] for one in content["found"]]
-        confounded, tire = content["confounded_with"], Path(answer) / content["base_tire"]
-        explanations = [one for one in content["explanations"] if one["probability"] >= PLAUSIBLE]
-        wanted = {*found, *(name for one in explanations for name in one["effects"])}
-        model = model_named(_model_of(tire))
+        tire = Path(answer) / content["base_tire"]
+        pairs = pairs_in(content, tire_from(tire).symbolic_model)
     except (ValueError, KeyError, TypeError, AttributeError):
         raise PlanError(f"{path}: is not the result of a diagnosis") from None
-    known = {*model.effects, *library_effects()}
-    pairs = {
-        tuple(sorted((name, other)))
-        for one in explanations
-        for name in wanted - set(one["effects"])
-        for other in one["effects"]
-        if any(name in b["effects"] and other not in b["effects"] for b in explanations)
-    }
-    pairs |= {tuple(sorted((name, other))) for name in found for other in confounded.get(name, ())}
-    possible = sorted((a, b) for a, b in pairs if {a, b} <= known)
-    if not possible:
+    if not pairs:
         advice = "; ".join(content.get("next_measurement", ()))
         raise PlanError(f"{path}: no two effects that a program can separate" + (f": {advice}" if advice else ""))
-    return tire, possible
+    return tire, pairs
 
 
-def _model_of(tire: Path) -> str:
-    return tire_from(tire).model
+def pairs_in(content: Mapping[str, Any], model: Model) -> list[tuple[str, str]]:
+    """Return the effects that a diagnosis does not tell apart.
+
+    `content`: of diagnosis.json. An effect of a plausible explanation has the effects of another one, which lacks it,
+    as rivals; an identified effect has those that are confounded with it.
+    """
+    plausible = [set(one["effects"]) for one in content["explanations"] if one["probability"] >= PLAUSIBLE]
+    pairs = {pair for some in plausible for rival in plausible for pair in product(some - rival, rival - some)}
+    for name in (one["effect"] for one in content["found"]):
+        pairs |= {(name, other) for other in content["confounded_with"].get(name, ())}
+    known = {*model.effects, *library_effects()}
+    return sorted({(min(pair), max(pair)) for pair in pairs if known.issuperset(pair)})

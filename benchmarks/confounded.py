@@ -1,0 +1,122 @@
+"""Confounded diagnoses and the planned next measurement: how often the right effect alone is identified after it.
+
+The tires, their hidden effects and the errors of the bench are those of `missing_effects/generator`, in plain NumPy. The
+first recording has few sweeps, and two or three of its inputs vary together. A diagnosis of it that does not tell
+effects apart is followed by a program of 2 min on the same bench and a second diagnosis. Run by `make confounded`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Mapping
+from itertools import count
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.boundary.errors import TirefmuError
+from tirefmu.diagnosis import Diagnosis, diagnose
+from tirefmu.measurements import Noise
+from tirefmu.missing_effects.generator.bench import recorded
+from tirefmu.missing_effects.generator.cases import rounded
+from tirefmu.missing_effects.generator.draws import Draws
+from tirefmu.missing_effects.generator.effects import true_forces
+from tirefmu.missing_effects.generator.formula import Tire, drawn_tire
+from tirefmu.missing_effects.generator.programs import ANGLE, SLIP
+from tirefmu.planning.bench_file import NOISE_LOAD, Bench, Limits
+from tirefmu.planning.separation import pairs_in, plan_between
+
+#: Hidden effects, and the inputs on which each depends beside the slips.
+HIDDEN = {
+    "load_friction": "Fz", "load_stiffness": "Fz", "trail_load": "Fz", "pressure_friction": "p",
+    "pressure_stiffness": "p", "speed_friction": "V", "camber_friction": "gamma", "camber_stiffness": "gamma",
+    "camber_thrust": "gamma", "conicity": "Fz", "plysteer": "Fz", "relax_lat": "V", "relax_lon": "V",
+}  # fmt: skip
+#: Sweeps of the first recording, their duration, s, and the deviations of inputs that vary together.
+SWEEPS, SECONDS, RATE = 12, 3.0, 50
+DEVIATIONS = {"Fz": 0.4, "p": 0.18, "V": 0.4, "gamma": 0.05}
+
+
+def bench_of(tire: Tire) -> Bench:
+    """Return a bench with the ranges of the generator."""
+    limits = {
+        "Fz": Limits(0.5 * tire.load, 1.5 * tire.load, 2.0), "alpha": Limits(-ANGLE, ANGLE, 1.0, 0.3),
+        "kappa": Limits(-SLIP, SLIP, 1.0, 0.3), "gamma": Limits(-0.07, 0.07, 2.0), "V": Limits(0.5 * tire.speed,
+        1.5 * tire.speed, 3.0), "p": Limits(0.8 * tire.pressure, 1.2 * tire.pressure, 10.0, levels=2),
+    }  # fmt: skip
+    return Bench(limits, Noise().scaled(1.5 * tire.load / NOISE_LOAD))
+
+
+def first_inputs(draws: Draws, tire: Tire, effect: str) -> dict[str, np.ndarray]:
+    """Return few sweeps; the input of the effect and one or two others vary together, between two levels."""
+    others = [name for name in draws.shuffled(list(DEVIATIONS)) if name != HIDDEN[effect]]
+    together = {HIDDEN[effect], *others[: draws.choice((1, 2))]}
+    rows = int(SECONDS * RATE)
+    level = np.repeat(draws.shuffled([(-1.0) ** i for i in range(SWEEPS)]), rows)
+    nominal = {"gamma": 0.0, "Fz": tire.load, "p": tire.pressure, "V": tire.speed}
+    held = {
+        name: value + (DEVIATIONS[name] * level * (value or 1.0) if name in together else 0.0 * level)
+        for name, value in nominal.items()
+    }
+    sweep = np.tile(np.sin(2.0 * np.pi * np.arange(rows) / rows), SWEEPS)
+    longitudinal = np.repeat(draws.shuffled([i % 3 == 0 for i in range(SWEEPS)]), rows)
+    slips = {"kappa": np.where(longitudinal, SLIP * sweep, 0.0), "alpha": np.where(longitudinal, 0.0, ANGLE * sweep)}
+    return {"t": np.arange(len(sweep)) / RATE, **slips, **held}
+
+
+def measured(draws: Draws, tire: Tire, inputs: Mapping[str, np.ndarray], hidden: Mapping[str, float]) -> pd.DataFrame:
+    """Return a recording of a tire with a hidden effect."""
+    n = len(inputs["t"])
+    exact = rounded({**inputs, "T": np.full(n, 50.0), "phit": np.zeros(n)})
+    table, _ = recorded(draws, exact, true_forces(tire, exact, hidden), tire.radius)
+    return pd.DataFrame(rounded(table))
+
+
+def names_of(diagnosis: Diagnosis) -> list[str]:
+    """Return the identified effects."""
+    return [finding.effect for finding in diagnosis.found]
+
+
+def outcome(seed: int) -> tuple[str, str] | None:
+    """Return the kind of the outcome of a seed, and a line about it; None if the first diagnosis is not confounded."""
+    draws = Draws(seed, 38)
+    effect = draws.choice(list(HIDDEN))
+    tire = drawn_tire(draws, (effect, "load_friction", "load_stiffness"))
+    hidden = {effect: draws.between(0.8, 1.4)}
+    nominal = {"Fz0": tire.load, "R0": tire.radius, "p0": tire.pressure, "V0": tire.speed}
+    table = measured(draws, tire, first_inputs(draws, tire, effect), hidden)
+    first = diagnose(table, effects=tire.base, nominal=nominal)
+    pairs = pairs_in(first.to_json(), first.base_tire.symbolic_model)
+    if not any(effect in pair for pair in pairs):
+        return None
+    line = f"{seed}: {effect}: first {names_of(first)}, {len(pairs)} pairs"
+    try:
+        program = plan_between(first.base_tire, bench_of(tire), pairs).program
+    except TirefmuError as error:
+        return "refused", f"{line}; {error}"
+    planned = {name: program.rows[name].to_numpy(float) for name in program.rows}
+    second = diagnose(measured(draws, tire, planned, hidden), effects=tire.base, nominal=nominal)
+    names = names_of(second)
+    kind = "right alone" if names == [effect] else "right among others" if effect in names else "wrong or none"
+    return kind, f"{line}; then {names}, {second.answer.explanations[0].probability:.2f}"
+
+
+def main() -> None:
+    """Diagnose, plan, measure and diagnose again, until enough diagnoses were confounded."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cases", type=int, default=40, help="Confounded diagnoses.")
+    parser.add_argument("--first", type=int, default=0, help="The first seed.")
+    arguments = parser.parse_args()
+    kinds: Counter[str] = Counter()
+    for seed in count(arguments.first):
+        if kinds.total() == arguments.cases:
+            break
+        if found := outcome(seed):
+            kinds[found[0]] += 1
+            print(f"{found[0]}: {found[1]}", flush=True)
+    print(f"{seed - arguments.first} recordings, {kinds.total()} confounded: {dict(kinds)}")
+
+
+if __name__ == "__main__":
+    main()
