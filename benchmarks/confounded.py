@@ -1,6 +1,6 @@
 """Confounded diagnoses and the planned next measurement: how often the right effect alone is identified after it.
 
-The tires, their hidden effects and the errors of the bench are those of `missing_effects/generator`, in plain NumPy. The
+The tires, their hidden effects and the errors of the bench are those of `missing_effects/generator` (plain NumPy). The
 first recording has few sweeps, and two or three of its inputs vary together. A diagnosis of it that does not tell
 effects apart is followed by a program of 2 min on the same bench and a second diagnosis. Run by `make confounded`.
 """

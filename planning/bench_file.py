@@ -71,20 +71,10 @@ class Heat:
 class Bench:
     """A test bench.
 
-    Attributes
-    ----------
-    limits : mapping of str to Limits
-        By input; an absent one is held at the nominal value of the tire.
-    noise : Noise
-        Of inputs and outputs.
-    heat : Heat
-        Limits of the sliding power.
-    name : str
-        For texts.
-    sample_rate : float, Hz
-        Rows per second.
-    warm_up, repeat_every : float, s
-        Before the first sweep; time after which the first sweep is repeated, 0 for never.
+    - `limits`: by input; an absent one is held at the nominal value of the tire.
+    - `noise`: of inputs and outputs. `heat`: limits of the sliding power. `name`: for texts.
+    - `sample_rate`: rows per second.
+    - `warm_up`, `repeat_every`: s before the first sweep; s after which it is repeated, 0 for never.
     """
 
     limits: Mapping[str, Limits]
@@ -106,26 +96,11 @@ def example_text() -> str:
 
 
 def read_bench(path: str | Path) -> Bench:
-    """Read a bench file.
+    """Return the bench of a TOML file such as that of `example_text`.
 
-    Parameters
-    ----------
-    path : str or Path
-        A TOML file such as that of `example_text`.
+    Raises `PlanError` if the file cannot be read, or a value is missing or impossible; the message names file and key.
+    Raises `UnknownName` if a key or a unit does not exist.
 
-    Returns
-    -------
-    Bench
-
-    Raises
-    ------
-    PlanError
-        If the file cannot be read, or a value is missing or impossible; the message names file and key.
-    UnknownName
-        If a key or a unit does not exist.
-
-    Examples
-    --------
     >>> Path("bench.toml").write_text(example_text()) > 0
     True
     >>> round(read_bench("bench.toml").limits["alpha"].high, 3)

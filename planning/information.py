@@ -87,6 +87,10 @@ class Experiment:
         """The noise of the k channels that have one: outputs, then inputs."""
         return tuple(self.noise.channels.get(n, ChannelNoise()) for n in (*self.channels, *self.tires[0].inputs))
 
+    def deviations(self, kind: str) -> FloatArray:
+        """Return the "offset" or the "drift" of each source, shape (k,)."""
+        return np.array([getattr(source, kind) for source in self.sources])
+
     @cached_property
     def sizes(self) -> FloatArray:
         """The typical size of each free coefficient, shape (p,)."""
@@ -138,6 +142,11 @@ class Information:
 
     products: FloatArray
     noise: FloatArray
+
+    def with_drift(self, experiment: Experiment) -> FloatArray:
+        """Return the noise with a drift that has an independent value in each maneuver, shape (m, t, p, p)."""
+        p = len(experiment.free)
+        return self.noise + _common(self.products[:, :, p:, :p], experiment.deviations("drift"))
 
     def take(self, chosen: Sequence[int]) -> Information:
         """Return some of the maneuvers."""
@@ -209,15 +218,20 @@ def covariances(experiment: Experiment, information: Information, times: FloatAr
     sine of the period of the bench with an unknown phase.
     """
     p, phase = len(experiment.free), 2.0 * pi * times / experiment.noise.drift_period
-    products, noise = information.products.sum(axis=0), information.noise.sum(axis=0)
-    offset, drift = (np.array([getattr(part, name) for part in experiment.sources]) for name in ("offset", "drift"))
-    noise = noise + common_scores(products[:, p:, :p], offset)
+    noise = information.noise.sum(axis=0)
     for wave in (np.sin(phase), np.cos(phase)):
-        noise += common_scores(np.einsum("mtkp,m->tkp", information.products[:, :, p:, :p], wave), drift)
-    return sandwich(products[:, :p, :p], noise)
+        scores = np.einsum("mtkp,m->tkp", information.products[:, :, p:, :p], wave)
+        noise += _common(scores, experiment.deviations("drift"))
+    return with_offsets(experiment, information.products.sum(axis=0), noise)
 
 
-def common_scores(scores: FloatArray, deviations: FloatArray) -> FloatArray:
+def with_offsets(experiment: Experiment, products: FloatArray, noise: FloatArray) -> FloatArray:
+    """Return the covariances for sums of the parts of some maneuvers, shape (t, p, p)."""
+    p = len(experiment.free)
+    return sandwich(products[:, :p, :p], noise + _common(products[:, p:, :p], experiment.deviations("offset")))
+
+
+def _common(scores: FloatArray, deviations: FloatArray) -> FloatArray:
     """Return the part of B of errors that are common to rows, shape (..., p, p).
 
     `scores`, shape (..., k, p): sums of those of unit errors. `deviations`, shape (k,).

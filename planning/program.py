@@ -89,24 +89,10 @@ class TestProgram:
 
 
 def program_from(table: TableLike) -> Program:
-    """Return the inputs of a table over time as a program of the virtual bench.
+    """Return the inputs of a table over time as a program of the virtual bench; other columns are ignored.
 
-    Parameters
-    ----------
-    table : path, DataFrame or Recording
-        With a column ``t``; columns that are not inputs are ignored.
+    Raises `DataError` if the table cannot be read, or is no program.
 
-    Returns
-    -------
-    Program
-
-    Raises
-    ------
-    DataError
-        If the table cannot be read, or is no program (`Program`).
-
-    Examples
-    --------
     >>> len(program_from(pd.DataFrame({"t": [0.0, 0.1], "alpha": 0.05, "Fz": 700.0})))
     2
     """

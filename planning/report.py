@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -28,27 +27,11 @@ MEANING = {
 
 
 def write_plan(result: PlanResult, folder: str | Path, *, command: str = "", next_command: str = "") -> list[Path]:
-    """Write the program and its page.
+    """Write the program and its page; returns their paths, the page last.
 
-    Parameters
-    ----------
-    result : PlanResult
-        The program.
-    folder : str or Path
-        Created if it does not exist.
-    command, next_command : str
-        The command line, and the one that runs the program on the virtual bench.
-
-    Returns
-    -------
-    list of Path
-        ``program.csv`` (rows of inputs over time, SI), ``steps.csv`` (one line for each step, in deg, kPa and km/h),
-        ``plan.json`` and ``report.html``.
-
-    Raises
-    ------
-    PlanError
-        If the folder cannot be written.
+    `command`, `next_command`: the command line, and the one that runs the program on the virtual bench. Written are
+    ``program.csv`` (rows of inputs over time, SI), ``steps.csv`` (one line for each step, in deg, kPa and km/h),
+    ``plan.json`` and ``report.html``. Raises `PlanError` if the folder cannot be written.
     """
     folder, steps = path_from(folder, "folder"), result.program.table
     page = page_text(
@@ -120,15 +103,14 @@ def _input_panels(rows: pd.DataFrame) -> list[Panel]:
 
 def _widths(result: PlanResult) -> Figure:
     """Return the intervals over bench time; crosses are those of the program to which it is compared."""
-    minutes, widths = [seconds / 60.0 for seconds, _ in result.over_time], [part for _, part in result.over_time]
-    today: Mapping[str, float] = result.today.widths if result.today else {}
+    minutes, series = [at["seconds"] / 60.0 for at in result.over_time], []
     end = [result.today.seconds / 60.0] if result.today else []
-    series, names = [], list(widths[0]) if widths else []
+    names = [target.name for target in result.prediction.targets] if result.prediction else []
     for name, style in zip(names, level_styles(len(names), by="Fz"), strict=True):
-        label, values = MEANING.get(name, name), [np.log10(100.0 * min(part[name], 1.0)) for part in widths]
-        series.append(Series("line", minutes, values, style.color, label, style.dashes))
-        if today:
-            point = [np.log10(100.0 * today[name])]
+        label, values = MEANING.get(name, name), [min(at["intervals"][name], 1.0) for at in result.over_time]
+        series.append(Series("line", minutes, np.log10(values) + 2.0, style.color, label, style.dashes))
+        if result.today:
+            point = [np.log10(result.today.widths[name]) + 2.0]
             series.append(Series("points", end, point, style.color, label, marker="x", size=6.0))
     panel = Panel("bench time (min)", "log10 of half width (%)", tuple(series), upright=tuple(end),
                   x_limits=(0.0, None), width=9.0)  # fmt: skip

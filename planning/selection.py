@@ -14,15 +14,18 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from .bench_file import Bench, PlanError
-from .maneuvers import Maneuver
-from .program import TestProgram, nearest_order, timed
+from .bench_file import Bench, Heat, PlanError
+from .information import Experiment, energies
+from .maneuvers import Maneuver, held_levels
+from .program import TestProgram, cost, nearest_order, timed
 
 FloatArray = npt.NDArray[np.float64]
 #: Maneuvers of a sample; rounds of exchange, and the share of the maneuvers that a round may exchange.
 SAMPLE, EXCHANGES, EXCHANGED = 24, 3, 1.0 / 3.0
 #: The bench time of a program with its real changes: rounds in which it is adjusted, until this share is used.
 ROUNDS, CLOSE = 4, 0.96
+#: Exchanges of two steps that are tried for a better order.
+TRIALS = 300
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,30 +35,46 @@ class Selection:
     - `maneuvers`, of length m: the library.
     - `parts`, each with maneuvers along its first axis: what a maneuver adds to the information of a program.
     - `criterion`: of sums of these parts; the best program has the lowest.
-    - `seconds`, `energy`, shape (m,): what each maneuver needs, about.
-    - `max_energy`: of the whole program.
+    - `seconds`, `energy`, shape (m,): what each maneuver needs, about; infinite for one that heats the tread too much.
     """
 
+    bench: Bench
     maneuvers: Sequence[Maneuver]
     parts: tuple[FloatArray, ...]
     criterion: Callable[..., float]
     seconds: FloatArray
     energy: FloatArray
-    max_energy: float
 
-    def chosen(self, bench: Bench, minutes: float, progress: Callable[[float], None]) -> list[int]:
+    @classmethod
+    def of(
+        cls, experiment: Experiment, bench: Bench, maneuvers: Sequence[Maneuver], parts: tuple[FloatArray, ...],
+        criterion: Callable[..., float],
+    ) -> Selection:  # fmt: skip
+        """Return the choice among a library; raises `PlanError` if each of its maneuvers heats the tread too much."""
+        energy, nominal = np.zeros(len(maneuvers)), held_levels(bench, experiment.tires[0])
+        if bench.heat != Heat():
+            energy = energies(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])
+        if energy.min() > bench.heat.energy_of_a_sweep:
+            raise PlanError(
+                f"[heat] energy_of_a_sweep: every sweep has more sliding energy, {energy.min():.4g} J at least"
+            )
+        seconds = [cost(maneuver, bench, joule, nominal) for maneuver, joule in zip(maneuvers, energy, strict=True)]
+        possible = np.where(energy <= bench.heat.energy_of_a_sweep, seconds, np.inf)
+        return cls(bench, maneuvers, parts, criterion, possible, energy)
+
+    def chosen(self, minutes: float, progress: Callable[[float], None]) -> list[int]:
         """Return the indices of the best maneuvers, with repetitions, in an order with short changes.
 
         `progress`: called with the share of the time that is used. Raises `PlanError` if the time is too short.
         """
-        budget = allowed = 60.0 * minutes - bench.warm_up
+        budget = allowed = 60.0 * minutes - self.bench.warm_up
         best, longest, chosen = list[int](), 0.0, list[int]()
         for _ in range(ROUNDS):
             chosen = self._exchanged(self._filled(chosen, allowed, progress), allowed, progress)
             if not chosen:
                 break
-            order = [chosen[i] for i in nearest_order([self.maneuvers[i] for i in chosen], bench)]
-            used = self.program(order, bench).seconds - bench.warm_up
+            order = [chosen[i] for i in nearest_order([self.maneuvers[i] for i in chosen], self.bench)]
+            used = self.program(order).seconds - self.bench.warm_up
             if longest < used <= budget:
                 best, longest = order, used
             if CLOSE * budget <= used <= budget:
@@ -65,14 +84,33 @@ class Selection:
                 chosen = self._without_least(chosen, 1)
         if not best:
             raise PlanError(
-                f"{minutes:g} min are too short for one maneuver of this bench after a warm-up of {bench.warm_up:g} s: "
-                f"the shortest needs {self.seconds.min():.3g} s with its change"
+                f"{minutes:g} min are too short: a warm-up of {self.bench.warm_up:g} s and the shortest maneuver of "
+                f"this bench with its change need {self.bench.warm_up + self.seconds.min():.3g} s"
             )
         return best
 
-    def program(self, order: Sequence[int], bench: Bench, *, alternate: bool = True) -> TestProgram:
+    def program(self, order: Sequence[int], *, alternate: bool = True) -> TestProgram:
         """Return the program of some maneuvers in their order."""
-        return timed([self.maneuvers[i] for i in order], self.energy[list(order)].tolist(), bench, alternate=alternate)
+        maneuvers, energy = [self.maneuvers[i] for i in order], self.energy[list(order)].tolist()
+        return timed(maneuvers, energy, self.bench, alternate=alternate)
+
+    def exchanged_order(
+        self, order: list[int], minutes: float, criterion: Callable[[TestProgram, Sequence[int]], float]
+    ) -> TestProgram:
+        """Return the program of the best order: exchanges of two random steps within the time lower its criterion.
+
+        The criterion depends on the order by drift.
+        """
+        random, program = np.random.default_rng(0), self.program(order)
+        best = criterion(program, order)
+        for _ in range(TRIALS):
+            i, j = random.integers(len(order), size=2)
+            trial = list(order)
+            trial[i], trial[j] = order[j], order[i]
+            candidate = self.program(trial)
+            if candidate.seconds <= 60.0 * minutes and (value := criterion(candidate, trial)) < best:
+                program, order, best = candidate, trial, value
+        return program
 
     def _exchanged(self, chosen: list[int], budget: float, progress: Callable[[float], None]) -> list[int]:
         """Exchange the least useful maneuvers as long as the criterion gets lower."""
@@ -90,7 +128,7 @@ class Selection:
         while True:
             seconds, energy = self.seconds[chosen].sum(), self.energy[chosen].sum()
             progress(min(float(seconds / budget), 1.0))
-            possible = (self.seconds + seconds <= budget) & (self.energy + energy <= self.max_energy)
+            possible = (self.seconds + seconds <= budget) & (self.energy + energy <= self.bench.heat.energy)
             if not possible.any():
                 return chosen
             index = np.flatnonzero(possible)

@@ -32,7 +32,7 @@ from tirefmu.tires import Tire, TireLike, tire_from
 from .bench_file import Bench, PlanError
 from .information import Experiment, information, thinned, tires_around
 from .maneuvers import library
-from .plan import PlanResult, Progress, Separation, affordable
+from .plan import PlanResult, Progress, Separation
 from .selection import Selection
 
 FloatArray = npt.NDArray[np.float64]
@@ -47,60 +47,32 @@ PLAUSIBLE = 0.02
 
 
 def plan_between(
-    tire: TireLike,
-    bench: Bench,
-    pairs: Sequence[tuple[str, str]],
-    *,
-    minutes: float = 2.0,
-    progress: Progress | None = None,
-) -> PlanResult:
+    tire: TireLike, bench: Bench, pairs: Sequence[tuple[str, str]], *, minutes: float = 2.0,
+    progress: Progress = lambda what, share: None,
+) -> PlanResult:  # fmt: skip
     """Plan the program that tells effects apart.
 
-    Parameters
-    ----------
-    tire : Tire, path or published name
-        What is known of the tire. Effects of the pairs that it has are removed first.
-    bench : Bench
-        What the bench can do; the tire is warm.
-    pairs : sequence of (str, str)
-        Effects of which the tire has one.
-    minutes : float
-        Bench time.
-    progress : callable, optional
-        Called with the activity and the share of the bench time that is planned.
+    `tire`: what is known of it; effects of the pairs are removed first. `bench`: the tire on it is warm. `pairs`:
+    effects of which the tire has one. `progress`: as for `plan`. Raises `PlanError` if no program of this bench
+    and time separates the effects at their typical sizes, and `UnknownName` if the tire cannot have an effect.
 
-    Returns
-    -------
-    PlanResult
-        With the expected evidence of each effect against its rival.
-
-    Raises
-    ------
-    PlanError
-        If no program of this bench and time separates the effects, at their typical sizes.
-    UnknownName
-        If the tire cannot have an effect.
-
-    Examples
-    --------
     >>> from tirefmu.planning.bench_file import Limits
     >>> bench = Bench({"Fz": Limits(220.0, 1120.0, 3.0, levels=2), "alpha": Limits(-0.2, 0.2, 2.0, 0.14)})
     >>> result = plan_between("trento_hoosier", bench, [("load_friction", "load_stiffness")], minutes=1.0)
-    >>> [one.evidence > 5.0 for one in result.separations]
+    >>> [pair.evidence > 5.0 for pair in result.separations]
     [True, True]
     """
-    report = progress or (lambda what, share: None)
     bench = replace(bench, warm_up=0.0, repeat_every=0.0)
     discrimination = Discrimination.of(tire_from(tire), bench, pairs)
     base = discrimination.experiment.tires[0]
-    report("library of maneuvers", 0.0)
-    maneuvers, seconds, energy = affordable(discrimination.experiment, library(bench, base, memory=True), bench)
+    progress("library of maneuvers", 0.0)
+    maneuvers = library(bench, base, memory=True)
     tables = [maneuver.table(bench.sample_rate) for maneuver in maneuvers]
-    products = discrimination.products(tables, pd.concat(tables, ignore_index=True))
-    selection = Selection(maneuvers, (products,), discrimination.criterion, seconds, energy, bench.heat.energy)
-    chosen = selection.chosen(bench, minutes, lambda share: report("choosing maneuvers", share))
-    program = selection.program(chosen, bench, alternate=False)
-    report("simulating the program", 0.0)
+    parts = (discrimination.products(tables, pd.concat(tables, ignore_index=True)),)
+    selection = Selection.of(discrimination.experiment, bench, maneuvers, parts, discrimination.criterion)
+    chosen = selection.chosen(minutes, lambda share: progress("choosing maneuvers", share))
+    program = selection.program(chosen, alternate=False)
+    progress("simulating the program", 0.0)
     separations = discrimination.separations(discrimination.products(program.tables, program.rows).sum(axis=0))
     _check(separations, minutes, base)
     return PlanResult(program, tuple(f"{a} or {b}" for a, b in pairs), separations=separations)

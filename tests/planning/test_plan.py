@@ -50,7 +50,7 @@ def test_program_respects_the_limits_of_the_bench(result):
 
 
 def test_intervals_shrink_with_time_and_beat_two_sweeps(result):
-    widths = [one for _, one in result.prediction.over_time()]
+    widths = [at["intervals"] for at in result.prediction.over_time()]
     for name in ("stiffness_y", "friction_y"):
         series = [one[name] for one in widths]
         assert series[-1] < series[0]
@@ -101,7 +101,7 @@ def test_predicted_intervals_are_those_of_simulated_estimates():
     for name in ("PKY1", "PDY1"):
         achieved = np.sqrt(np.mean(estimates[:, names.index(name)] ** 2))
         target = next(one for one in planned.prediction.targets if one.name == name)
-        predicted = target.widths(planned.prediction.covariances)[0, 0] / 1.959964
+        predicted = np.sqrt(np.sum(target.squares[0] * planned.prediction.covariances[0]))
         assert predicted == pytest.approx(achieved, rel=0.2)  # the error of 120 estimates is 6 %, three times that
 
 
