@@ -1,8 +1,9 @@
 """Confounded diagnoses and the planned next measurement: how often the right effect alone is identified after it.
 
 The tires, their hidden effects and the errors of the bench are those of `missing_effects/generator` (plain NumPy). The
-first recording has few sweeps, and two or three of its inputs vary together. A diagnosis of it that does not tell
-effects apart is followed by a program of 2 min on the same bench and a second diagnosis. Run by `make confounded`.
+first recording has few sweeps, and two of its inputs vary together, or none varies. A diagnosis of it that does not
+tell the hidden effect from another one is followed by a program of 2 min on the same bench and a second diagnosis. Run
+by `make confounded`.
 """
 
 from __future__ import annotations
@@ -27,15 +28,14 @@ from tirefmu.missing_effects.generator.programs import ANGLE, SLIP
 from tirefmu.planning.bench_file import NOISE_LOAD, Bench, Limits
 from tirefmu.planning.separation import pairs_in, plan_between
 
-#: Hidden effects, and the inputs on which each depends beside the slips.
-HIDDEN = {
-    "load_friction": "Fz", "load_stiffness": "Fz", "trail_load": "Fz", "pressure_friction": "p",
-    "pressure_stiffness": "p", "speed_friction": "V", "camber_friction": "gamma", "camber_stiffness": "gamma",
-    "camber_thrust": "gamma", "conicity": "Fz", "plysteer": "Fz", "relax_lat": "V", "relax_lon": "V",
+#: Hidden effects, and the inputs of which two vary together; without them all are constant.
+TOGETHER: dict[str, tuple[str, ...]] = {
+    "load_friction": ("Fz", "p", "V"), "pressure_friction": ("p", "Fz", "V"), "speed_friction": ("V", "p", "Fz"),
+    "load_stiffness": ("Fz", "p"), "pressure_stiffness": ("p", "Fz"), "conicity": (), "plysteer": (), "relax_lat": (),
 }  # fmt: skip
 #: Sweeps of the first recording, their duration, s, and the deviations of inputs that vary together.
 SWEEPS, SECONDS, RATE = 12, 3.0, 50
-DEVIATIONS = {"Fz": 0.4, "p": 0.18, "V": 0.4, "gamma": 0.05}
+DEVIATIONS = {"Fz": 0.4, "p": 0.18, "V": 0.4}
 
 
 def bench_of(tire: Tire) -> Bench:
@@ -49,14 +49,13 @@ def bench_of(tire: Tire) -> Bench:
 
 
 def first_inputs(draws: Draws, tire: Tire, effect: str) -> dict[str, np.ndarray]:
-    """Return few sweeps; the input of the effect and one or two others vary together, between two levels."""
-    others = [name for name in draws.shuffled(list(DEVIATIONS)) if name != HIDDEN[effect]]
-    together = {HIDDEN[effect], *others[: draws.choice((1, 2))]}
-    rows = int(SECONDS * RATE)
+    """Return few sweeps; the input of the effect and another one vary together, between two levels."""
+    inputs, rows = TOGETHER[effect], int(SECONDS * RATE)
+    together = {*inputs[:1], draws.choice(inputs[1:])} if inputs else set()
     level = np.repeat(draws.shuffled([(-1.0) ** i for i in range(SWEEPS)]), rows)
     nominal = {"gamma": 0.0, "Fz": tire.load, "p": tire.pressure, "V": tire.speed}
     held = {
-        name: value + (DEVIATIONS[name] * level * (value or 1.0) if name in together else 0.0 * level)
+        name: value * (1.0 + (DEVIATIONS[name] * level if name in together else 0.0 * level))
         for name, value in nominal.items()
     }
     sweep = np.tile(np.sin(2.0 * np.pi * np.arange(rows) / rows), SWEEPS)
@@ -81,7 +80,7 @@ def names_of(diagnosis: Diagnosis) -> list[str]:
 def outcome(seed: int) -> tuple[str, str] | None:
     """Return the kind of the outcome of a seed, and a line about it; None if the first diagnosis is not confounded."""
     draws = Draws(seed, 38)
-    effect = draws.choice(list(HIDDEN))
+    effect = draws.choice(list(TOGETHER))
     tire = drawn_tire(draws, (effect, "load_friction", "load_stiffness"))
     hidden = {effect: draws.between(0.8, 1.4)}
     nominal = {"Fz0": tire.load, "R0": tire.radius, "p0": tire.pressure, "V0": tire.speed}
