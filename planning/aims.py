@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.fitting.problem.weighted_residuals import coefficients_by_output
 from tirefmu.fitting.uncertainty.sensitivities import sensitivities
 from tirefmu.tires import Tire
 
@@ -128,4 +129,12 @@ def _coefficient(experiment: Experiment, name: str) -> Target:
     rows[:, 0, index] = 1.0
     values = np.array([[tire.values[name]] for tire in experiment.tires])
     scales = np.full((count, 1), experiment.sizes[index])
-    return Target(name, "", np.zeros((len(experiment.tires[0].inputs), 0)), values, scales, rows)
+    lateral = coefficients_by_output(experiment.tires[0].symbolic_model, straight=True).get("Fy", ())
+    return Target(
+        name,
+        "alpha" if name in lateral else "kappa",
+        np.zeros((len(experiment.tires[0].inputs), 0)),
+        values,
+        scales,
+        rows,
+    )

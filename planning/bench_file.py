@@ -49,13 +49,19 @@ class Limits:
     rate: float = 0.0
     levels: int = 3
 
-    def level_values(self) -> list[float]:
-        """Return the levels, from low to high.
+    @property
+    def sweeps(self) -> bool:
+        """Whether a program may sweep the input."""
+        return self.rate > 0.0 and self.high > self.low
+
+    def level_values(self, most: int = 100) -> list[float]:
+        """Return the levels, from low to high, at most some of them.
 
         >>> Limits(0.0, 2.0, levels=3).level_values(), Limits(5.0, 5.0).level_values()
         ([0.0, 1.0, 2.0], [5.0])
         """
-        return [self.low] if self.low == self.high else np.linspace(self.low, self.high, self.levels).tolist()
+        count = 1 if self.low == self.high else min(self.levels, most)
+        return np.linspace(self.low, self.high, count).tolist()
 
 
 @dataclass(frozen=True)
@@ -125,8 +131,8 @@ def read_bench(path: str | Path) -> Bench:
         raise PlanError(f"{path}: [Fz] low has to be positive: a lifted wheel has no forces")
     if heat != Heat() and "V" not in limits:
         raise PlanError(f"{path}: [heat] needs the speed, a table [V]")
-    if not any(key in limits and limits[key].rate > 0.0 for key in SWEPT):
-        raise PlanError(f"{path}: no slip is swept: [alpha] or [kappa] needs low, high and a positive rate")
+    if not any(key in limits and limits[key].sweeps for key in SWEPT):
+        raise PlanError(f"{path}: no slip is swept: [alpha] or [kappa] needs a range and a positive rate")
     return Bench(limits, noise, heat, name, **settings)
 
 

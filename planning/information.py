@@ -77,7 +77,7 @@ class Experiment:
         """The p coefficients that the test has to determine."""
         return free_coefficients(self.tires[0])
 
-    @cached_property
+    @property
     def channels(self) -> tuple[str, ...]:
         """The measured channels."""
         return tuple(name for name in CHANNELS if name in self.tires[0].outputs)
@@ -203,11 +203,9 @@ def energies(experiment: Experiment, tables: Sequence[pd.DataFrame]) -> FloatArr
     """Return the sliding energy of each table, J, for the most plausible tire."""
     found = []
     for table in tables:
-        forces, _, _ = experiment.derivatives(experiment.tires[0], experiment.inputs_of(table))
-        named = dict(zip(experiment.channels, forces, strict=True))
-        slip = {"Fx": table["kappa"].to_numpy(float), "Fy": np.tan(table["alpha"].to_numpy(float))}
-        power = sum(np.abs(named[name] * slip[name]) for name in slip if name in named) * table["V"].to_numpy(float)
-        found.append(float(np.mean(power) * (table["t"].iloc[-1] - table["t"].iloc[0])))
+        forces = experiment.tires[0].evaluate(table, signs="adapted-sae")
+        power = (np.abs(forces["Fx"] * table["kappa"]) + np.abs(forces["Fy"] * np.tan(table["alpha"]))) * table["V"]
+        found.append(float(power.mean() * np.ptp(table["t"])))
     return np.array(found)
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -87,9 +87,8 @@ def held_levels(bench: Bench, tire: Tire) -> dict[str, float]:
     """Return the levels of inputs that a program holds unless it varies them: the nominal ones, or the nearest."""
     levels = {"kappa": 0.0, "alpha": 0.0}
     for name in INPUTS[2:]:
-        nominal = tire.nominal(name) if name in tire.inputs else None
-        if name in bench.limits:
-            limits = bench.limits[name]
+        nominal, limits = tire.nominal(name) if name in tire.inputs else None, bench.limits.get(name)
+        if limits is not None:
             middle = 0.5 * (limits.low + limits.high) if nominal is None else nominal
             levels[name] = min(max(middle, limits.low), limits.high)
         elif nominal is not None:
@@ -103,39 +102,25 @@ def library(bench: Bench, tire: Tire, *, memory: bool = False) -> list[Maneuver]
     `memory`: maneuvers that separate effects, also those with memory, at three levels at most; otherwise sweeps that
     determine the tire without memory.
     """
-    if memory:
-        bench = replace(
-            bench, limits={n: replace(part, levels=min(part.levels, 3)) for n, part in bench.limits.items()}
-        )
+    levels_of = {name: limits.level_values(3 if memory else limits.levels) for name, limits in bench.limits.items()}
     slips = [name for name in SWEPT if name in bench.limits and name in tire.inputs]
+    varied = [name for name in ("gamma", "p", "V") if name in bench.limits and name in tire.inputs]
     nominal, maneuvers = held_levels(bench, tire), list[Maneuver]()
-    for levels in _levels(bench, tire):
-        pure = all(levels[name] == nominal[name] for name in levels if name != "Fz")
-        for swept in (name for name in slips if bench.limits[name].rate > 0.0):
+    changes: list[dict[str, float]] = [{}, *({name: level} for name in varied for level in levels_of[name])]
+    for load, change in product(levels_of.get("Fz", [nominal["Fz"]]), changes):
+        levels, pure = {**nominal, "Fz": load, **change}, {**nominal, **change} == nominal
+        for swept in (name for name in slips if bench.limits[name].sweeps):
             shapes = (MEMORY if pure else (SWEEP,)) if memory else SWEEPS
             maneuvers += [_maneuver(bench, shape, swept, levels) for shape in shapes]
-            for other in slips:
-                for share in HELD_SLIPS if other != swept and (pure or not memory) else ():
-                    slip = _value(bench.limits[other], share)
-                    maneuvers.append(_maneuver(bench, SWEEP, swept, {**levels, other: slip}))
-    if memory and "Fz" in bench.limits and bench.limits["Fz"].high > bench.limits["Fz"].low:
-        for slip in slips:
-            for share in SWING_SLIPS:
-                held = {**nominal, slip: _value(bench.limits[slip], share)}
-                maneuvers.append(_maneuver(bench, SWING, "Fz", held))
-    return list(dict.fromkeys(maneuvers))
-
-
-def _levels(bench: Bench, tire: Tire) -> Iterator[dict[str, float]]:
-    """Yield the levels of the held inputs."""
-    nominal = held_levels(bench, tire)
-    varied = [name for name in ("gamma", "p", "V") if name in bench.limits and name in tire.inputs]
-    loads = bench.limits["Fz"].level_values() if "Fz" in bench.limits else [nominal["Fz"]]
-    for load in loads:
-        yield {**nominal, "Fz": load}
-        for name in varied:
-            for level in bench.limits[name].level_values():
-                yield {**nominal, "Fz": load, name: level}
+            for other, share in product(slips, HELD_SLIPS if pure or not memory else ()):
+                if other != swept:
+                    held = {**levels, other: _value(bench.limits[other], share)}
+                    maneuvers.append(_maneuver(bench, SWEEP, swept, held))
+    if memory and "Fz" in bench.limits:
+        for slip, share in product(slips, SWING_SLIPS):
+            held = {**nominal, slip: _value(bench.limits[slip], share)}
+            maneuvers.append(_maneuver(bench, SWING, "Fz", held))
+    return [maneuver for maneuver in dict.fromkeys(maneuvers) if np.ptp(maneuver.values)]
 
 
 def _maneuver(bench: Bench, shape: Shape, swept: str, levels: dict[str, float]) -> Maneuver:

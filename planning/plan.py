@@ -17,7 +17,7 @@ from tirefmu.measurements import Recording, VirtualBench
 from tirefmu.tires import TireLike, tire_from
 
 from .aims import Target, targets
-from .bench_file import SWEPT, Bench, PlanError
+from .bench_file import Bench, PlanError
 from .information import Experiment, Information, covariances, information, sandwich, tires_around, with_offsets
 from .maneuvers import library
 from .program import TestProgram
@@ -254,15 +254,14 @@ def _check_aims(wanted: Sequence[Target], experiment: Experiment, known: Informa
     for target in wanted:
         if (width := target.width(limit)) <= UNDETERMINED:
             continue
-        slip = target.slip or next((name for name in SWEPT if name not in bench.limits), "alpha")
-        limits, load = bench.limits.get(slip), "" if "Fz" in bench.limits else ", and the load does not vary"
+        limits, load = bench.limits.get(target.slip), "" if "Fz" in bench.limits else ", and the load does not vary"
         raise PlanError(
             f"no program on this bench determines {target.name}: with all sweeps {MANY:g} times its 95 % interval is "
             f"+-{100.0 * width:.0f} %; "
             + (
-                f"{slip} is limited to {limits.low:.3g} .. {limits.high:.3g}{load}"
-                if limits and limits.rate
-                else f"the bench does not sweep {slip}"
+                f"{target.slip} is limited to {limits.low:.3g} .. {limits.high:.3g}{load}"
+                if limits and limits.sweeps
+                else f"the bench does not sweep {target.slip}"
             )
         )
 

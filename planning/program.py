@@ -178,10 +178,12 @@ def _line(number: int, step: Step) -> dict[str, object]:
         f"{name} ({UNITS[name][0]})" if UNITS[name][0] else name: round(value * UNITS[name][1], 4)
         for name, value in maneuver.held
     }
-    sides = [round(value * factor, 4) for value in maneuver.values if value]
+    first = next(value for value in maneuver.values if value)
+    second = max(maneuver.values, key=lambda value: abs(value - first))
     return {
         "step": number, "start (s)": round(step.start, 2), "pause before (s)": round(step.pause, 2),
         "duration (s)": round(maneuver.duration, 2), "maneuver": f"{maneuver.swept} {maneuver.kind}", "unit": unit,
-        "first side": sides[0], "second side": sides[1], "rate (1/s)": round(maneuver.rate * factor, 4),
+        "first side": round(first * factor, 4), "second side": round(second * factor, 4),
+        "rate (1/s)": round(maneuver.rate * factor, 4),
         **held, "reason": step.reason,
     }  # fmt: skip

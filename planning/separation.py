@@ -80,32 +80,25 @@ def plan_between(
 
 def _check(separations: Sequence[Separation], minutes: float, tire: Tire) -> None:
     """Raise for an effect that a program cannot see, and for two effects that it cannot separate."""
-    for one, other in zip(separations[::2], separations[1::2], strict=True):
-        for each in (one, other):
-            if each.alone < SEPARATED:
-                raise PlanError(f"no program of {minutes:g} min on this bench shows {each.effect} at its typical size")
-        best = max(one.evidence, other.evidence)
+    limit, detections = f"no program of {minutes:g} min on this bench", tire.symbolic_model.detections
+    for pair, other in zip(separations[::2], separations[1::2], strict=True):
+        for effect in (part.effect for part in (pair, other) if part.alone < SEPARATED):
+            raise PlanError(f"{limit} shows {effect} at its typical size")
+        best = max(pair.evidence, other.evidence)
         if best < SEPARATED:
+            declared = [c for part in (pair, other) if part.effect in detections
+                        for c in detections[part.effect].confounded if c.other == part.rival]  # fmt: skip
             raise PlanError(
-                f"no program of {minutes:g} min on this bench tells {one.effect} and {one.rival} apart: the expected "
-                f"evidence is {best:.2g} nats{_advice(tire, one)}"
+                f"{limit} tells {pair.effect} and {pair.rival} apart: the expected evidence is {best:.2g} nats"
+                + "".join(f"; {part.separate_by}" for part in declared[:1])
             )
-
-
-def _advice(tire: Tire, separation: Separation) -> str:
-    """Return the measurement that the files of the effects declare."""
-    detections = tire.symbolic_model.detections
-    for effect, rival in ((separation.effect, separation.rival), (separation.rival, separation.effect)):
-        for pair in detections[effect].confounded if effect in detections else ():
-            if pair.other == rival:
-                return f"; {pair.separate_by}"
-    return ""
 
 
 @dataclass(frozen=True, eq=False)
 class Discrimination:
     """Tires without the effects, and the tires that have one form of one effect.
 
+    - `pairs`: effect and rival, both ways.
     - `forms`: by effect, changes of coefficients from the tire without it.
     """
 
@@ -122,9 +115,8 @@ class Discrimination:
             if name not in known:
                 raise UnknownName(f"effect of {tire.model}", name, known)
         base = replace(tire, effects=tire.has - set(names))
-        return cls(
-            Experiment(tires_around(base)[:TIRES], bench.noise), tuple(pairs), {n: _forms(base, n) for n in names}
-        )
+        directed = tuple(both for a, b in pairs for both in ((a, b), (b, a)))
+        return cls(Experiment(tires_around(base)[:TIRES], bench.noise), directed, {n: _forms(base, n) for n in names})
 
     @cached_property
     def columns(self) -> dict[str, npt.NDArray[np.intp]]:
@@ -146,8 +138,7 @@ class Discrimination:
 
     def criterion(self, total: FloatArray) -> float:
         """Return minus the mean logarithm of the evidence of every form of an effect against its rival."""
-        evidences = [self._evidences(total, *pair) for a, b in self.pairs for pair in ((a, b), (b, a))]
-        return -float(np.mean([np.log1p(evidence).mean() for evidence in evidences]))
+        return -float(np.mean([np.log1p(self._evidences(total, *pair)).mean() for pair in self.pairs]))
 
     def separations(self, total: FloatArray) -> tuple[Separation, ...]:
         """Return the evidence of the hardest form of each effect against its rival.
@@ -155,7 +146,7 @@ class Discrimination:
         Forms without an influence on the measured channels of this program are not counted unless all are.
         """
         found = []
-        for effect, rival in (pair for a, b in self.pairs for pair in ((a, b), (b, a))):
+        for effect, rival in self.pairs:
             tested, evidence = self.columns[effect], self._evidences(total, effect, rival).mean(axis=0)
             alone = 0.5 * total[:, tested, tested].mean(axis=0)
             hardest = evidence[alone >= min(SEPARATED, alone.max())].min()
@@ -164,14 +155,12 @@ class Discrimination:
 
     def _evidences(self, total: FloatArray, effect: str, rival: str) -> FloatArray:
         """Return half the squared response of each form that remains after the fit of all else, shape (t, forms)."""
-        sources, tested = self.experiment.sources, self.columns[effect]
-        first = total.shape[-1] - len(sources)
-        fitted = np.concatenate(
-            [np.arange(len(self.experiment.free)), np.arange(first, total.shape[-1]), self.columns[rival]]
-        )
-        size = np.ones(total.shape[-1])
-        size[self.columns[rival]] = LARGEST_IN_SIZES
-        size[first:] = [max(np.hypot(part.offset, part.drift), 1e-12) for part in sources]
+        tested, n = self.columns[effect], total.shape[-1]
+        errors = np.hypot(self.experiment.deviations("offset"), self.experiment.deviations("drift"))
+        size = np.ones(n)
+        size[self.columns[rival]], size[n - len(errors) :] = LARGEST_IN_SIZES, np.maximum(errors, 1e-12)
+        untested = [column for name, columns in self.columns.items() if name != rival for column in columns]
+        fitted = np.delete(np.arange(n), untested)
         matrix = total[:, fitted[:, None], fitted] + np.diag(size[fitted] ** -2)
         cross = total[:, fitted[:, None], tested]
         scale = 1.0 / np.sqrt(np.einsum("tii->ti", matrix))[:, :, None]
@@ -199,17 +188,17 @@ def _forms(tire: Tire, name: str) -> list[Mapping[str, float]]:
     forms = [form for form in (detection.forms if detection else ()) if not form.given and form.free[0] in declared]
     if not forms:
         raise PlanError(f"{name} of {tire.model} has no declared size: no program can be planned for it")
-    found: list[Mapping[str, float]] = []
-    for form in forms[-1].points():
-        point = {key: value[0] for key, value in form.grid.items()}
-        for probe in form.probes:
-            found.append({**point, **{key: _value(declared[key], size) for key, size in probe.items()}})
-    return found
 
+    def value(key: str, size: float) -> float:
+        neutral = declared[key].neutral
+        inside = neutral is not None and declared[key].lower <= neutral <= declared[key].upper
+        return neutral + size if neutral is not None and inside else size
 
-def _value(declaration: object, size: float) -> float:
-    neutral, lower, upper = (getattr(declaration, key) for key in ("neutral", "lower", "upper"))
-    return size if neutral is None or not lower <= neutral <= upper else neutral + size
+    return [
+        {**{key: grid[0] for key, grid in form.grid.items()}, **{key: value(key, size) for key, size in probe.items()}}
+        for form in forms[-1].points()
+        for probe in form.probes
+    ]
 
 
 def pairs_of(answer: str | Path) -> tuple[Path, list[tuple[str, str]]]:
