@@ -22,7 +22,10 @@ FloatArray = npt.NDArray[np.float64]
 #: Quantities of an aim, by role; the forces are aims by their names. The slip over which each is an aim.
 ROLES = {"friction": ("friction_x", "friction_y"), "stiffness": ("stiffness_x", "stiffness_y")}
 AIMS = ("all", "forces", *ROLES)
-SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha", "friction_x": "kappa", "stiffness_x": "kappa"}
+SLIP = {
+    "Fx": "kappa", "Fy": "alpha", "Mz": "alpha", "friction_x": "kappa", "friction_y": "alpha", "stiffness_x": "kappa",
+    "stiffness_y": "alpha",
+}  # fmt: skip
 #: Slips and loads of the operating points of a force; loads of a quantity.
 SLIPS, LOADS, QUANTITY_LOADS = 9, 3, 5
 #: Scale, N, N m or 1, below which a quantity is 0 for a tire.
@@ -72,16 +75,10 @@ def targets(experiment: Experiment, bench: Bench, aims: Sequence[str] = ("all",)
             raise UnknownName("aim", aim, (*AIMS, *experiment.free))
         if aim in ("all", "forces"):
             wanted += [_of_tires(experiment, name, _force_points(bench, tire, name)) for name in experiment.channels]
-        roles = [
-            role for name in ROLES if aim in ("all", name) for role in ROLES[name] if role in tire.symbolic_model.roles
-        ]
-        wanted += [_of_tires(experiment, role, _load_points(bench, tire)) for role in roles]
-    swept = [
-        target
-        for target in wanted
-        if not target.slip or target.slip in bench.limits or target.name in experiment.channels
-    ]
-    return tuple(target for target in swept if target.rows.any() and target.scales.min() > SMALLEST)
+        for role in (role for name in ROLES if aim in ("all", name) for role in ROLES[name]):
+            if role in tire.symbolic_model.roles and SLIP[role] in bench.limits:
+                wanted.append(_of_tires(experiment, role, _load_points(bench, tire)))
+    return tuple(target for target in wanted if target.rows.any() and target.scales.min() > SMALLEST)
 
 
 def _force_points(bench: Bench, tire: Tire, channel: str) -> FloatArray:
@@ -119,7 +116,7 @@ def _of_tires(experiment: Experiment, name: str, inputs: FloatArray) -> Target:
         size = np.array([np.abs(value[loads == load]).max() for load in loads]) if forces else np.abs(value)
         scales.append(np.maximum(size, 1e-9))
         rows.append(np.nan_to_num(by_coefficients) / scales[-1][:, None])
-    return Target(name, SLIP.get(name, "alpha"), inputs, np.array(values), np.array(scales), np.array(rows))
+    return Target(name, SLIP[name], inputs, np.array(values), np.array(scales), np.array(rows))
 
 
 def _coefficient(experiment: Experiment, name: str) -> Target:
@@ -130,11 +127,5 @@ def _coefficient(experiment: Experiment, name: str) -> Target:
     values = np.array([[tire.values[name]] for tire in experiment.tires])
     scales = np.full((count, 1), experiment.sizes[index])
     lateral = coefficients_by_output(experiment.tires[0].symbolic_model, straight=True).get("Fy", ())
-    return Target(
-        name,
-        "alpha" if name in lateral else "kappa",
-        np.zeros((len(experiment.tires[0].inputs), 0)),
-        values,
-        scales,
-        rows,
-    )
+    slip, inputs = "alpha" if name in lateral else "kappa", np.zeros((len(experiment.tires[0].inputs), 0))
+    return Target(name, slip, inputs, values, scales, rows)
