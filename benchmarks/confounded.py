@@ -11,13 +11,12 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from collections.abc import Mapping
-from itertools import count
 
 import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.diagnosis import Diagnosis, diagnose
+from tirefmu.diagnosis import diagnose
 from tirefmu.measurements import Noise
 from tirefmu.missing_effects.generator.bench import recorded
 from tirefmu.missing_effects.generator.cases import rounded
@@ -72,13 +71,16 @@ def measured(draws: Draws, tire: Tire, inputs: Mapping[str, np.ndarray], hidden:
     return pd.DataFrame(rounded(table))
 
 
-def names_of(diagnosis: Diagnosis) -> list[str]:
-    """Return the identified effects."""
-    return [finding.effect for finding in diagnosis.found]
+def kind_of(names: list[str], effect: str) -> str:
+    """Return how names compare with the hidden effect."""
+    return "right alone" if names == [effect] else "right among others" if effect in names else "wrong or none"
 
 
-def outcome(seed: int) -> tuple[str, str] | None:
-    """Return the kind of the outcome of a seed, and a line about it; None if the first diagnosis is not confounded."""
+def outcome(seed: int) -> tuple[str, str, str] | None:
+    """Return how the most probable explanation and the identified effects of the second diagnosis are, and a line.
+
+    None if the first diagnosis tells the hidden effect from all others, or does not name it.
+    """
     draws = Draws(seed, 38)
     effect = draws.choice(list(TOGETHER))
     tire = drawn_tire(draws, (effect, "load_friction", "load_stiffness"))
@@ -89,16 +91,16 @@ def outcome(seed: int) -> tuple[str, str] | None:
     pairs = pairs_in(first.to_json(), first.base_tire.symbolic_model)
     if not any(effect in pair for pair in pairs):
         return None
-    line = f"{seed}: {effect}: first {names_of(first)}, {len(pairs)} pairs"
+    line = f"{seed}: {effect} of {', '.join(f'{a}/{b}' for a, b in pairs)}"
     try:
         program = plan_between(first.base_tire, bench_of(tire), pairs).program
     except TirefmuError as error:
-        return "refused", f"{line}; {error}"
+        return "refused", "refused", f"{line}: {error}"
     planned = {name: program.rows[name].to_numpy(float) for name in program.rows}
-    second = diagnose(measured(draws, tire, planned, hidden), effects=tire.base, nominal=nominal)
-    names = names_of(second)
-    kind = "right alone" if names == [effect] else "right among others" if effect in names else "wrong or none"
-    return kind, f"{line}; then {names}, {second.answer.explanations[0].probability:.2f}"
+    content = diagnose(measured(draws, tire, planned, hidden), effects=tire.base, nominal=nominal).to_json()
+    best, names = content["explanations"][0], [finding["effect"] for finding in content["found"]]
+    probable, identified = kind_of(best["effects"] + ["UNKNOWN"] * best["unknown"], effect), kind_of(names, effect)
+    return probable, identified, f"{line}: {best['effects']} {best['probability']:.2f}, identified {names}"
 
 
 def main() -> None:
@@ -107,14 +109,14 @@ def main() -> None:
     parser.add_argument("--cases", type=int, default=40, help="Confounded diagnoses.")
     parser.add_argument("--first", type=int, default=0, help="The first seed.")
     arguments = parser.parse_args()
-    kinds: Counter[str] = Counter()
-    for seed in count(arguments.first):
-        if kinds.total() == arguments.cases:
-            break
-        if found := outcome(seed):
-            kinds[found[0]] += 1
-            print(f"{found[0]}: {found[1]}", flush=True)
-    print(f"{seed - arguments.first} recordings, {kinds.total()} confounded: {dict(kinds)}")
+    probable, identified, seed = Counter[str](), Counter[str](), arguments.first
+    while probable.total() < arguments.cases:
+        if result := outcome(seed):
+            probable[result[0]] += 1
+            identified[result[1]] += 1
+            print(f"{result[0]}; {result[2]}", flush=True)
+        seed += 1
+    print(f"{seed - arguments.first} recordings; most probable: {dict(probable)}; identified: {dict(identified)}")
 
 
 if __name__ == "__main__":
