@@ -342,6 +342,7 @@ class FitRun:
             {name: one.stage for name, one in fitted.items()},
             {name for name, one in fitted.items() if one.at_bound},
             (int(self._data["recording"].max()) + 1, len(self._tire.outputs)),
+            self._options.sensor_errors,
         )
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
         if self._family:
