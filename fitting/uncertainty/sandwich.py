@@ -170,13 +170,8 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
     variance = np.einsum("ik,kl,il->i", vectors, spread, vectors)
     undetermined = np.sum(vectors[:, unidentified] ** 2, axis=1) > MIN_PART
     scale = problem.scale[unfixed]
-    samples, basis = list(samples_of(problem, x)), np.zeros((len(curvature), int(np.sum(~unidentified))))
-    basis[unfixed] = vectors[:, ~unidentified]
-    # From the same sample as the gradients: what the coefficients describe exactly remains exact in weak directions.
-    sampled = sum((each.gradient @ each.jacobian.T for each in samples), np.zeros_like(curvature))
-    if problem.prior:
-        sampled = sampled + problem.prior.curvature
-    whole = basis @ np.linalg.pinv(basis.T @ sampled @ basis, hermitian=True) @ basis.T
+    whole, samples = np.zeros_like(curvature), list(samples_of(problem, x))
+    whole[np.ix_(unfixed, unfixed)] = (vectors * np.where(unidentified, 0.0, inverse)) @ vectors.T
     found = discrepancies(problem, samples, whole)
     added = sum((each.covariance[np.ix_(unfixed, unfixed)] for each in found), np.zeros((len(names), len(names))))
     if sensors:
