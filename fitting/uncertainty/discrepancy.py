@@ -6,7 +6,8 @@ time (state). A fit absorbs much of it in its coefficients, so its residual is s
 weights W with Jacobian J leaves of a function f is f - J H^-1 J^T W f, with H = J^T W J. The variances of both random
 functions are those for which the sums of squared projections of the residual on what is left of them have their
 expected values (method of moments, as Rao's MINQUE, 1971). The noise in these sums is that of projections on functions
-that change faster than any tire.
+that change faster than any tire, or that of neighboring rows if it is smaller: in a long recording the sampled rows are
+too few for such functions.
 
 Both random functions are sums of random Fourier features (Rahimi and Recht, 2007), d = sum of w_k cos(a_k x + b_k) with
 independent w_k. The error of a coefficient is a linear function of the w_k, and so is that of a prediction: what the
@@ -39,8 +40,6 @@ SLOW, FAST_ROWS, FAST = (0.01, 0.5), 3.0, 0.0015
 FORCES = ("Fx", "Fy")
 #: Normal quantile of 95 % intervals.
 QUANTILE = float(ndtri(0.975))
-#: Least number of rows.
-MIN_ROWS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +129,7 @@ def discrepancies(problem: Problem, samples: Iterable[Sample], inverse: FloatArr
     `samples`: of the channels. `inverse`, shape (n_free, n_free): of J^T W J; 0 for coefficients that are fixed, and
     along directions that are not identifiable.
     """
-    estimated = (
-        _of_channel(problem, inverse, problem.tire.outputs[sample.channel], sample)
-        for sample in samples
-        if sample.of >= MIN_ROWS
-    )
+    estimated = (_of_channel(problem, inverse, problem.tire.outputs[sample.channel], sample) for sample in samples)
     found = [each for each in estimated if each]
     both = [each for each in found if each.channel in FORCES]
     form, state = (max((getattr(each, name) for each in both), default=0.0) for name in ("form", "state"))
@@ -175,6 +170,7 @@ def _estimated(
     weighted = [sample.weight[:, None] * each for each in left]
     fast = sample.weight[:, None] * quick
     noise = float(np.sum((sample.residual @ fast) ** 2) / max(float(np.sum(fast**2)), 1e-300))
+    noise = min(noise, sample.noise)
     expected = noise * np.array([float(np.sum(each**2)) for each in weighted])
     excess = np.array([float(np.sum((sample.residual @ each) ** 2)) for each in weighted]) - expected
     matrix = np.array([[float(np.sum((a.T @ b) ** 2)) / FEATURES for b in left] for a in weighted])

@@ -8,13 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.smoothing import noise_of
+
 from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Largest number of rows.
-MAX_ROWS = 4000
+#: Fewest rows of a channel, and largest number of sampled rows.
+MIN_ROWS, MAX_ROWS = 200, 4000
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +26,7 @@ class Sample:
     - `channel`: its index among the outputs. `rows`: the sampled ones of `of` rows.
     - `jacobian`, shape (n_free, n): of the channel by the scaled free values.
     - `weight`, `residual`, `computed`, shape (n,). `place`, shape (n,): of each row among all rows, from 0 to 1.
+    - `noise`: variance of the sum of the noise of n sampled rows over n.
     """
 
     channel: int
@@ -34,6 +37,7 @@ class Sample:
     residual: FloatArray
     computed: FloatArray
     place: FloatArray
+    noise: float
 
     @property
     def gradient(self) -> FloatArray:
@@ -43,13 +47,14 @@ class Sample:
 
 def samples_of(problem: Problem, x: FloatArray) -> Iterator[Sample]:
     """Yield a sample of each channel that a stage fits; `x`, shape (n_free,): scaled free values of the solution."""
+    residual = problem.residual(x)
     for channel in np.flatnonzero((problem.weights > 0).any(axis=0)):
         present = np.flatnonzero(np.isfinite(problem.rows.measured[:, channel]))
-        if len(present):
-            yield _sample(problem, x, int(channel), present)
+        if len(present) >= MIN_ROWS:
+            yield _sample(problem, x, int(channel), present, residual[channel, present])
 
 
-def _sample(problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[np.int64]) -> Sample:
+def _sample(problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[np.int64], every: FloatArray) -> Sample:
     edges = np.linspace(0, len(present), min(len(present), MAX_ROWS) + 1).astype(np.int64)
     number = edges[:-1] + np.random.default_rng(0).integers(np.diff(edges))
     part = replace(problem, rows=problem.rows.take(present[number]))
@@ -64,4 +69,8 @@ def _sample(problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[
             jacobian[free, rows] = own
     residual = part.residual(x)[channel]
     computed = part.rows.measured[:, channel] + residual
-    return Sample(channel, part.rows, len(present), jacobian, weight, residual, computed, number / len(present))
+    deviation, correlation = noise_of(every)
+    later = correlation ** (len(present) / len(number))
+    noise = deviation**2 * (1.0 + later) / (1.0 - later)
+    place = number / len(present)
+    return Sample(channel, part.rows, len(present), jacobian, weight, residual, computed, place, noise)
