@@ -168,7 +168,10 @@ def _unsteady(result: Judged) -> Iterator[str]:
     found = result.solution.discrepancies
     for each in found:
         if each.channel in FORCES and each.own and _chance(each.state_chance, found) and 2.0 * each.state > UNSTEADY:
-            yield f"{each.channel} changes over time by {2.0 * each.state:.0%} (two standard deviations): diagnose"
+            yield (
+                f"{each.channel} changes by {2.0 * each.state:.0%} (two standard deviations) over time, or with an "
+                "input that the table lacks: diagnose"
+            )
 
 
 def _wrong_between_loads(findings: Findings) -> Iterator[str]:
