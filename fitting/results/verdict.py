@@ -54,6 +54,8 @@ MANY_EXCLUDED = 0.1
 #: Share of the largest kappa from which a row has combined slip, and share of the largest slip angle that combined slip
 #: has to reach. Judgement.
 COMBINED_KAPPA, COMBINED_ALPHA = 0.25, 0.8
+#: Share of the range of an input beyond that of a channel from which the channel is extrapolated. Judgement.
+MISSING_RANGE = 0.1
 #: Largest number of names that a reason lists.
 MAX_NAMES = 8
 
@@ -339,8 +341,21 @@ def _extrapolated(evidence: Residuals) -> Iterator[str]:
                 f"combined slip is extrapolated beyond {degrees(combined):.1f} deg of slip angle "
                 f"(pure slip was measured up to {degrees(largest):.1f} deg)"
             )
+    yield from _ranges(evidence)
     if len(evidence.levels.get("Fz", ())) < 2 and ("Fz" not in table or np.ptp(table["Fz"]) < 0.1 * table["Fz"].max()):
         yield "one load: the influence of load is not determined"
+
+
+def _ranges(evidence: Residuals) -> Iterator[str]:
+    """Yield the inputs of which a force was measured over a part of the range of the others."""
+    for channel in (name for name in FORCES if name in evidence.channels):
+        for name, held in evidence.levels.items():
+            low, high = evidence.range_of(name, channel)
+            gap = MISSING_RANGE * (held[-1] - held[0])
+            beyond = [level for level in (held[0], held[-1]) if level < low - gap or level > high + gap]
+            if beyond:
+                measured = " to ".join(condition_text({name: level}) for level in (low, high))
+                yield f"{channel} is extrapolated to {condition_text({name: beyond[-1]})}, measured at {measured}"
 
 
 def _listed(names: Sequence[str]) -> str:

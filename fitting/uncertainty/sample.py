@@ -17,6 +17,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Fewest rows of a channel, and largest number of sampled rows.
 MIN_ROWS, MAX_ROWS = 200, 4000
+#: Rows between sampled ones above which noise is read from neighboring rows: its correlation has decayed then.
+FAR_APART = 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +28,7 @@ class Sample:
     - `channel`: its index among the outputs. `rows`: the sampled ones of `of` rows.
     - `jacobian`, shape (n_free, n): of the channel by the scaled free values.
     - `weight`, `residual`, `computed`, shape (n,). `place`, shape (n,): of each row among all rows, from 0 to 1.
-    - `noise`: variance of the sum of the noise of n sampled rows over n.
+    - `noise`: variance of the sum of the noise of n sampled rows over n; infinite if sampled rows are near each other.
     """
 
     channel: int
@@ -69,8 +71,9 @@ def _sample(problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[
             jacobian[free, rows] = own
     residual = part.residual(x)[channel]
     computed = part.rows.measured[:, channel] + residual
-    deviation, correlation = noise_of(every)
-    later = correlation ** (len(present) / len(number))
-    noise = deviation**2 * (1.0 + later) / (1.0 - later)
+    noise, apart = np.inf, len(present) / len(number)
+    if apart > FAR_APART:
+        deviation, correlation = noise_of(every)
+        noise = deviation**2 * (1.0 + correlation**apart) / (1.0 - correlation**apart)
     place = number / len(present)
     return Sample(channel, part.rows, len(present), jacobian, weight, residual, computed, place, noise)

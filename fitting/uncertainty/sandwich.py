@@ -140,8 +140,9 @@ def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = (), *, s
     """Return intervals, and directions that are not identifiable, at the solution of a fit.
 
     `problem`: with the weights of the fit. `x`, shape (n_free,): scaled free values of the solution. `fixed`:
-    coefficients at a bound. They are treated as known and have no interval. `sensors`: whether slow errors of the
-    sensors are possible.
+    coefficients at a bound. They are treated as known and have no interval, unless the data do not determine them
+    without the bound: then they are not known, nor are coefficients that trade off with them. `sensors`: whether slow
+    errors of the sensors are possible.
     """
     with one_blas_thread():
         return _uncertainty(problem, x, fixed, sensors)
@@ -149,17 +150,16 @@ def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = (), *, s
 
 def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors: bool) -> Uncertainty:
     curvature, middle, effective = sandwich(problem, x)
+    if fixed:  # a coefficient at a bound that the data do not determine is not known there
+        _, _, _, vectors, unidentified = _eigenvectors(curvature, middle)
+        unknown = np.sum(vectors[:, unidentified] ** 2, axis=1) > MIN_PART
+        fixed = [name for name, free in zip(problem.free, unknown, strict=True) if name in fixed and not free]
     names = [name for name in problem.free if name not in fixed]
     unfixed = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
     if not unfixed.size:
         return Uncertainty({}, (), effective, pd.DataFrame(dtype=np.float64), pd.DataFrame(dtype=np.float64))
-    values, vectors = np.linalg.eigh(curvature[np.ix_(unfixed, unfixed)])
-    identified = values > MIN_CURVATURE * max(float(values[-1]), 0.0)
-    inverse = np.where(identified, 1.0 / np.where(identified, values, 1.0), 0.0)
-    # Covariance in the basis of the eigenvectors.
-    spread = vectors.T @ middle[np.ix_(unfixed, unfixed)] @ vectors * np.outer(inverse, inverse)
-    along = np.where(identified, np.sqrt(np.maximum(np.diag(spread), 0.0)), np.inf)
-    unidentified = ~(along <= LARGEST_SD)
+    block = np.ix_(unfixed, unfixed)
+    spread, along, inverse, vectors, unidentified = _eigenvectors(curvature[block], middle[block])
     directions = tuple(
         Direction(_members(vectors[:, k], names), float(along[k])) for k in np.flatnonzero(unidentified)
     )  # in the order of the eigenvalues: the least determined first
@@ -184,6 +184,19 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
     masked = pd.DataFrame(covariance.copy(), index=names, columns=names)
     masked.loc[undetermined, :] = masked.loc[:, undetermined] = np.nan
     return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete, found)
+
+
+def _eigenvectors(curvature: FloatArray, middle: FloatArray) -> tuple[FloatArray, ...]:
+    """Return the covariance in the basis of the eigenvectors, deviations along them, the inverse of the eigenvalues.
+
+    Further the eigenvectors, and which of them are not identifiable.
+    """
+    values, vectors = np.linalg.eigh(curvature)
+    identified = values > MIN_CURVATURE * max(float(values[-1]), 0.0)
+    inverse = np.where(identified, 1.0 / np.where(identified, values, 1.0), 0.0)
+    spread = vectors.T @ middle @ vectors * np.outer(inverse, inverse)
+    along = np.where(identified, np.sqrt(np.maximum(np.diag(spread), 0.0)), np.inf)
+    return spread, along, inverse, vectors, ~(along <= LARGEST_SD)
 
 
 def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
