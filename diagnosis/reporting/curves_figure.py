@@ -134,7 +134,7 @@ def _residual_panel(
     slips: pd.Series, measured: FloatArray, computed: Mapping[str, FloatArray], channel: str, slip: str,
     drawn: npt.NDArray[np.bool_],
 ) -> Panel:  # fmt: skip
-    """Return the mean of measured minus computed in parts of the slip, for each tire."""
+    """Return the mean residual (measured minus computed) in parts of the slip, for each tire."""
     x = slips.to_numpy()[drawn] * per_si(slip)
     part = np.minimum(((x - x.min()) / max(float(np.ptp(x)), 1e-9) * PARTS).astype(np.int64), PARTS - 1)
     count = np.bincount(part, minlength=PARTS)
@@ -147,7 +147,7 @@ def _residual_panel(
         Series("line", mean(x), mean((measured - force)[drawn]), color, name, dashes, size=1.4)
         for (name, force), color, dashes in zip(computed.items(), (RED, BLUE), (DASHED, SOLID), strict=False)
     ]
-    title = f"mean of measured minus computed {channel}"
+    title = f"mean residual of {channel}"
     return Panel(axis_label(slip), axis_label(channel), tuple(series), title, y_axis="residual", width=3.4, height=1.8)
 
 

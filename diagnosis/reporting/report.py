@@ -92,6 +92,8 @@ def report_page(
     -------
     str
     """
+    named = [channel for finding in diagnosis.found for channel in finding.channels if channel in diagnosis.time_course]
+    channels = dict.fromkeys((*named, *diagnosis.time_course))
     return page_text(
         "tirefmu.diagnosis.reporting",
         {
@@ -103,7 +105,7 @@ def report_page(
         },
         diagnosis=diagnosis,
         maps=_maps(diagnosis),
-        curves=[shown for name in diagnosis.time_course if (shown := curves_figure(diagnosis, name)).panels],
+        curves=[shown for name in channels if (shown := curves_figure(diagnosis, name)).panels],
         memory=[memory_figure(diagnosis, name) for name in _with_memory(diagnosis)],
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
