@@ -345,6 +345,7 @@ class FitRun:
             {name: coefficient.stage for name, coefficient in fitted.items()},
             {name for name, coefficient in fitted.items() if coefficient.at_bound},
             (int(self._data["recording"].max()) + 1, len(self._tire.outputs)),
+            self._options.sensor_errors,
         )
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
         if self._family:

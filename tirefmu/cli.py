@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.boundary.escaping import excerpt, visible
+from tirefmu.boundary.escaping import command_text, excerpt, file_name, visible
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from .arguments import (
@@ -206,6 +206,9 @@ def check(
         with terminal.working("writing the report"):
             write_check(result, report, command=command_line())
         terminal.print(f"report: {report}")
+    else:
+        page = ("--report", fmu.with_name(f"{file_name(fmu.stem)}_check.html"))
+        terminal.print(f"next: {command_text('check', fmu, table, *selection.arguments, *page)}")
     return 0 if result.ok else 1
 
 

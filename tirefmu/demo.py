@@ -6,6 +6,7 @@ import signal
 import time
 from collections.abc import Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -26,12 +27,12 @@ from tirefmu.fmu import check, export
 from tirefmu.fmu.comparison.figures import check_figures
 from tirefmu.fmu.comparison.report import write_check
 from tirefmu.measurements import Noise, Recording, VirtualBench, trento_program, write_table
-from tirefmu.measurements.inspection.figures import inspection_figures
 from tirefmu.measurements.inspection.inspection import inspect
 from tirefmu.measurements.inspection.report import write_inspection
 from tirefmu.tires import Tire, published
 from tirefmu.tires.code import chosen_derivatives, fastest_code
 from tirefmu.tires.drawing.labels import drawn_unit
+from tirefmu.tires.drawing.picture import write_figures
 
 from .arguments import write_json
 from .demo_page import Chapter, write_demo_page
@@ -93,6 +94,9 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
         with terminal.working("drawing figures"):
             drawn = figures.result()
     terminal.print(f"  {len(drawn)} figures of both fits: {folder / 'figures'}")
+    shown = {"fit": chapters[1], "fmu_check": chapters[2], "diagnosis": chapters[4]}
+    pictures = write_figures([replace(each.figures[0], name=name) for name, each in shown.items()], folder)
+    terminal.print(f"  the results in three pictures: {', '.join(map(str, pictures))}")
     seconds = time.perf_counter() - began
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
     start = write_demo_page(chapters, folder, ok, seconds)
@@ -137,7 +141,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")
     files = (folder / "inspection.html", folder / "bench.csv", folder / "truth.tir")
-    chapters.append(Chapter("The data", (f"{text}.",), tuple(inspection_figures(inspections[0])[:1]), files))
+    chapters.append(Chapter("The data", (f"{text}.",), (), files))
     return recording
 
 

@@ -11,8 +11,10 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.bench_errors import half_waves
+
 from ..probing.effect_probing import Screen
-from ..recording.disturbances import half_wave
+from ..recording.disturbances import passed
 from ..recording.signals import Signals
 from ..thresholds import DRIFT_WAVES, FAST_DRIFT_PRIOR, FAST_DRIFT_WAVES, MIN_RETAINED_GAIN
 from .structure import Structure
@@ -59,5 +61,5 @@ def _waves(signals: Signals) -> dict[int, FloatArray]:
     for slip in (named["alpha"], named["kappa"]):
         large = slip[np.abs(slip) > 0.5 * np.abs(slip).max()]
         reversals += int(np.count_nonzero(np.diff(np.sign(large))))
-    t = signals.t[signals.rows]
-    return {k: half_wave(k, signals, t) for k in range(DRIFT_WAVES + 1, 1 + min(FAST_DRIFT_WAVES, reversals // 2))}
+    waves = half_waves(passed(signals, signals.t[signals.rows]), min(FAST_DRIFT_WAVES, reversals // 2))
+    return dict(enumerate(waves[DRIFT_WAVES + 1 :], DRIFT_WAVES + 1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import nan
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -157,17 +157,16 @@ class FitResult:
         """Diagnostics of the fit, computed at the first access; empty without fitted rows."""
         if self.solution.residuals is None:
             return Findings()
-        free = [c.name for c in self.coefficients if not c.at_bound]
+        free = [c.name for c in self.coefficients if not c.at_bound or c.interval == inf]
         unseen = [(c.name,) for c in self.coefficients if not c.determined]
         effective: dict[str, float] = {}
         for c in self.channels:  # a hundredth of the rows if no stage used all rows of a channel
             effective_rows = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
             effective[c.channel] = effective.get(c.channel, 0.0) + effective_rows
-        combinations = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
         bounded = [c.name for c in self.coefficients if c.at_bound]
-        return find(
-            self.solution.residuals, free, [names for names in (*combinations, *unseen) if names], bounded, effective
-        )
+        combinations = [tuple(n for n in d.coefficients if n in free and n not in bounded) for d in self.directions]
+        undetermined = [names for names in (*combinations, *unseen) if names]
+        return find(self.solution.residuals, free, undetermined, bounded, effective)
 
     @cached_property
     def verdict(self) -> Verdict:

@@ -20,6 +20,7 @@ from ..evidence.continuity import Discontinuity
 from ..evidence.diagnostics import Findings
 from ..evidence.residuals import Residuals, condition_text
 from ..evidence.slip_stiffness import SlipStiffness
+from ..uncertainty.discrepancy import Discrepancy
 from .records import ChannelFit
 
 if TYPE_CHECKING:
@@ -37,6 +38,9 @@ STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
 #: repeats is too large for any tire. Judgement.
 ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
+#: Change of the forces over time, two standard deviations, above which a recording is not of one tire. As that of the
+#: stiffness.
+UNSTEADY = 0.1
 #: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
 #: share of the channel.
 CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
@@ -49,6 +53,8 @@ MANY_EXCLUDED = 0.1
 #: Share of the largest kappa from which a row has combined slip, and share of the largest slip angle that combined slip
 #: has to reach. Judgement.
 COMBINED_KAPPA, COMBINED_ALPHA = 0.25, 0.8
+#: Share of the range of an input beyond that of a channel from which the channel is extrapolated. Judgement.
+MISSING_RANGE = 0.1
 #: Largest number of names that a reason lists.
 MAX_NAMES = 8
 
@@ -76,6 +82,8 @@ def verdict_of(result: FitResult) -> Verdict:
     wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
     wrong += [_clipped_reason(c) for c in result.findings.clipped if c.channel in FORCES]
     wrong += _wrong_data(result.channels)
+    wrong += _unsteady(result)
+    wrong += _wrong_between_loads(result.findings)
     wrong += _wrong_stiffness(result.findings)
     wrong += _few_rows(result, 1)
     limits = [
@@ -112,6 +120,44 @@ def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
             yield floor_reason(c)
 
 
+def _unsteady(result: Judged) -> Iterator[str]:
+    """Yield that the forces change over time by more than a tire does; a fit hides a part of it in its coefficients."""
+    found = result.solution.discrepancies
+    for each in found:
+        if each.channel in FORCES and each.own and _chance(each.state_chance, found) and 2.0 * each.state > UNSTEADY:
+            yield (
+                f"{each.channel} changes by {2.0 * each.state:.0%} (two standard deviations) over time, or with an "
+                "input that the table lacks: diagnose"
+            )
+
+
+def _wrong_between_loads(findings: Findings) -> Iterator[str]:
+    """Yield wrong peak friction at a load between loads at which it is right: no range of loads remains for the tire.
+
+    A load is wrong if half of its operating conditions are.
+    """
+    friction = [c for c in findings.characteristics if c.quantity == "peak friction"]
+    for recording, channel in dict.fromkeys((c.recording, c.channel) for c in friction):
+        by_load: dict[float, list[Characteristic]] = {}
+        for c in friction:
+            if (c.recording, c.channel) == (recording, channel):
+                by_load.setdefault(c.at.get("Fz", c.load), []).append(c)
+        error = {load: float(np.median([c.reliable_error for c in own])) for load, own in by_load.items()}
+        right = [load for load, size in error.items() if abs(size) <= CHARACTERISTIC_LIMITS["peak friction"]]
+        for load in sorted(error.keys() - right):
+            if right and min(right) < load < max(right):
+                off = float(np.median([c.off for c in by_load[load]]))
+                yield (
+                    f"{recording}: the peak friction of {channel} differs by {off:+.0%} at {load:.0f} N, "
+                    "between loads at which it is right: diagnose"
+                )
+
+
+def _chance(chance: float, found: Sequence[Discrepancy]) -> bool:
+    """Return whether noise alone causes so large an error of the form rarely, over all channels."""
+    return chance < CHANCE / (2 * len(found))
+
+
 def floor_reason(c: ChannelFit) -> str:
     """Return how far the error of a channel is above its noise floor, and what it depends on."""
     parts = (
@@ -130,7 +176,6 @@ def floor_reason(c: ChannelFit) -> str:
 def _structure(result: FitResult) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
     found = result.solution.discrepancies
-    limit = CHANCE / max(2 * len(found), 1)
     far = {c.channel for c in result.channels if lacks_something(c)}
     texts = [
         f"{each.channel} {size:.1%} over {cause}"
@@ -139,7 +184,7 @@ def _structure(result: FitResult) -> Iterator[str]:
         for size, chance, cause in (
             (each.form, each.form_chance, "the inputs"), (each.state, each.state_chance, "time")
         )
-        if chance < limit and size > NEGLIGIBLE_FORM
+        if _chance(chance, found) and size > NEGLIGIBLE_FORM
     ]  # fmt: skip
     if texts:
         yield f"small errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
@@ -251,8 +296,21 @@ def _extrapolated(evidence: Residuals) -> Iterator[str]:
                 f"combined slip is extrapolated beyond {degrees(combined):.1f} deg of slip angle "
                 f"(pure slip was measured up to {degrees(largest):.1f} deg)"
             )
+    yield from _ranges(evidence)
     if len(evidence.levels.get("Fz", ())) < 2 and ("Fz" not in table or np.ptp(table["Fz"]) < 0.1 * table["Fz"].max()):
         yield "one load: the influence of load is not determined"
+
+
+def _ranges(evidence: Residuals) -> Iterator[str]:
+    """Yield the inputs of which a force was measured over a part of the range of the others."""
+    for channel in (name for name in FORCES if name in evidence.channels):
+        for name, held in evidence.levels.items():
+            low, high = evidence.range_of(name, channel)
+            gap = MISSING_RANGE * (held[-1] - held[0])
+            beyond = [level for level in (held[0], held[-1]) if level < low - gap or level > high + gap]
+            if beyond:
+                measured = " to ".join(condition_text({name: level}) for level in (low, high))
+                yield f"{channel} is extrapolated to {condition_text({name: beyond[-1]})}, measured at {measured}"
 
 
 def _listed(names: Sequence[str]) -> str:

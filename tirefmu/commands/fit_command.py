@@ -98,6 +98,8 @@ class Checks:
               help="Coefficients that are not fitted, with their values in ISO-W: PCY1=1.3,PHY1=0.")  # fmt: skip
 @click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
               help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
+@click.option("--exact-sensors", "sensor_errors", is_flag=True, callback=lambda context, option, given: not given,
+              help="Intervals without offsets, drift and cross-talk of the sensors.")  # fmt: skip
 @click.option("--temperature", metavar="COLUMN",
               help="Also fit the effect temperature to this recorded temperature, deg C  [default: T, if --effects "
                    "has temperature]")  # fmt: skip

@@ -35,7 +35,7 @@ def bench(
     force = -friction * load * np.sin(1.4 * np.arctan(stiffness / 1.4 / friction * (late + shift)))
     return pd.DataFrame(
         {
-            "t": clock, "alpha": alpha, "gamma": 0.0, "Fz": load + random.normal(0.0, 4.0, len(alpha)),
+            "t": clock, "alpha": alpha, "gamma": 1e-4, "Fz": load + random.normal(0.0, 4.0, len(alpha)),
             "p": np.repeat([pressure for _, pressure in program], rows) + random.normal(0.0, 200.0, len(alpha)),
             "V": 11.0, "T": warm, "Fy": force * (1.0 + heat * (warm - 60.0)) + random.normal(0.0, noise, len(alpha)),
         }
@@ -69,7 +69,7 @@ def test_files_that_share_rows():
 
 def channels(**columns):
     sweep = {"kappa": [0.0, 0.1] * 40, "alpha": [-0.1, 0.1] * 40, "Fz": [500.0, 900.0] * 40, "Fy": [9.0, -9.0] * 40}
-    sweep |= {"gamma": [0.0] * 80}
+    sweep |= {"gamma": [1e-3] * 80}
     table = {name: values for name, values in (sweep | columns).items() if values is not None}
     return data_findings([Recording(pd.DataFrame(table), "iso", "a.csv")])
 
@@ -88,6 +88,7 @@ def test_a_table_without_camber_is_fitted_at_an_assumed_one():
     assert finding.text.startswith("a.csv: no column gamma: 0 deg assumed")
     assert channels(gamma=None, Fy=None, Fx=[-9.0, 9.0] * 40) == []  # camber has no influence on Fx
     assert channels(gamma=[0.0, 0.05] * 40) == []
+    assert [finding.text[:41] for finding in channels(gamma=0.0)] == ["a.csv: gamma is exactly 0 in every row; i"]
 
 
 def test_columns_that_are_not_read_are_named_and_counted():
@@ -112,7 +113,7 @@ def test_repeated_rows(rows, serious):
 def test_a_sweep_back_without_noise_is_no_repetition():
     there = np.linspace(-0.1, 0.1, 200)
     alpha = np.concatenate([there, there[::-1]])
-    table = pd.DataFrame({"alpha": alpha, "gamma": 0.0, "Fz": 500.0, "Fy": -9e3 * alpha})
+    table = pd.DataFrame({"alpha": alpha, "gamma": 1e-3, "Fz": 500.0, "Fy": -9e3 * alpha})
     assert kinds(table) == {"coverage"}  # one load
 
 
