@@ -201,14 +201,14 @@ def interface(
 def _memory_state(tire: Tire, name: str) -> Variable:
     """Return the state of an effect: in equilibrium at the start, or at a value that the host can set.
 
-    An observed state is an output.
+    A temperature is an output.
     """
     state = tire.symbolic_model.states[name]
     start = None
     if state.has_start_value or not state.settles:
         start = float(quantities_of(tire, {})[f"{name}_start"])
     what = state.description or f"state {name}"
-    causality, typical = ("output", 300.0) if state.observed else ("local", 1.0)
+    causality, typical = ("output", 300.0) if state.is_temperature else ("local", 1.0)
     return Variable(name, causality, state.unit, what, start=start, nominal=typical, group="state")
 
 

@@ -20,7 +20,6 @@ KEYS: dict[str, Any] = {
     **dict.fromkeys(("rate", "length", "width", "ambient", "frequency", "damping", "start"), str | float),
     "unit": str,
     "description": str,
-    "observed": bool,
 }
 
 
@@ -62,7 +61,6 @@ def _state(name: str, table: object, location: str) -> State:
         "drive",
         "unit",
         "description",
-        "observed",
         *optional,
         *(key for keys in required for key in keys),
     }
@@ -70,11 +68,8 @@ def _state(name: str, table: object, location: str) -> State:
         raise EffectError(f"{location}: {article} {kind} has no {key}{nearest(key, sorted(allowed))}")
     if table.get("start") == FITTED and kind not in WITH_FITTED_START:
         raise EffectError(f"{location}: {article} {kind} has no fitted start")
-    observed = table.get("observed", False)
-    if not isinstance(observed, bool):
-        raise EffectError(f"{location}: observed is neither true nor false")
-    texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive", "observed"}}
-    return State(name, kind, _drive(table, kind, location), observed=observed, **texts)
+    texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive"}}
+    return State(name, kind, _drive(table, kind, location), **texts)
 
 
 def _drive(table: dict[str, Any], kind: str, location: str) -> tuple[str, ...]:
@@ -103,6 +98,5 @@ def states_text(states: Sequence[State]) -> list[str]:
         drives = [toml_string(drive) for drive in state.drive]
         lines += ["", f"[states.{state.name}]", f"kind = {toml_string(state.kind)}"]
         lines.append(f"drive = {drives[0]}" if len(drives) == 1 else f"drive = [{', '.join(drives)}]")
-        lines += [f"{key} = {toml_string(text)}" for key in list(KEYS)[2:-1] if (text := getattr(state, key))]
-        lines += ["observed = true"] if state.observed else []
+        lines += [f"{key} = {toml_string(text)}" for key in list(KEYS)[2:] if (text := getattr(state, key))]
     return lines

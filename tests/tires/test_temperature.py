@@ -7,6 +7,9 @@ import pandas as pd
 import pytest
 from scipy.integrate import simpson
 
+from tirefmu.boundary.errors import EffectError
+from tirefmu.symbolic.added.file import read_effect
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
 
 NODES = ("T_surface", "T_carcass", "T_gas")
@@ -80,7 +83,7 @@ def test_it_is_the_integration_of_the_heat_flows(tire, sensed):
 
 
 def test_energy_is_conserved(tire):
-    """The heat that comes in is stored or goes out: at every row, and integrated with constant inputs."""
+    """The heat that comes in is stored or goes out: at every row, and integrated with constant inputs and forces."""
     table = drive(np.linspace(0.0, 5.0, 101))
     evaluated = tire.evaluate(table)
     sliding, rolling, road, air, side, *_ = flows(evaluated)
@@ -88,12 +91,30 @@ def test_energy_is_conserved(tire):
     np.testing.assert_allclose(stored, sliding + rolling - road - air - side, rtol=0, atol=1e-9 * np.abs(stored).max())
     t = np.linspace(0.0, 20.0, 2001)
     steady = {"kappa": 0.03, "alpha": 0.08, "Fz": 1500.0, "V": 14.0}
-    course = tire.evaluate(pd.DataFrame({"t": t, **steady}), hold=True)
+    course = tire.with_values(THACT=0.0).evaluate(pd.DataFrame({"t": t, **steady}), hold=True)
     sliding, rolling, road, air, side, *_ = flows(course)
     inflow = simpson(sliding + rolling - road - air - side, x=t)
     gained = sum(CAPACITY[name] * (course[name].iloc[-1] - course[name].iloc[0]) for name in NODES)
     assert gained > 1e4
     assert gained == pytest.approx(inflow, rel=1e-9)
+
+
+def test_the_gas_sets_the_pressure(tire):
+    """A constant mass of gas: the absolute pressure is proportional to its temperature."""
+    hot = tire.with_values(THPACT=1.0).evaluate(drive(np.linspace(0.0, 5.0, 51)).assign(p=1.5e5))
+    np.testing.assert_allclose((hot["p_acting"] + 101325.0) / hot["T_gas"], (1.5e5 + 101325.0) / 293.15, rtol=1e-12)
+    np.testing.assert_array_equal(tire.evaluate(drive(np.zeros(1)).assign(p=1.5e5))["p_acting"], 1.5e5)
+
+
+@pytest.mark.parametrize("drive", ["0.1*(300 - T_one)**2", "sliding_power/1000", "T_ambient - T_road*T_one*T_one"])
+def test_a_temperature_is_linear_and_cools(drive):
+    effect = read_effect(
+        f"""name = "hot"\nphysics = "x"\n[coefficients]\nXSTART = {{description = "x", neutral = 300.0, upper = 400.0}}
+        [[acts]]\non = "friction_y"\nfactor = "T_one/XSTART"
+        [states.T_one]\nkind = "temperature"\ndrive = "{drive}"\nstart = "XSTART"\n""", "hot.toml",
+    )  # fmt: skip
+    with pytest.raises(EffectError, match="state T_one: the drive of a temperature is linear"):
+        model_named("mf96").extended([effect])
 
 
 def test_a_pause_cools_the_tire(tire):
