@@ -118,7 +118,7 @@ def _state(tire: Tire, name: str) -> dict[str, Any]:
     ]
     return {
         "name": name, "text": excerpt(state.description or name), "unit": "" if state.unit == "1" else state.unit,
-        "settles": state.settles, "declares_start": state.has_start_value, "observed": state.observed,
+        "settles": state.settles, "declares_start": state.has_start_value, "temperature": state.is_temperature,
         "target": target, "start": start,
         "lines": state.line_names, "effects": effects,
     }  # fmt: skip

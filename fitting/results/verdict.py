@@ -120,7 +120,7 @@ def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
             yield floor_reason(c)
 
 
-def _unsteady(result: Judged) -> Iterator[str]:
+def _unsteady(result: FitResult) -> Iterator[str]:
     """Yield that the forces change over time by more than a tire does; a fit hides a part of it in its coefficients."""
     found = result.solution.discrepancies
     for each in found:

@@ -3,7 +3,8 @@
  * Direct states and hystereses along lags have exact updates.  A state that is driven by forces is integrated in steps
  * that grow with the time since the inputs have changed: the drive is a parabola through start, middle and end of a
  * step, and the values there are found by iteration, as in tirefmu's evaluation of a table.  A step whose values are not
- * found is halved.  model_config.h has FIRST_STEP (as a share of the shortest time constant), GROWTH (the ratio of a step
+ * found is halved.  Temperatures change slowly: forces at the middle of the whole step, with the temperatures of its
+ * start, heat the tire, and the nodes exchange heat exactly.  model_config.h has FIRST_STEP (as a share of the shortest time constant), GROWTH (the ratio of a step
  * to the one before) and the limits of the iteration.
  */
 #include "memory.h"
@@ -20,7 +21,7 @@
 /* By state: the index of its input, its first line in the results of `drives`, its kind, whether it is direct, whether
    it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities.  The speed of an
    oscillator is the state behind its position; both are direct. */
-typedef enum { BALANCE, SUM, PATH, PLAY, POSITION, VELOCITY } Law;
+typedef enum { BALANCE, SUM, PATH, PLAY, POSITION, VELOCITY, NODE } Law;
 typedef struct {
     int input, line;
     Law law;
@@ -41,7 +42,7 @@ unsigned memory_event(size_t i) { return (unsigned) TABLE[i].event; }
 
 int memory_input(size_t i) { return TABLE[i].input; }
 
-static int is_driven(size_t i) { return !memory_is_direct(i); }
+static int is_driven(size_t i) { return !memory_is_direct(i) && TABLE[i].law != NODE; }
 
 static int settles(size_t i) { return TABLE[i].law != SUM && !memory_is_path(i); }
 
@@ -241,18 +242,116 @@ static double fastest(const State *state, const double lines[])
     return found;
 }
 
-void memory_advance(State *state, double h)
+/* The states that are no temperatures, and the lagged slips; `given` has the inputs, `lines` the lines there. */
+static void advance_others(State *state, const double lines[N_DRIVES], double h)
 {
-    double given[N_INPUTS], lines[N_DRIVES], first[N_MEMORY], begin = 0.0, end = 0.0, size;
+    double first[N_MEMORY], begin = 0.0, end = 0.0, size = FIRST_STEP / fastest(state, lines);
 
-    memcpy(given, state->contact.inputs, sizeof given);
-    find_lines(state, given, lines);
     memcpy(first, state->continuous.memory, sizeof first);
-    size = FIRST_STEP / fastest(state, lines);
     for (; end < h; size *= GROWTH, begin = end) {
         end = size < h - begin ? begin + size : h; /* also for an infinite size */
         advance_part(state, lines, first, begin, end, 0, state->continuous.memory);
     }
+}
+
+#if N_TEMPERATURES > 0
+enum { N_NODES = N_TEMPERATURES, SERIES = 14 };
+typedef double Matrix[N_NODES][N_NODES];
+
+static const int NODES[N_NODES] = TEMPERATURES, LINES[N_NODES][N_NODES] = EXCHANGE;
+
+/* result = unit + factor a b */
+static void multiply(Matrix a, Matrix b, double factor, Matrix result)
+{
+    size_t i, j, k;
+
+    for (i = 0; i < N_NODES; i++)
+        for (j = 0; j < N_NODES; j++) {
+            double sum = 0.0;
+            for (k = 0; k < N_NODES; k++)
+                sum += a[i][k] * b[k][j];
+            result[i][j] = (i == j) + factor * sum;
+        }
+}
+
+/* The temperatures after h seconds of x' = A x + b, where `lines` give A and b. */
+static void exchange_heat(const double lines[N_DRIVES], double h, double memory[N_MEMORY])
+{
+    Matrix part, share, next;
+    double flow[N_NODES], size = 0.0;
+    int halvings = 0, k;
+    size_t i, j;
+
+    for (i = 0; i < N_NODES; i++) {
+        const size_t node = (size_t) NODES[i];
+        double row = 0.0;
+        flow[i] = rate(lines, node) * (target(lines, node) - memory[node]) * h;
+        for (j = 0; j < N_NODES; j++) {
+            part[i][j] = i == j ? -rate(lines, node) : LINES[i][j] < 0 ? 0.0 : lines[LINES[i][j]];
+            row += fabs(part[i][j] *= h);
+            share[i][j] = i == j;
+        }
+        size = fmax(size, row);
+    }
+    for (; size > 0.5 && isfinite(size); size *= 0.5)
+        halvings++;
+    for (i = 0; i < N_NODES; i++)
+        for (j = 0; j < N_NODES; j++)
+            part[i][j] = ldexp(part[i][j], -halvings);
+    for (k = SERIES; k > 1; k--) { /* (exp(A h) - 1)/(A h), by its series in a part of the step */
+        multiply(part, share, 1.0 / k, next);
+        memcpy(share, next, sizeof share);
+    }
+    for (; halvings > 0; halvings--) {
+        Matrix decay;
+        multiply(part, share, 1.0, decay); /* exp(A h) */
+        for (i = 0; i < N_NODES; i++)
+            decay[i][i] += 1.0;
+        multiply(decay, share, 0.5, next);
+        for (i = 0; i < N_NODES; i++)
+            for (j = 0; j < N_NODES; j++) {
+                share[i][j] = next[i][j] - (i == j);
+                part[i][j] *= 2.0;
+            }
+    }
+    for (i = 0; i < N_NODES; i++)
+        for (j = 0; j < N_NODES; j++)
+            memory[NODES[i]] += share[i][j] * flow[j];
+}
+#endif
+
+void memory_advance(State *state, double h)
+{
+    double lines[N_DRIVES];
+#if N_TEMPERATURES > 0
+    double middle[N_INPUTS], values[N_MEMORY], lagging[N_LAGGING], warmed[N_MEMORY];
+    size_t i;
+
+    memcpy(values, state->continuous.memory, sizeof values);
+    memcpy(warmed, values, sizeof warmed);
+    memcpy(lagging, state->continuous.lagging, sizeof lagging);
+    slips_advance(state, 0.5 * h);
+    slips_acting(state, middle);
+    slips_advance(state, 0.5 * h);
+#if N_MEMORY > N_TEMPERATURES
+    find_lines(state, state->contact.inputs, lines);
+    follow_inputs(lines, warmed, 0.5 * h, values);
+#endif
+    put(values, middle);
+    find_lines(state, middle, lines);
+    exchange_heat(lines, h, warmed);
+#endif
+#if N_MEMORY > N_TEMPERATURES
+#if N_TEMPERATURES > 0
+    memcpy(state->continuous.lagging, lagging, sizeof lagging);
+#endif
+    find_lines(state, state->contact.inputs, lines);
+    advance_others(state, lines, h);
+#endif
+#if N_TEMPERATURES > 0
+    for (i = 0; i < N_NODES; i++)
+        state->continuous.memory[NODES[i]] = warmed[NODES[i]];
+#endif
 }
 
 /* ---------------------------------------------------------------- derivatives */
@@ -269,7 +368,7 @@ void memory_rates(const State *state, double rates[N_MEMORY], double events[N_ME
     find_lines(state, given, at_given);
     find_lines(state, acting, at_acting);
     for (i = 0; i < N_MEMORY; i++) {
-        const double *lines = is_driven(i) ? at_acting : at_given;
+        const double *lines = memory_is_direct(i) ? at_given : at_acting;
         const double u = target(lines, i), r = rate(lines, i), x = given[TABLE[i].input];
 
         events[i] = TABLE[i].law == PATH ? u : 0.0;

@@ -19,7 +19,6 @@ KEYS: dict[str, Any] = {
     **dict.fromkeys(("rate", "length", "width", "ambient", "frequency", "damping", "start"), _FORMULA),
     "unit": FILLED,
     "description": FILLED,
-    "observed": bool,
 }
 
 
@@ -47,7 +46,7 @@ def _state(name: str, table: Mapping[str, Any], location: str) -> State:
     for alternatives in required:
         if sum(key in table for key in alternatives) != 1:
             raise EffectError(f"{location}: {article} {kind} requires {' or '.join(alternatives)}")
-    of_all, of_kind = {"kind", "drive", "unit", "description", "observed"}, {key for keys in required for key in keys}
+    of_all, of_kind = {"kind", "drive", "unit", "description"}, {key for keys in required for key in keys}
     allowed = {*of_all, *of_kind, *optional}
     for key in sorted(table.keys() - allowed):
         raise EffectError(f"{location}: {article} {kind} has no {key}{nearest(key, sorted(allowed))}")
@@ -56,9 +55,9 @@ def _state(name: str, table: Mapping[str, Any], location: str) -> State:
     drive = table["drive"]
     if isinstance(drive, list) and kind not in PATHS:
         raise EffectError(f"{location}: drive of {article} {kind} is one formula, not a list")
-    texts = {key: _formula(value) for key, value in table.items() if key not in ("kind", "drive", "observed")}
+    texts = {key: _formula(value) for key, value in table.items() if key not in ("kind", "drive")}
     drives = tuple(map(_formula, drive if isinstance(drive, list) else [drive]))
-    return State(name, kind, drives, observed=table.get("observed", False), **texts)
+    return State(name, kind, drives, **texts)
 
 
 def _formula(value: str | float) -> str:
@@ -73,6 +72,5 @@ def states_text(states: Sequence[State]) -> list[str]:
         drives = [toml_string(drive) for drive in state.drive]
         lines += ["", f"[states.{state.name}]", f"kind = {toml_string(state.kind)}"]
         lines.append(f"drive = {drives[0]}" if len(drives) == 1 else f"drive = [{', '.join(drives)}]")
-        lines += [f"{key} = {toml_string(text)}" for key in list(KEYS)[2:-1] if (text := getattr(state, key))]
-        lines += ["observed = true"] if state.observed else []
+        lines += [f"{key} = {toml_string(text)}" for key in list(KEYS)[2:] if (text := getattr(state, key))]
     return lines

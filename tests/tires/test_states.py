@@ -248,7 +248,9 @@ HEAD += 'OWNLEN = {description = "x", unit = "m", neutral = 0.3}\nGAIN = {}\n'
 ACT = '[[acts]]\non = "mu_y"\nfactor = "1 + GAIN*late"\n'
 SWING = LAG.replace('"lag"', '"oscillator"').replace("length", "damping") + "frequency = 50\n"
 WRONG = {
-    "did you mean lag? Known are lag, heat, accumulation, oscillator, hysteresis, play": LAG.replace('"lag"', '"lagg"'),
+    "did you mean lag? Known are lag, heat, temperature, accumulation, oscillator, hysteresis, play": LAG.replace(
+        '"lag"', '"lagg"'
+    ),
     "a lag requires rate or length": LAG.replace('length = "OWNLEN"', ""),
     "an oscillator requires damping": LAG.replace('"lag"', '"oscillator"').replace("length", "frequency"),
     "[states.late_speed] has the name of the speed of an oscillator": SWING + LAG.replace(".late]", ".late_speed]"),
