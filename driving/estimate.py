@@ -18,6 +18,7 @@ from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_bande
 from tirefmu.estimation.correlation import correlation_length
 
 from .inputs.car import Car
+from .inputs.car_entries import ENTRIES
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
 from .interval import BALANCE, CHUNK, Interval
@@ -30,12 +31,13 @@ START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
 #: Longest step of an unknown, in its standard deviations.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
-LARGEST = 4.0
+LARGEST = 10.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
 #: Most solutions for given deviations; steps of a solution; relative decrease of the cost at which it ends.
 ROUNDS, MAX_STEPS, TOLERANCE = 12, 12, 1e-7
-#: Change of the logarithm of a deviation that ends the rounds, and below which the integral over the states counts.
+#: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of a
+#: deviation below which the integral over the states counts.
 SETTLED, NEAR = 0.1, 0.7
 
 
@@ -107,9 +109,11 @@ def estimated(
         steps = np.concatenate([steps, [[np.log(deviations), excess]]])
         used, deviations = deviations, np.maximum(deviations * np.exp(_secant(steps)), MIN_DEVIATION)
         change = float(np.abs(np.log(deviations / used)).max())
-        if converged and tilt.any() and change < SETTLED:
+        slope = _volume_slope(grid, interval, unknowns, estimate, used, weights) if change < NEAR else np.zeros(len(z))
+        shift = np.abs(slope - tilt) * np.sqrt(np.diag(estimate.covariance))
+        if converged and max(change, shift.max()) < SETTLED:
             break
-        tilt = _volume_slope(grid, interval, estimate, used, weights) if change < NEAR else np.zeros(len(z))
+        tilt = slope
         noise = noise * _excess(linear.values[:, : len(MEASURED)])
         grid = with_steering(grid, log, car, unknowns.car_values(z))
         scaled = linear.values / weights / np.maximum(np.sqrt(np.mean(linear.values**2, axis=0)), 1e-12)
@@ -253,15 +257,21 @@ class _Factor:
 
 
 def _volume_slope(
-    grid: Grid, interval: Interval, estimate: Estimate, deviations: FloatArray, weights: FloatArray
+    grid: Grid, interval: Interval, unknowns: Unknowns, estimate: Estimate, deviations: FloatArray, weights: FloatArray
 ) -> FloatArray:
-    """Return the derivatives by the unknowns of what the integral over the states adds to the cost (Laplace)."""
+    """Return the derivatives by the unknowns of what the integral over the states adds to the cost (Laplace).
+
+    Without it, forces that depend on estimated slip angles have too low a stiffness. Sensors shift what is measured,
+    which changes no volume.
+    """
     n = estimate.pairs.shape[1]
     shares = (estimate.residuals.jacobian[:, :, :n] @ estimate.pairs) * weights[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
     data = interval_data(grid, estimate.noise)
     slopes = evaluated(interval.volume_chunk, grid, estimate.states, estimate.z, deviations, data, more).jacobian[:, 0]
-    return np.asarray(slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes))
+    result = slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes)
+    result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section == "sensors"]] = 0.0
+    return np.asarray(result)
 
 
 def _with_covariance(
