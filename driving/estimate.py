@@ -27,7 +27,7 @@ from .unknowns import Unknowns
 FloatArray = npt.NDArray[np.float64]
 
 #: Deviations of the balance, per load: at the start, and the smallest one (the error of the midpoint rule).
-START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
+START_DEVIATION, MIN_DEVIATION = 0.1, 1e-3
 #: Longest step of an unknown, in its standard deviations.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
@@ -38,7 +38,7 @@ OUTLYING = 3.0
 ROUNDS, MAX_STEPS, TOLERANCE = 12, 12, 1e-7
 #: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of a
 #: deviation below which the integral over the states counts.
-SETTLED, NEAR = 0.1, 0.7
+SETTLED, NEAR, LARGEST_CHANGES = 0.1, 0.7, (-2.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ def _secant(steps: FloatArray) -> FloatArray:
     (x, f), (last_x, last_f) = steps[-1], steps[-2] if len(steps) > 1 else steps[-1]
     with np.errstate(invalid="ignore", divide="ignore"):
         slope = np.nan_to_num((f - last_f) / (x - last_x), nan=-1.0)
-    return np.asarray(-f / np.clip(slope, -1.0, -0.2))
+    return np.asarray(np.clip(-f / np.clip(slope, -1.0, -0.2), *LARGEST_CHANGES))
 
 
 def _excess(residual: FloatArray) -> FloatArray:

@@ -95,6 +95,8 @@ def interval_of(
     measured = _readings(p, middle, rate, pose)
     parts = {name: (data[i] - measured.get(name, 0)) * data[n + i] for i, name in enumerate(MEASURED)}
     parts |= _kinematics(middle, rate) if pose else {}
+    # Without an accelerometer, nothing else keeps the speed from alternating between nodes.
+    parts["thrust"] = (rate[0] - middle[1] * middle[2]) / GRAVITY
     loads = {"e_front": weight - rear, "e_rear": rear}
     parts |= {name: balance[name] / loads[name] / deviations[i] for i, name in enumerate(BALANCE)}
     residual = ca.vertcat(*parts.values())

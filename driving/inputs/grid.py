@@ -113,7 +113,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     channels = wheel_means(log)
     start = max(channels[name][0][0] for name in ("steer",))
     end = channels["steer"][0][-1]
-    step = max(SHORTEST, float(np.median(np.diff(channels["steer"][0]))), (end - start) / MOST)
+    step = max(SHORTEST, (end - start) / MOST)
     edges = start + step * np.arange(int((end - start) / step) + 1)
     middle = (edges[:-1] + edges[1:]) / 2
     v = np.interp(middle, *speed)
