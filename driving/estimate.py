@@ -18,6 +18,7 @@ from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_bande
 from tirefmu.estimation.correlation import correlation_length
 
 from .inputs.car import Car
+from .inputs.car_entries import ENTRIES
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
 from .interval import BALANCE, CHUNK, Interval
@@ -26,15 +27,18 @@ from .unknowns import Unknowns
 FloatArray = npt.NDArray[np.float64]
 
 #: Deviations of the balance, per load: at the start, and the smallest one (the error of the midpoint rule).
-START_DEVIATION, MIN_DEVIATION = 0.05, 1e-3
+START_DEVIATION, MIN_DEVIATION = 0.1, 1e-3
 #: Longest step of an unknown, in its standard deviations.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
-LARGEST = 4.0
+LARGEST = 10.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
-#: Solutions for given deviations; steps of a solution; relative decrease of the cost at which it ends.
-ROUNDS, MAX_STEPS, TOLERANCE = 4, 30, 1e-7
+#: Most solutions for given deviations; steps of a solution; relative decrease of the cost at which it ends.
+ROUNDS, MAX_STEPS, TOLERANCE = 12, 12, 1e-7
+#: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of a
+#: deviation below which the integral over the states counts.
+SETTLED, NEAR, LARGEST_CHANGES = 0.1, 0.7, (-2.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -94,15 +98,22 @@ def estimated(
     deviations, noise = np.full(len(BALANCE), START_DEVIATION), np.ones(len(MEASURED))
     balance, weights = slice(-len(BALANCE), None), np.ones((len(grid.t), len(interval.residuals)))
     # The motion first: from a poor one the unknowns would run away.
-    states, *_ = _solved(grid, interval, states, z, 10.0 * deviations, noise, weights, longest=0.0)
+    tilt, steps = np.zeros(len(z)), np.zeros((0, 2, len(BALANCE)))
+    states, *_ = _solved(grid, interval, states, z, 10.0 * deviations, noise, weights, tilt, longest=0.0)
     for _ in range(ROUNDS):
-        states, z, linear, converged = _solved(grid, interval, states, z, deviations, noise, weights)
+        states, z, linear, converged = _solved(grid, interval, states, z, deviations, noise, weights, tilt)
         estimate = _with_covariance(grid, interval, states, z, deviations, noise, linear, converged)
         variance = estimate.variances(linear.jacobian[:, balance])
         determined = np.maximum(len(grid.t) - variance.sum(axis=0), 1.0)
-        deviations = np.maximum(
-            deviations * np.sqrt(np.sum(linear.values[:, balance] ** 2, axis=0) / determined), MIN_DEVIATION
-        )
+        excess = np.log(np.sum(linear.values[:, balance] ** 2, axis=0) / determined) / 2
+        steps = np.concatenate([steps, [[np.log(deviations), excess]]])
+        used, deviations = deviations, np.maximum(deviations * np.exp(_secant(steps)), MIN_DEVIATION)
+        change = float(np.abs(np.log(deviations / used)).max())
+        slope = _volume_slope(grid, interval, unknowns, estimate, used, weights) if change < NEAR else np.zeros(len(z))
+        shift = np.abs(slope - tilt) * np.sqrt(np.diag(estimate.covariance))
+        if converged and max(change, shift.max()) < SETTLED:
+            break
+        tilt = slope
         noise = noise * _excess(linear.values[:, : len(MEASURED)])
         grid = with_steering(grid, log, car, unknowns.car_values(z))
         scaled = linear.values / weights / np.maximum(np.sqrt(np.mean(linear.values**2, axis=0)), 1e-12)
@@ -110,9 +121,17 @@ def estimated(
     # A residual that is correlated over time has the information of fewer independent ones.
     lengths = [correlation_length(linear.values[:, balance][:, i], grid.segment) for i in range(len(BALANCE))]
     widened = deviations * np.sqrt(lengths)
-    states, z, linear, converged = _solved(grid, interval, states, z, widened, noise, weights)
+    linear = evaluated(interval.residual_chunk, grid, states, z, widened, interval_data(grid, noise)).weighted(weights)
     final = _with_covariance(grid, interval, states, z, widened, noise, linear, converged)
     return grid, replace(final, deviations=deviations)
+
+
+def _secant(steps: FloatArray) -> FloatArray:
+    """Return the change of logarithms x at which f is 0, from the last pairs of x and f, shape (n, 2, n_x)."""
+    (x, f), (last_x, last_f) = steps[-1], steps[-2] if len(steps) > 1 else steps[-1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        slope = np.nan_to_num((f - last_f) / (x - last_x), nan=-1.0)
+    return np.asarray(np.clip(-f / np.clip(slope, -1.0, -0.2), *LARGEST_CHANGES))
 
 
 def _excess(residual: FloatArray) -> FloatArray:
@@ -130,9 +149,10 @@ def interval_data(grid: Grid, noise: FloatArray) -> FloatArray:
 
 
 def evaluated(
-    function: Any, grid: Grid, states: FloatArray, z: FloatArray, deviations: FloatArray, data: FloatArray
+    function: Any, grid: Grid, states: FloatArray, z: FloatArray, deviations: FloatArray, data: FloatArray,
+    more: FloatArray | None = None,
 ) -> Linear:
-    """Return a function of `Interval` at all intervals."""
+    """Return a function of `Interval` at all intervals; `more`, shape (n, n_more): its last argument."""
     n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[1] + len(z)
     values, jacobian = np.empty((n, m)), np.empty((n, m, width))
     constant = np.concatenate([z, deviations, grid.used])
@@ -140,7 +160,8 @@ def evaluated(
         rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
         ends = states[grid.left[rows]], states[grid.right[rows]]
         results = [np.empty((CHUNK, m)), np.empty((CHUNK, m * width))]
-        _call(function, [*ends, data.T[rows], np.tile(constant, (CHUNK, 1))], results)
+        last = [] if more is None else [more[rows]]
+        _call(function, [*ends, data.T[rows], np.tile(constant, (CHUNK, 1)), *last], results)
         some = slice(first, min(first + CHUNK, n))
         count = some.stop - first
         values[some] = results[0][:count]
@@ -161,20 +182,20 @@ def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray])
 
 def _solved(
     grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, noise: FloatArray,
-    weights: FloatArray, longest: float = LONGEST_STEP,
+    weights: FloatArray, tilt: FloatArray, longest: float = LONGEST_STEP,
 ) -> tuple[FloatArray, FloatArray, Linear, bool]:  # fmt: skip
     """Return states, unknowns, problem there, and whether the Gauss-Newton steps converged (Levenberg, Marquardt)."""
     data = interval_data(grid, noise)
     linear = evaluated(interval.residual_chunk, grid, states, z, deviations, data).weighted(weights)
-    cost, damping = linear.cost(z), 1e-6
+    cost, damping = linear.cost(z) + float(tilt @ z), 1e-6
     for _ in range(MAX_STEPS):
-        change, change_z = _step(grid, linear, states, z, damping, longest)
+        change, change_z = _step(grid, linear, states, z, tilt, damping, longest)
         tried = evaluated(interval.residual_chunk, grid, states + change, z + change_z, deviations, data).weighted(
             weights
         )
-        lower = tried.cost(z + change_z)
+        lower = tried.cost(z + change_z) + float(tilt @ (z + change_z))
         if np.isfinite(lower) and lower <= cost:
-            gain = (cost - lower) / cost
+            gain = (cost - lower) / abs(cost)
             states, z, linear, cost = states + change, z + change_z, tried, lower
             damping = max(damping / 10, 1e-9)
             if gain < TOLERANCE:
@@ -187,12 +208,12 @@ def _solved(
 
 
 def _step(
-    grid: Grid, linear: Linear, states: FloatArray, z: FloatArray, damping: float, longest: float
+    grid: Grid, linear: Linear, states: FloatArray, z: FloatArray, tilt: FloatArray, damping: float, longest: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return the step of states and unknowns; a matrix that rounding makes indefinite is damped more."""
     while True:
         try:
-            return _Factor(grid, linear, states.shape[1], damping).step(z, longest)
+            return _Factor(grid, linear, states.shape[1], damping).step(z + tilt, z, longest)
         except np.linalg.LinAlgError:
             damping = max(100.0 * damping, 1e-9)
 
@@ -224,15 +245,33 @@ class _Factor:
         self.schur = corner - border.T @ self.solved_border
         self.damping = damping
 
-    def step(self, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
+    def step(self, slope: FloatArray, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
         """Return the step of the states and of the unknowns; of an unknown at most `longest`."""
         solved = cho_solve_banded((self.band, True), self._gradient, check_finite=False)
-        gradient = self._gradient_z + z - self._border.T @ solved
+        gradient = self._gradient_z + slope - self._border.T @ solved
         damped = self.schur + self.damping * np.diag(np.diag(self.schur))
         change_z = -cho_solve(cho_factor(damped), gradient)
         change_z *= min(1.0, longest / max(float(np.abs(change_z).max()), 1e-12))
         change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z
         return (-solved - self.solved_border @ change_z).reshape(self._shape), change_z
+
+
+def _volume_slope(
+    grid: Grid, interval: Interval, unknowns: Unknowns, estimate: Estimate, deviations: FloatArray, weights: FloatArray
+) -> FloatArray:
+    """Return the derivatives by the unknowns of what the integral over the states adds to the cost (Laplace).
+
+    Without it, forces that depend on estimated slip angles have too low a stiffness. Sensors shift what is measured,
+    which changes no volume.
+    """
+    n = estimate.pairs.shape[1]
+    shares = (estimate.residuals.jacobian[:, :, :n] @ estimate.pairs) * weights[:, :, None]
+    more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
+    data = interval_data(grid, estimate.noise)
+    slopes = evaluated(interval.volume_chunk, grid, estimate.states, estimate.z, deviations, data, more).jacobian[:, 0]
+    result = slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes)
+    result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section == "sensors"]] = 0.0
+    return np.asarray(result)
 
 
 def _with_covariance(

@@ -13,10 +13,11 @@ from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
+from .rivals import probabilities_of
 from .unknowns import AXLES, Unknowns
 
-#: An entry of the car that is this many of its standard deviations from the file contradicts it.
-CAR_DEVIATION = 3.0
+#: Posterior probability at which a change of a tire or a wrong entry of the car is a finding.
+CERTAIN = 0.95
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
 #: repeated bench measurement scatters by 1 to 2 %.
 UNEXPLAINED = 0.03
@@ -29,22 +30,24 @@ MEANING = {
 
 @dataclass(frozen=True)
 class Finding:
-    """A difference of a tire: `axle`, `name` of the factor, `effect` ("friction is lower"), the factor."""
+    """A difference of a tire: `axle`, `name` of the factor, `effect` ("friction is lower"), factor, its probability."""
 
     axle: str
     name: str
     effect: str
     factor: Factor
+    probability: float
 
 
 @dataclass(frozen=True)
 class CarFinding:
-    """An entry of the car that contradicts its file: `name`, `value`, `given`, `deviation` in standard deviations."""
+    """An entry of the car that contradicts its file: `deviation` in standard deviations, `probability`."""
 
     name: str
     value: float
     given: float
     deviation: float
+    probability: float
 
 
 @dataclass(frozen=True)
@@ -70,17 +73,17 @@ def verdict_on(
     factors: Mapping[str, Mapping[str, Factor]],
 ) -> Verdict:
     """Return the verdict on a drive."""
+    probabilities = probabilities_of(estimate, unknowns)
     findings = tuple(
-        Finding(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor)
-        for axle in AXLES
-        for name, factor in factors[axle].items()
-        if factor.changed
+        Finding(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability)
+        for (axle, name), probability in probabilities.factors.items()
+        if (factor := factors[axle][name]).determined and probability > CERTAIN
     )
     values = unknowns.car_values(estimate.z)
     of_car = tuple(
-        CarFinding(name, values[name], car.values[name], float(z))
+        CarFinding(name, values[name], car.values[name], float(z), probabilities.car[name])
         for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if abs(z) > CAR_DEVIATION
+        if probabilities.car[name] > CERTAIN
     )
     unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.deviations[i] > UNEXPLAINED)
     return Verdict(findings, of_car, unknown, tuple(_lines(findings, of_car, unknown, factors, estimate)))
