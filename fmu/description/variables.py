@@ -10,8 +10,8 @@ from math import inf, isfinite
 from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Coefficient, Option, Quantity
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.options import signs
 from tirefmu.symbolic.models import model_named
+from tirefmu.symbolic.options import signs
 from tirefmu.tires import Tire
 
 

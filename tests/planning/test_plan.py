@@ -135,7 +135,7 @@ def test_unknown_aim_and_too_little_time():
     [
         ('low = "-12 deg"', 'low = "-12 kPa"', "measures pressure, not angle"),
         ('high = "12 deg"', 'high = "-20 deg"', "low is above high"),
-        ("sample_rate = 50.0", "sample_rate = -1.0", "0 or more"),
+        ("sample_rate = 50.0", "sample_rate = -1.0", "sample_rate is -1.0: expected a number above 0"),
         ("levels = 4", "levles = 4", "did you mean levels"),
         ("low = 220.0", "low = 0.0", "low has to be positive"),
     ],
