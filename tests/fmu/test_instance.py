@@ -218,7 +218,9 @@ def test_a_serialized_state_restores_everything_in_another_instance(hosts, fmi):
     assert instance.step(0.0, 0.25) == OK
     content = instance.serialized()
     other.start().set(PKX1=other.get("PKX1")[0] * 0.9, kappa=-0.3, Fz=100.0)
-    status, state = other.deserialize(content)
+    force = struct.pack("d", *instance.get("Fx"))
+    assert force in content
+    status, state = other.deserialize(content.replace(force, bytes(8)))  # computed values are computed again
     assert status == other.restore(state) == OK
     assert np.array_equal(other.everything(), instance.everything())
     assert other.step(0.25, 0.25) == instance.step(0.25, 0.25) == OK  # the time is restored, too
