@@ -213,7 +213,7 @@ def test_the_log_can_be_chosen(running):
 
 
 def test_after_a_reset_the_instance_is_a_new_one(hosts, fmi):
-    used, new = hosts("mf61", fmi).start(), hosts("mf61", fmi).start()
+    used, new = hosts("rolling", fmi).start(), hosts("rolling", fmi).start()
     used.set(PDX1=used.get("PDX1")[0] * 1.02, **POINT)
     assert used.step(0.0, 0.25) == used.call("Reset") == OK
     assert used.start().serialized() == new.serialized()
