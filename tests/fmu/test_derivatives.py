@@ -130,6 +130,9 @@ def test_they_are_differences_of_the_outputs(turned, name, inputs):
             assert np.all(np.abs(exact[:, j] - differences) < 1e-5 * np.abs(differences) + noise), known
         by_rows = np.array([adjoint(host, [unknown], knowns, [1.0]) for unknown in unknowns])
         np.testing.assert_allclose(by_rows, exact, rtol=1e-9, atol=1e-9)
+        seed = np.linspace(-1.0, 2.0, len(unknowns))
+        together = adjoint(host, unknowns, knowns, seed)
+        assert np.all(np.abs(together - seed @ exact) <= 1e-9 * (1.0 + np.abs(exact).sum(axis=0)))
         if rates:
             np.testing.assert_allclose(
                 matrix(host, rates[:1], ["kappa_lagged"]), -adjoint(host, rates[:1], ["kappa_lagged"], [-1.0])[None]

@@ -12,8 +12,8 @@ import pytest
 from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu import export
 from tirefmu.fmu.description.documentation import license_of
-from tirefmu.fmu.packaging.export import c_identifier
-from tirefmu.tires import read_tir
+from tirefmu.fmu.packaging.export import c_identifier, contents
+from tirefmu.tires import published, read_tir
 
 ROOT = Path(__file__).parents[2]
 
@@ -32,6 +32,17 @@ def test_equal_tires_give_equal_bytes(fmus, fmi, tire, tmp_path, fresh_cache):
     # Compiled again in another folder.
     again = export(tire, tmp_path / f"first_{fmi}.fmu", fmi=fmi)
     assert again.read_bytes() == fmus["first", fmi].read_bytes()
+
+
+@pytest.mark.parametrize(("kind", "fmi"), [("native", 2), ("native", 3), ("pythonfmu", 2)])
+def test_the_signs_of_a_tire_change_no_value(kind, fmi):
+    tire = published("trento_hoosier")
+    shown = []
+    for each in (tire, tire.in_signs("iso")):
+        files = contents(each, fmi, "hoosier", kind)
+        page = files["documentation/index.html"].replace(b", converted from adapted-sae signs", b"")
+        shown.append((page, re.findall(rb' start="[^"]*"', files["modelDescription.xml"])))
+    assert shown[0] == shown[1]
 
 
 def test_the_code_of_a_model_is_compiled_once(tires, tmp_path, fresh_cache, compiler):

@@ -5,9 +5,11 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import find_peaks
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import level_tolerance, levels
+from tirefmu.measurements.operating_conditions.levels import _peaks, _prominences
 
 
 def test_a_tolerance_is_positive():
@@ -66,3 +68,11 @@ def test_little_data():
 def test_tolerance_comes_from_the_columns_name():
     assert level_tolerance([-900.0, 100.0], "Fz") == pytest.approx(36.0)
     assert level_tolerance([0.1], "gamma") == pytest.approx(np.radians(0.5))
+
+
+@given(values=st.lists(st.integers(0, 6), min_size=1, max_size=40))
+def test_peaks_and_prominences_are_those_of_scipy(values):
+    density = np.array(values, dtype=np.float64)
+    peaks, properties = find_peaks(density, prominence=0.0)
+    np.testing.assert_array_equal(_peaks(density), peaks)
+    np.testing.assert_array_equal(_prominences(density, peaks), properties["prominences"])
