@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -81,6 +81,9 @@ recovery: $(VENV)/installed-dev  ## recovery of known coefficients: 100 fits per
 
 planning: $(VENV)/installed-dev  ## planned programs: bench time, predicted and achieved intervals, three tires
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/planning.py $(PLANNING_ARGS)
+
+confounded: $(VENV)/installed-dev  ## confounded diagnoses and the planned next measurement
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/confounded.py $(CONFOUNDED_ARGS)
 
 coverage: $(VENV)/installed-dev  ## coverage of intervals of made recordings: noise, offsets, a memory, an effect that the model lacks
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/coverage.py $(COVERAGE_ARGS)
