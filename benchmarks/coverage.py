@@ -23,9 +23,9 @@ import pandas as pd
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
 from known_tires import LOADS, NOMINAL, SIZES, known_tire, moved
 
-from tirefmu.estimation.bench_errors import CROSS_TALK_PRIOR_SHARE, MAX_CROSS_TALK, cross_talk
 from tirefmu.fitting import FitResult, fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
+from tirefmu.measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE, MAX_CROSS_TALK, cross_talk
 from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
 from tirefmu.tires import Tire
 

@@ -21,9 +21,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from tirefmu.estimation.bench_errors import CROSS_TALK_PRIOR_SHARE as CROSS_TALK_PRIOR_SHARE
-from tirefmu.estimation.bench_errors import DRIFT_WAVES as DRIFT_WAVES
-from tirefmu.estimation.bench_errors import MAX_CROSS_TALK as MAX_CROSS_TALK
+from tirefmu.measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE as CROSS_TALK_PRIOR_SHARE
+from tirefmu.measurements.virtual_bench.bench_errors import DRIFT_WAVES as DRIFT_WAVES
+from tirefmu.measurements.virtual_bench.bench_errors import MAX_CROSS_TALK as MAX_CROSS_TALK
 
 # ------------------------------------------------------------------ the recording
 

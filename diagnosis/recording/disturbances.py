@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.bench_errors import cross_talk, half_waves
 from tirefmu.estimation.periodic_lines import PeriodicLine
+from tirefmu.measurements.virtual_bench.bench_errors import cross_talk, half_waves
 
 from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, MAX_CROSS_TALK, OFFSET_PRIOR
 from .signals import Signals

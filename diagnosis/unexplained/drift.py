@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.bench_errors import half_waves
+from tirefmu.measurements.virtual_bench.bench_errors import half_waves
 
 from ..probing.effect_probing import Screen
 from ..recording.disturbances import passed

@@ -260,9 +260,8 @@ class FitResult:
         Returns
         -------
         pandas.DataFrame
-            ``value``, ``error`` (standard error under time-correlated noise and errors of the form of the model, see
-            `tirefmu.fitting.uncertainty.discrepancy`), ``lower`` and ``upper`` by row. The intervals do not contain
-            constant offsets of sensors.
+            ``value``, ``error`` (standard error under time-correlated noise, errors of the form of the model, and slow
+            errors of the sensors, see `tirefmu.fitting.uncertainty`), ``lower`` and ``upper`` by row.
 
         Raises
         ------

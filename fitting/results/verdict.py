@@ -121,10 +121,17 @@ def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
 
 
 def _unsteady(result: FitResult) -> Iterator[str]:
-    """Yield that the forces change over time by more than a tire does; a fit hides a part of it in its coefficients."""
+    """Yield that the forces change over time by more than a tire does; a fit hides a part of it in its coefficients.
+
+    The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
+    """
     found = result.solution.discrepancies
+    over_time = {
+        c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs and lacks_something(c)
+    }
     for each in found:
-        if each.channel in FORCES and each.own and _chance(each.state_chance, found) and 2.0 * each.state > UNSTEADY:
+        large = each.channel in over_time.intersection(FORCES) and 2.0 * each.state > UNSTEADY
+        if large and each.own and _chance(each.state_chance, found):
             yield (
                 f"{each.channel} changes by {2.0 * each.state:.0%} (two standard deviations) over time, or with an "
                 "input that the table lacks: diagnose"

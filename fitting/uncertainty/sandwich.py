@@ -186,7 +186,9 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
     return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete, found)
 
 
-def _eigenvectors(curvature: FloatArray, middle: FloatArray) -> tuple[FloatArray, ...]:
+def _eigenvectors(
+    curvature: FloatArray, middle: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, npt.NDArray[np.bool_]]:
     """Return the covariance in the basis of the eigenvectors, deviations along them, the inverse of the eigenvalues.
 
     Further the eigenvectors, and which of them are not identifiable.

@@ -2,8 +2,9 @@
 
 The tire follows an error that is constant over a recording, so that it is not in the residual. The errors are unknown,
 with the sizes of a tire test bench (`tirefmu.measurements.Noise`, scaled by the largest load, and
-`tirefmu.estimation.bench_errors`), independent of each other and between recordings. To first order an error that
-changes the residuals by c changes the solution by -H^-1 J^T W c, as in the consider covariance of Schmidt (1966).
+`tirefmu.measurements.virtual_bench.bench_errors`), independent of each other and between recordings. To first order an
+error that changes the residuals by c changes the solution by -H^-1 J^T W c, as in the consider covariance of Schmidt
+(1966).
 """
 
 from __future__ import annotations
@@ -14,8 +15,14 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.bench_errors import CROSS_TALK_PRIOR_SHARE, DRIFT_WAVES, MAX_CROSS_TALK, cross_talk, half_waves
 from tirefmu.measurements import ChannelNoise, Noise
+from tirefmu.measurements.virtual_bench.bench_errors import (
+    CROSS_TALK_PRIOR_SHARE,
+    DRIFT_WAVES,
+    MAX_CROSS_TALK,
+    cross_talk,
+    half_waves,
+)
 
 from ..problem.weighted_residuals import Problem
 from .sample import Sample
