@@ -2,8 +2,10 @@
 
 A least-squares problem in the states of all nodes and the unknowns. Its Jacobian is exact (CasADi). The Gauss-Newton
 matrix is block tridiagonal in the nodes with a border of the unknowns; its banded Cholesky factor also gives the
-covariance. The deviations of the balance of forces (how much the motion requires beyond the tires) follow from the
-residuals by the fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
+covariance. The deviations of the balance of forces (how much the motion requires beyond the tires) are those at the
+fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992). The unknowns maximize the posterior
+integrated over the states: the optimum in both together would have too low a stiffness, as fits to noisy slip angles
+have.
 """
 
 from __future__ import annotations
@@ -36,8 +38,8 @@ LARGEST = 10.0
 OUTLYING = 3.0
 #: Most solutions for given deviations; steps of a solution; relative decrease of the cost at which it ends.
 ROUNDS, MAX_STEPS, TOLERANCE = 12, 12, 1e-7
-#: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of a
-#: deviation below which the integral over the states counts.
+#: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of
+#: a deviation below which the integral over the states counts; limits of such a change.
 SETTLED, NEAR, LARGEST_CHANGES = 0.1, 0.7, (-2.0, 1.0)
 
 
@@ -137,7 +139,7 @@ def estimated(
         shift = np.abs(slope - tilt) * np.sqrt(np.diag(estimate.covariance))
         if converged and max(change, shift.max()) < SETTLED:
             break
-        tilt = slope
+        tilt = (tilt + slope) / 2 if tilt.any() else slope
         noise = noise * _excess(linear.values[:, : len(MEASURED)])
         grid = with_steering(grid, log, car, unknowns.car_values(z))
         scaled = linear.values / weights / np.maximum(np.sqrt(np.mean(linear.values**2, axis=0)), 1e-12)
@@ -175,7 +177,7 @@ def interval_data(grid: Grid, noise: FloatArray) -> FloatArray:
 def evaluated(
     function: Any, grid: Grid, states: FloatArray, z: FloatArray, deviations: FloatArray, data: FloatArray,
     more: FloatArray | None = None,
-) -> Linear:
+) -> Linear:  # fmt: skip
     """Return a function of `Interval` at all intervals; `more`, shape (n, n_more): its last argument."""
     n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[1] + len(z)
     values, jacobian = np.empty((n, m)), np.empty((n, m, width))
@@ -285,8 +287,8 @@ def _volume_slope(
 ) -> FloatArray:
     """Return the derivatives by the unknowns of what the integral over the states adds to the cost (Laplace).
 
-    Without it, forces that depend on estimated slip angles have too low a stiffness. Sensors shift what is measured,
-    which changes no volume.
+    Without it, forces that depend on estimated slip angles have too low a stiffness. Sensors and brakes shift what is
+    measured and pushed, which changes no volume but that of the linearization.
     """
     n = estimate.pairs.shape[1]
     shares = (estimate.residuals.jacobian[:, :, :n] @ estimate.pairs) * weights[:, :, None]
@@ -294,7 +296,7 @@ def _volume_slope(
     data = interval_data(grid, estimate.noise)
     slopes = evaluated(interval.volume_chunk, grid, estimate.states, estimate.z, deviations, data, more).jacobian[:, 0]
     result = slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes)
-    result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section == "sensors"]] = 0.0
+    result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section in ("sensors", "wheels")]] = 0.0
     return np.asarray(result)
 
 

@@ -21,9 +21,9 @@ from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Prior probability that a factor changed, and odds that an entry of the car is wrong or that the tires lack an effect; a
-#: wrong entry has this many times its uncertainty. Judgement: who compares a drive expects other tires as likely as not,
-#: and most numbers of a car right.
+#: Prior probability that a factor changed; odds that an entry of the car is wrong, or that the tires lack an effect;
+#: how many times its uncertainty a wrong entry has. Judgement: who compares a drive expects other tires as likely as
+#: not, and most numbers of a car right.
 CHANGED, ODDS, WRONG_SPREAD = 0.5, 0.05, 10.0
 
 

@@ -56,7 +56,7 @@ class CarFinding:
 
 @dataclass(frozen=True)
 class EffectFinding:
-    """An effect of the library that the tires lack: `effect`, `probability`."""
+    """A candidate for an effect that the tires lack: `effect`, `probability`."""
 
     effect: str
     probability: float
@@ -66,8 +66,8 @@ class EffectFinding:
 class Verdict:
     """The verdict.
 
-    - `tires`: findings. `car`: entries that contradict the car file. `effects`: of the library, likely ones first;
-      together they have the probability `lacking`. A single one above `CERTAIN` is identified.
+    - `tires`: findings. `car`: entries that contradict the car file. `effects`: candidates of the library, likely ones
+      first; `lacking`: the probability that the tires lack any of the library.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
     """
@@ -112,10 +112,9 @@ def verdict_on(
 
 
 def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
-    names = ", ".join(f"{finding.effect} ({100 * finding.probability:.0f} %)" for finding in likely)
-    if likely and likely[0].probability > CERTAIN:
-        return f"the tires lack an effect: {names}"
-    return f"the tires lack an effect; the drive does not separate {names or 'the candidates'}"
+    # Linear scores are too sharp for a name: effects with similar responses take each other's place.
+    names = ", ".join(finding.effect for finding in likely)
+    return f"the tires lack an effect; candidates of the library, likely ones first: {names or 'many'}"
 
 
 def _lines(
