@@ -11,6 +11,7 @@ from tirefmu.boundary.errors import DataError
 from tirefmu.tires import Tire, tire_from
 from tirefmu.tires.tire_argument import TireLike
 
+from .effects import effect_columns
 from .estimate import estimated
 from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
@@ -102,10 +103,9 @@ def _answer(car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple
     scaled = scaled_tires(tires, factors)
     before = simulated(grid, estimate, unknowns, car, tires, known_car=False)
     after = simulated(grid, estimate, unknowns, car, scaled, known_car=True)
-    return Drive(
-        log, car, grid, unknowns, estimate, tires, scaled, factors, wheel_table(grid, estimate), before, after,
-        verdict_on(car, tires, unknowns, estimate, factors),
-    )  # fmt: skip
+    wheels = wheel_table(grid, estimate)
+    verdict = verdict_on(car, unknowns, grid, estimate, factors, effect_columns(wheels, scaled, car.axle_loads))
+    return Drive(log, car, grid, unknowns, estimate, tires, scaled, factors, wheels, before, after, verdict)
 
 
 def _start(grid: Grid, states: tuple[str, ...], log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> FloatArray:

@@ -8,10 +8,10 @@ from typing import Annotated, Any, TypedDict
 from tirefmu.boundary.json_schema import document, schema_of
 
 from .factors import Factor
-from .verdict import CarFinding, Finding
+from .verdict import CarFinding, EffectFinding, Finding
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.0"
+VERSION = "1.1"
 
 
 class CarEntry(TypedDict):
@@ -49,6 +49,8 @@ class DriveContent(TypedDict):
     found: Annotated[Sequence[Finding], "differences of the tires"]
     unknown: Annotated[bool, "whether the tires do not explain the side force of an axle"]
     unexplained: Annotated[dict[str, float], "deviation of the balance of forces per load by axle"]
+    effects: Annotated[Sequence[EffectFinding], "of the library, likely ones first"]
+    lacking: Annotated[float, "probability that the tires lack an effect of the library"]
     car: CarContent
     correlations: Annotated[dict[str, dict[str, float]], "of determined factors with entries of the car, above 0.3"]
     simulation: SimulationContent

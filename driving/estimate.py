@@ -2,8 +2,10 @@
 
 A least-squares problem in the states of all nodes and the unknowns. Its Jacobian is exact (CasADi). The Gauss-Newton
 matrix is block tridiagonal in the nodes with a border of the unknowns; its banded Cholesky factor also gives the
-covariance. The deviations of the balance of forces (how much the motion requires beyond the tires) follow from the
-residuals by the fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
+covariance. The deviations of the balance of forces (how much the motion requires beyond the tires) are those at the
+fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992). The unknowns maximize the posterior
+integrated over the states: the optimum in both together would have too low a stiffness, as fits to noisy slip angles
+have.
 """
 
 from __future__ import annotations
@@ -36,8 +38,8 @@ LARGEST = 10.0
 OUTLYING = 3.0
 #: Most solutions for given deviations; steps of a solution; relative decrease of the cost at which it ends.
 ROUNDS, MAX_STEPS, TOLERANCE = 12, 12, 1e-7
-#: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of a
-#: deviation below which the integral over the states counts.
+#: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of
+#: a deviation below which the integral over the states counts; limits of such a change.
 SETTLED, NEAR, LARGEST_CHANGES = 0.1, 0.7, (-2.0, 1.0)
 
 
@@ -66,6 +68,7 @@ class Estimate:
     - `residuals`, `outputs`: of the intervals at the solution.
     - `covariance`, shape (n_z, n_z). `pairs`, shape (n, 2 n_states, 2 n_states): covariance of the nodes of an interval
       for given unknowns; `slopes`, shape (n, 2 n_states, n_z): their change with the unknowns.
+    - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
     - `converged`: whether the last solution ended by its tolerance.
     """
 
@@ -78,6 +81,7 @@ class Estimate:
     covariance: FloatArray
     pairs: FloatArray
     slopes: FloatArray
+    weights: FloatArray
     converged: bool
 
     def variances(self, J: FloatArray) -> FloatArray:
@@ -88,6 +92,28 @@ class Estimate:
             np.einsum("kri,kij,krj->kr", J[:, :, :n], self.pairs, J[:, :, :n], optimize=True)
             + np.einsum("kri,ij,krj->kr", by_z, self.covariance, by_z, optimize=True)
         )
+
+    def information(self, grid: Grid, added: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the information of the log on the unknowns and on coefficients of added forces, and its score at 0.
+
+        `added`, shape (n, 2, n_added): side force per static load for a coefficient of 1. Priors are not included.
+        Returns matrix and vector of n_z + n_added.
+        """
+        J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
+        factor, columns = _Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
+        balance = J[:, -len(BALANCE) :]
+        border = np.zeros((grid.n_nodes, n, added.shape[2]))
+        for nodes, part in ((grid.left, balance[:, :, :n]), (grid.right, balance[:, :, n : 2 * n])):
+            np.add.at(border, nodes, np.einsum("kri,krj->kij", part, columns))
+        border = border.reshape(-1, added.shape[2])
+        solved = cho_solve_banded((factor.band, True), border, check_finite=False)
+        cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
+        corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
+        slope = np.einsum("krj,kr->j", columns, r[:, -len(BALANCE) :]) - solved.T @ factor.gradient
+        precision = np.linalg.inv(self.covariance)
+        both = np.block([[precision - np.eye(len(self.z)), cross], [cross.T, corner]])
+        # The unknowns are at their optimum; the score is that at 0, for a quadratic cost.
+        return both, np.concatenate([precision @ self.z, cross.T @ self.z - slope])
 
 
 def estimated(
@@ -102,7 +128,7 @@ def estimated(
     states, *_ = _solved(grid, interval, states, z, 10.0 * deviations, noise, weights, tilt, longest=0.0)
     for _ in range(ROUNDS):
         states, z, linear, converged = _solved(grid, interval, states, z, deviations, noise, weights, tilt)
-        estimate = _with_covariance(grid, interval, states, z, deviations, noise, linear, converged)
+        estimate = _with_covariance(grid, interval, states, z, deviations, noise, linear, weights, converged)
         variance = estimate.variances(linear.jacobian[:, balance])
         determined = np.maximum(len(grid.t) - variance.sum(axis=0), 1.0)
         excess = np.log(np.sum(linear.values[:, balance] ** 2, axis=0) / determined) / 2
@@ -113,7 +139,7 @@ def estimated(
         shift = np.abs(slope - tilt) * np.sqrt(np.diag(estimate.covariance))
         if converged and max(change, shift.max()) < SETTLED:
             break
-        tilt = slope
+        tilt = (tilt + slope) / 2 if tilt.any() else slope
         noise = noise * _excess(linear.values[:, : len(MEASURED)])
         grid = with_steering(grid, log, car, unknowns.car_values(z))
         scaled = linear.values / weights / np.maximum(np.sqrt(np.mean(linear.values**2, axis=0)), 1e-12)
@@ -122,7 +148,7 @@ def estimated(
     lengths = [correlation_length(linear.values[:, balance][:, i], grid.segment) for i in range(len(BALANCE))]
     widened = deviations * np.sqrt(lengths)
     linear = evaluated(interval.residual_chunk, grid, states, z, widened, interval_data(grid, noise)).weighted(weights)
-    final = _with_covariance(grid, interval, states, z, widened, noise, linear, converged)
+    final = _with_covariance(grid, interval, states, z, widened, noise, linear, weights, converged)
     return grid, replace(final, deviations=deviations)
 
 
@@ -151,7 +177,7 @@ def interval_data(grid: Grid, noise: FloatArray) -> FloatArray:
 def evaluated(
     function: Any, grid: Grid, states: FloatArray, z: FloatArray, deviations: FloatArray, data: FloatArray,
     more: FloatArray | None = None,
-) -> Linear:
+) -> Linear:  # fmt: skip
     """Return a function of `Interval` at all intervals; `more`, shape (n, n_more): its last argument."""
     n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[1] + len(z)
     values, jacobian = np.empty((n, m)), np.empty((n, m, width))
@@ -236,8 +262,8 @@ class _Factor:
         self.band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
         border = np.zeros((size, J.shape[2] - 2 * n))
         np.add.at(border, rows.ravel(), blocks[:, : 2 * n, 2 * n :].reshape(-1, border.shape[1]))
-        self._gradient = np.zeros(size)
-        np.add.at(self._gradient, rows.ravel(), slopes[:, : 2 * n].ravel())
+        self.gradient = np.zeros(size)
+        np.add.at(self.gradient, rows.ravel(), slopes[:, : 2 * n].ravel())
         self._gradient_z = slopes[:, 2 * n :].sum(axis=0)
         self._border = border
         self.solved_border = cho_solve_banded((self.band, True), border, check_finite=False)
@@ -247,7 +273,7 @@ class _Factor:
 
     def step(self, slope: FloatArray, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
         """Return the step of the states and of the unknowns; of an unknown at most `longest`."""
-        solved = cho_solve_banded((self.band, True), self._gradient, check_finite=False)
+        solved = cho_solve_banded((self.band, True), self.gradient, check_finite=False)
         gradient = self._gradient_z + slope - self._border.T @ solved
         damped = self.schur + self.damping * np.diag(np.diag(self.schur))
         change_z = -cho_solve(cho_factor(damped), gradient)
@@ -261,8 +287,8 @@ def _volume_slope(
 ) -> FloatArray:
     """Return the derivatives by the unknowns of what the integral over the states adds to the cost (Laplace).
 
-    Without it, forces that depend on estimated slip angles have too low a stiffness. Sensors shift what is measured,
-    which changes no volume.
+    Without it, forces that depend on estimated slip angles have too low a stiffness. Sensors and brakes shift what is
+    measured and pushed, which changes no volume but that of the linearization.
     """
     n = estimate.pairs.shape[1]
     shares = (estimate.residuals.jacobian[:, :, :n] @ estimate.pairs) * weights[:, :, None]
@@ -270,13 +296,13 @@ def _volume_slope(
     data = interval_data(grid, estimate.noise)
     slopes = evaluated(interval.volume_chunk, grid, estimate.states, estimate.z, deviations, data, more).jacobian[:, 0]
     result = slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes)
-    result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section == "sensors"]] = 0.0
+    result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section in ("sensors", "wheels")]] = 0.0
     return np.asarray(result)
 
 
 def _with_covariance(
     grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, noise: FloatArray,
-    linear: Linear, converged: bool,
+    linear: Linear, weights: FloatArray, converged: bool,
 ) -> Estimate:  # fmt: skip
     n = states.shape[1]
     factor = _Factor(grid, linear, n, 1e-9)
@@ -285,7 +311,8 @@ def _with_covariance(
     slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
     of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
     outputs = evaluated(interval.output_chunk, grid, states, z, deviations, interval_data(grid, noise))
-    return Estimate(states, z, deviations, noise, linear, outputs, covariance, pairs, of_pairs, converged)
+    scale = weights[:, -len(BALANCE) :] / deviations
+    return Estimate(states, z, deviations, noise, linear, outputs, covariance, pairs, of_pairs, scale, converged)
 
 
 def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:

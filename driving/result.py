@@ -98,6 +98,8 @@ class Drive:
             "found": self.verdict.tires,
             "unknown": bool(self.verdict.unknown),
             "unexplained": {axle: float(self.estimate.deviations[i]) for i, axle in enumerate(AXLES)},
+            "effects": self.verdict.effects,
+            "lacking": self.verdict.lacking,
             "car": {"found": self.verdict.car, "entries": entries},
             "correlations": self._correlations(),
             "simulation": {"before": self.before.rms, "after": self.after.rms},

@@ -14,6 +14,7 @@ import tirefmu
 from tests.json_schemas import check_file, objections
 from tirefmu.boundary.errors import DataError
 from tirefmu.cli import main
+from tirefmu.driving.inputs.car import Car
 from tirefmu.driving.report import write_drive
 from tirefmu.tires import read_tir
 
@@ -29,6 +30,7 @@ def test_the_factors_are_those_of_the_truth(answer):
     assert answer.ok
     assert not answer.verdict.car
     assert {finding.effect for finding in answer.verdict.tires} >= {"friction is lower"}
+    assert answer.verdict.lacking < 0.95  # the tires of the truth have no effect that those of the file lack
 
 
 def test_longitudinal_factors_are_not_determined(answer):
@@ -66,10 +68,23 @@ def test_the_forces_are_a_recording(answer, tmp_path):
     assert read_tir(written[1]).values["LMUY"] == pytest.approx(answer.factors["front"]["LMUY"].value)
 
 
+SAME = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}, {})
+
+
+def test_a_wrong_car_is_no_finding_of_a_tire(tire):
+    logs, _ = road.made_drives([SAME], ["step"], [True], seed=3, seconds=14.0)
+    content = road.car_content()
+    content["steering"]["ratio"] *= 1.06
+    verdict = tirefmu.drive(logs[0], vehicle=Car.from_content(content, "car.toml"), tire=tire).verdict
+    assert not verdict.tires
+    assert {finding.name for finding in verdict.car} <= {"ratio"}
+
+
 def test_without_a_peak_friction_is_not_determined(car, tire):
-    truth = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}, {})
-    logs, _ = road.made_drives([truth], ["sweep"], [False], seed=2, seconds=10.0)
-    factors = tirefmu.drive(logs[0], vehicle=car, tire=tire).factors
+    logs, _ = road.made_drives([SAME], ["sweep"], [False], seed=2, seconds=10.0)
+    answer = tirefmu.drive(logs[0], vehicle=car, tire=tire)
+    factors = answer.factors
+    assert not answer.verdict.tires
     for axle in ("front", "rear"):
         assert not factors[axle]["LMUY"].determined
         assert factors[axle]["LMUY"].low < 1.0 < factors[axle]["LMUY"].high
