@@ -134,7 +134,8 @@ def read_inputs(tire: Tire) -> set[str]:
     """
     reached = tire.symbolic_model.reached({*tire.outputs, *map(tire.symbolic_model.quantity, LENGTHS)}, tire.has)
     own = {quantity.name for quantity in model_named(tire.model).inputs}
-    return {name for name in tire.inputs if name in own | reached} - {name for effect, name in tire.symbolic_model.on_demand if effect not in tire.has}
+    unread = {name for effect, name in tire.symbolic_model.on_demand if effect not in tire.has}
+    return {name for name in tire.inputs if name in own | reached} - unread
 
 
 def direct_feedthrough(model: Model) -> dict[str, set[str]]:

@@ -160,7 +160,7 @@ static int step_driven(State *state, double inputs[3][N_INPUTS], double memory[3
     int moving = 1, found = 1;
 
     for (i = 0; i < N_MEMORY; i++)
-        if (is_driven(i))
+        if (!memory_is_direct(i)) /* temperatures have their values at the start of the whole step */
             memory[1][i] = memory[2][i] = memory[0][i];
     put(memory[0], inputs[0]);
     find_lines(state, inputs[0], lines[0]);
@@ -255,99 +255,100 @@ static void advance_others(State *state, const double lines[N_DRIVES], double h)
 }
 
 #if N_TEMPERATURES > 0
-enum { N_NODES = N_TEMPERATURES, SERIES = 14 };
-typedef double Matrix[N_NODES][N_NODES];
+enum { N_NODES = N_TEMPERATURES };
+/* More heat than this is not exchanged in a step, as a multiple of the stored heat: the temperatures are NaN. */
+#define MAX_EXCHANGE 1e6
+#define REMAINDER 1e-17
 
 static const int NODES[N_NODES] = TEMPERATURES, LINES[N_NODES][N_NODES] = EXCHANGE;
 
-/* result = unit + factor a b */
-static void multiply(Matrix a, Matrix b, double factor, Matrix result)
+/* result = x + share matrix y */
+static void apply(double matrix[N_NODES][N_NODES], const double y[N_NODES], double share, const double x[N_NODES],
+                  double result[N_NODES])
 {
-    size_t i, j, k;
+    size_t i, j;
 
-    for (i = 0; i < N_NODES; i++)
-        for (j = 0; j < N_NODES; j++) {
-            double sum = 0.0;
-            for (k = 0; k < N_NODES; k++)
-                sum += a[i][k] * b[k][j];
-            result[i][j] = (i == j) + factor * sum;
-        }
+    for (i = 0; i < N_NODES; i++) {
+        double sum = 0.0;
+        for (j = 0; j < N_NODES; j++)
+            sum += matrix[i][j] * y[j];
+        result[i] = x[i] + share * sum;
+    }
 }
 
-/* The temperatures after h seconds of x' = A x + b, where `lines` give A and b. */
+/* The temperatures after h seconds of x' = A x + b, where `lines` give A and b: x grows by (exp(A h) - 1)/(A h) x' h, a
+   series in parts of the step in which the norm of A h is at most 1/2. */
 static void exchange_heat(const double lines[N_DRIVES], double h, double memory[N_MEMORY])
 {
-    Matrix part, share, next;
-    double flow[N_NODES], size = 0.0;
-    int halvings = 0, k;
+    double matrix[N_NODES][N_NODES], flow[N_NODES], sum[N_NODES], next[N_NODES], size = 0.0, parts, bound;
     size_t i, j;
+    int k, terms = 1;
 
     for (i = 0; i < N_NODES; i++) {
         const size_t node = (size_t) NODES[i];
         double row = 0.0;
-        flow[i] = rate(lines, node) * (target(lines, node) - memory[node]) * h;
         for (j = 0; j < N_NODES; j++) {
-            part[i][j] = i == j ? -rate(lines, node) : LINES[i][j] < 0 ? 0.0 : lines[LINES[i][j]];
-            row += fabs(part[i][j] *= h);
-            share[i][j] = i == j;
+            matrix[i][j] = h * (i == j ? -rate(lines, node) : LINES[i][j] < 0 ? 0.0 : lines[LINES[i][j]]);
+            row += fabs(matrix[i][j]);
         }
-        size = fmax(size, row);
+        flow[i] = h * rate(lines, node) * (target(lines, node) - memory[node]);
+        size = row > size ? row : size;
     }
-    for (; size > 0.5 && isfinite(size); size *= 0.5)
-        halvings++;
-    for (i = 0; i < N_NODES; i++)
-        for (j = 0; j < N_NODES; j++)
-            part[i][j] = ldexp(part[i][j], -halvings);
-    for (k = SERIES; k > 1; k--) { /* (exp(A h) - 1)/(A h), by its series in a part of the step */
-        multiply(part, share, 1.0 / k, next);
-        memcpy(share, next, sizeof share);
-    }
-    for (; halvings > 0; halvings--) {
-        Matrix decay;
-        multiply(part, share, 1.0, decay); /* exp(A h) */
+    if (!(size < MAX_EXCHANGE)) {
         for (i = 0; i < N_NODES; i++)
-            decay[i][i] += 1.0;
-        multiply(decay, share, 0.5, next);
-        for (i = 0; i < N_NODES; i++)
-            for (j = 0; j < N_NODES; j++) {
-                share[i][j] = next[i][j] - (i == j);
-                part[i][j] *= 2.0;
-            }
+            memory[NODES[i]] = NAN;
+        return;
     }
-    for (i = 0; i < N_NODES; i++)
+    parts = fmax(1.0, ceil(2.0 * size));
+    for (i = 0; i < N_NODES; i++) {
+        flow[i] /= parts;
         for (j = 0; j < N_NODES; j++)
-            memory[NODES[i]] += share[i][j] * flow[j];
+            matrix[i][j] /= parts;
+    }
+    for (bound = size / parts; bound > REMAINDER; bound *= size / parts / terms)
+        terms++;
+    for (; parts > 0.0; parts--) {
+        memcpy(sum, flow, sizeof sum);
+        for (k = terms; k > 1; k--) {
+            apply(matrix, sum, 1.0 / k, flow, next);
+            memcpy(sum, next, sizeof sum);
+        }
+        for (i = 0; i < N_NODES; i++)
+            memory[NODES[i]] += sum[i];
+        apply(matrix, sum, 1.0, flow, next);
+        memcpy(flow, next, sizeof flow);
+    }
 }
 #endif
 
+/* Temperatures from the forces at the middle of the step, then the other states and the slips from its start. */
 void memory_advance(State *state, double h)
 {
     double lines[N_DRIVES];
+    const int others = N_MEMORY > N_TEMPERATURES;
 #if N_TEMPERATURES > 0
-    double middle[N_INPUTS], values[N_MEMORY], lagging[N_LAGGING], warmed[N_MEMORY];
+    double middle[N_INPUTS], values[N_MEMORY], warmed[N_MEMORY];
+    const Continuous start = state->continuous;
     size_t i;
 
-    memcpy(values, state->continuous.memory, sizeof values);
-    memcpy(warmed, values, sizeof warmed);
-    memcpy(lagging, state->continuous.lagging, sizeof lagging);
+    memcpy(values, start.memory, sizeof values);
+    memcpy(warmed, start.memory, sizeof warmed);
     slips_advance(state, 0.5 * h);
     slips_acting(state, middle);
     slips_advance(state, 0.5 * h);
-#if N_MEMORY > N_TEMPERATURES
-    find_lines(state, state->contact.inputs, lines);
-    follow_inputs(lines, warmed, 0.5 * h, values);
-#endif
+    if (others) {
+        find_lines(state, state->contact.inputs, lines);
+        follow_inputs(lines, start.memory, 0.5 * h, values);
+        state->continuous = start;
+    }
     put(values, middle);
     find_lines(state, middle, lines);
     exchange_heat(lines, h, warmed);
 #endif
-#if N_MEMORY > N_TEMPERATURES
-#if N_TEMPERATURES > 0
-    memcpy(state->continuous.lagging, lagging, sizeof lagging);
-#endif
-    find_lines(state, state->contact.inputs, lines);
-    advance_others(state, lines, h);
-#endif
+    if (others) {
+        find_lines(state, state->contact.inputs, lines);
+        advance_others(state, lines, h);
+    }
 #if N_TEMPERATURES > 0
     for (i = 0; i < N_NODES; i++)
         state->continuous.memory[NODES[i]] = warmed[NODES[i]];

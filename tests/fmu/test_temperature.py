@@ -55,6 +55,17 @@ def test_temperatures_are_those_of_the_evaluation(fmu, tire):
     assert evaluated["T_surface"].iloc[-1] > VALUES["THSTARTS"] + 3.0  # it was heated
 
 
+def test_temperatures_beside_other_states_are_those_of_the_evaluation(compiler, tire, tmp_path):
+    """A state that forces drive, lags of inputs, and a hysteresis along them."""
+    values = {**VALUES, "BIMU": 0.1, "BIWORK": 5.0, "SHMUY": 0.05}
+    more = Tire("mf61", values, effects={*tire.has, "break_in", "slip_history"})
+    table = lap(0.05)
+    result = check(
+        export(more, tmp_path / "tire.fmu"), table.assign(**more.evaluate(table, hold=True)[list(more.outputs)])
+    )
+    assert result.evaluation_difference < 1e-9
+
+
 def test_an_output_is_the_temperature_of_the_evaluation(fmu, tire, make_host):
     table = lap(0.02, until=1.0)
     evaluated = tire.evaluate(table, hold=True)

@@ -258,13 +258,13 @@ WRONG = {
     "a lag has no width": LAG + 'width = "OWNLEN"\n',
     "unknown key 'lenght'": LAG.replace("length", "lenght"),
     "unknown function '__import__'": LAG.replace('"alpha"', '"__import__(os)"'),
-    "'Late' is not a word of small letters": LAG.replace("states.late", "states.Late"),
+    "'Late' in states is not a word of small letters": LAG.replace("states.late", "states.Late"),
     "'exp' is a name of the generated code": LAG.replace("states.late", "states.exp"),
     "drive 'alpha' is no lag of this effect": LAG.replace('"lag"', '"hysteresis"').replace("length", "width"),
     "'t' is a name of the program": LAG.replace("states.late", "states.t"),
     "'kappa_lagged' is a name of the program": LAG.replace("states.late", "states.kappa_lagged"),
     "state other is declared but not used": LAG + LAG.replace("states.late", "states.other"),
-    "drive is missing or not a text": LAG.replace('drive = "alpha"', "drive = []"),
+    "states.late.drive is []: expected a list of one or two lags": LAG.replace('drive = "alpha"', "drive = []"),
 }
 
 

@@ -16,9 +16,9 @@ NODES = ("T_surface", "T_bulk", "T_carcass", "T_gas")
 CAPACITY = {"T_surface": 140.0, "T_bulk": 450.0, "T_carcass": 1200.0, "T_gas": 900.0}
 VALUES = {
     "FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "TMU1": -0.003, "TREF": 50.0, "THACT": 1.0, "THCAPS": 140.0,
-    "THCAPB": 450.0, "THCONB": 70.0, "THSTARTB": 302.0, "THCAPC": 1200.0, "THCAPG": 900.0, "THSHARE": 0.55, "THSHAREX": 0.8, "THROLL": 0.011, "THROAD": 18.0,
+    "THCAPC": 1200.0, "THCAPG": 900.0, "THSHARE": 0.55, "THSHAREX": 0.8, "THROLL": 0.011, "THROAD": 18.0,
     "THROADZ": 0.7, "THAIR": 0.3, "THAIRV": 0.15, "THSIDE": 3.0, "THCONS": 110.0, "THCONG": 15.0,
-    "THSTARTS": 300.0, "THSTARTC": 305.0, "THSTARTG": 310.0,
+    "THCAPB": 450.0, "THCONB": 70.0, "THSTARTB": 302.0, "THSTARTS": 300.0, "THSTARTC": 305.0, "THSTARTG": 310.0,
 }  # fmt: skip
 
 
