@@ -186,11 +186,15 @@ def interface(
         *extras,
     )
     reverse = REVERSED_IN_SAE if axes == "sae" else frozenset()
-    turned = tuple(
-        replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
-        for v in plain
-    )
-    return Interface(tire, inputs, axes, _with_structure(turned), note, road)
+    references = {variable.name: reference for reference, variable in enumerate(plain)}
+    variables = []
+    for variable in plain:
+        if _stem(variable.name) in reverse:
+            variable = replace(variable, reversed=True, start=None if variable.start is None else -variable.start)
+        if variable.group == "derivative":
+            variable = replace(variable, derivative_of=references[_stem(variable.name)])
+        variables.append(variable)
+    return Interface(tire, inputs, axes, tuple(variables), note, road)
 
 
 def _memory_state(tire: Tire, name: str) -> Variable:
@@ -287,17 +291,6 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
         for name in chosen
         if name not in taken
     ]
-
-
-def _with_structure(variables: tuple[Variable, ...]) -> tuple[Variable, ...]:
-    """Return the variables; a derivative has the value reference of its state."""
-    references = {variable.name: reference for reference, variable in enumerate(variables)}
-    return tuple(
-        replace(variable, derivative_of=references[_stem(variable.name)])
-        if variable.group == "derivative"
-        else variable
-        for variable in variables
-    )
 
 
 def host_input_indices(shown: Interface) -> list[int]:
