@@ -195,8 +195,8 @@ def _correlation(residual: FloatArray) -> FloatArray:
     correlation = products.sum(axis=0) / max(m - 1, 1)
     error = m / max(m - 1, 1) ** 3 * np.sum((products - products.mean(axis=0)) ** 2, axis=0)
     away = ~np.eye(n, dtype=bool)
-    found = float(np.sum(correlation[away] ** 2))
-    kept = max(0.0, 1.0 - float(np.sum(error[away])) / found) if m > 2 and found > 0.0 else 0.0
+    squares = float(np.sum(correlation[away] ** 2))
+    kept = max(0.0, 1.0 - float(np.sum(error[away])) / squares) if m > 2 and squares > 0.0 else 0.0
     return np.asarray(np.where(away, kept * correlation, 1.0))
 
 

@@ -33,7 +33,7 @@ from tirefmu.tires.code import fastest_code
 FloatArray = npt.NDArray[np.float64]
 #: The channels that determine a plan.
 CHANNELS = ("Fx", "Fy", "Mz")
-#: Rows of a maneuver at which derivatives are evaluated; each stands for as many of its rows.
+#: Rows of a maneuver at which derivatives are evaluated; a point counts as many of its rows.
 POINTS = 60
 #: Tires over which a plan is averaged: the given one and draws around it with this relative deviation.
 TIRES, DEVIATION = 4, 0.1
@@ -201,12 +201,12 @@ def _square(rows: FloatArray) -> FloatArray:
 
 def energies(experiment: Experiment, tables: Sequence[pd.DataFrame]) -> FloatArray:
     """Return the sliding energy of each table, J, for the most plausible tire."""
-    found = []
+    joules = []
     for table in tables:
         forces = experiment.tires[0].evaluate(table, signs="adapted-sae")
         power = (np.abs(forces["Fx"] * table["kappa"]) + np.abs(forces["Fy"] * np.tan(table["alpha"]))) * table["V"]
-        found.append(float(power.mean() * np.ptp(table["t"])))
-    return np.array(found)
+        joules.append(float(power.mean() * np.ptp(table["t"])))
+    return np.array(joules)
 
 
 def covariances(experiment: Experiment, information: Information, times: FloatArray) -> FloatArray:

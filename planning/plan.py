@@ -116,13 +116,13 @@ class Prediction:
 
     def over_time(self) -> list[TimedIntervals]:
         """Return the widths after each minute of the program."""
-        found = list[TimedIntervals]()
+        timed = list[TimedIntervals]()
         for end in np.arange(60.0, self.seconds + 60.0, 60.0).tolist():
             if done := np.flatnonzero(self.times <= end).tolist():
                 covariance = covariances(self.experiment, self.information.take(done), self.times[done])
                 widths = {target.name: target.width(covariance) for target in self.targets}
-                found.append({"seconds": min(end, self.seconds), "intervals": widths})
-        return found
+                timed.append({"seconds": min(end, self.seconds), "intervals": widths})
+        return timed
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,18 +198,18 @@ def plan(
     current = _predicted(experiment, today, wanted, bench) if today is not None else None
     progress("library of maneuvers", 0.0)
     maneuvers = library(bench, experiment.tires[0])
-    known = information(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])
-    _check_aims(wanted, experiment, known, bench)
+    of_library = information(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])
+    _check_aims(wanted, experiment, of_library, bench)
     value = _value(wanted, current)
     selection = Selection.of(
-        experiment, bench, maneuvers, (known.products, known.with_drift(experiment)),
+        experiment, bench, maneuvers, (of_library.products, of_library.with_drift(experiment)),
         lambda products, noise: value(with_offsets(experiment, products, noise)),
     )  # fmt: skip
     chosen = selection.chosen(minutes, lambda share: progress("choosing maneuvers", share))
     progress("order against drift", 0.0)
 
     def of_program(program: TestProgram, order: Sequence[int]) -> float:
-        steps = known.take([order[step.number] for step in program.steps])
+        steps = of_library.take([order[step.number] for step in program.steps])
         return value(covariances(experiment, steps, program.times))
 
     program = selection.exchanged_order(chosen, minutes, of_program)
@@ -247,10 +247,10 @@ def _value(wanted: Sequence[Target], current: Prediction | None) -> Callable[[Fl
     return lambda covariance: float(np.square(variances(covariance) / reference).mean(axis=1).sum())
 
 
-def _check_aims(wanted: Sequence[Target], experiment: Experiment, known: Information, bench: Bench) -> None:
+def _check_aims(wanted: Sequence[Target], experiment: Experiment, learned: Information, bench: Bench) -> None:
     """Raise for an aim that all maneuvers together, each many times, do not determine, apart from offsets."""
     p = len(experiment.free)
-    limit = sandwich(MANY * known.products[:, :, :p, :p].sum(axis=0), MANY * known.noise.sum(axis=0))
+    limit = sandwich(MANY * learned.products[:, :, :p, :p].sum(axis=0), MANY * learned.noise.sum(axis=0))
     for target in wanted:
         if (width := target.width(limit)) <= UNDETERMINED:
             continue
@@ -290,5 +290,5 @@ def _reasons(prediction: Prediction, program: TestProgram) -> dict[str, str]:
     residuals = Residuals.of(table, (recording.source,), experiment.tires[0])
     rows = len(table) / experiment.correlation_factor(table["t"].to_numpy(float))
     effective = dict.fromkeys(experiment.channels, rows)
-    found = undetermined(residuals, experiment.free, names, effective)
-    return {name: part.reason for part in found for name in part.coefficients}
+    groups = undetermined(residuals, experiment.free, names, effective)
+    return {name: part.reason for part in groups for name in part.coefficients}

@@ -63,10 +63,10 @@ def comparison(result: PlanResult) -> str:
 def tables(result: PlanResult) -> dict[str, tuple[list[str], list[list[str]]]]:
     """Return header and rows of the tables of the page by their titles: what the program determines comes first."""
     steps = result.program.table
-    found = {"Steps": (list(steps.columns), steps.astype(object).where(steps.notna(), "").to_numpy().tolist())}
+    shown = {"Steps": (list(steps.columns), steps.astype(object).where(steps.notna(), "").to_numpy().tolist())}
     if result.prediction is None:
         rows = [[pair.effect, pair.rival, f"{pair.evidence:.3g}"] for pair in result.separations]
-        return {"Effects that it separates": (["effect", "fitted instead", "expected evidence (nats)"], rows), **found}
+        return {"Effects that it separates": (["effect", "fitted instead", "expected evidence (nats)"], rows), **shown}
     programs = [result.prediction, *([result.today] if result.today else [])]
     names = ["95 % interval, planned", *(program.name for program in programs[1:])]
     widths = [
@@ -77,7 +77,7 @@ def tables(result: PlanResult) -> dict[str, tuple[list[str], list[list[str]]]]:
     return {
         "Predicted intervals": (["quantity", *names], widths),
         "Not determined": (["coefficient", "why"], reasons or [["none", "the program determines every coefficient"]]),
-        **found,
+        **shown,
     }
 
 

@@ -110,10 +110,10 @@ class Discrimination:
     def of(cls, tire: Tire, bench: Bench, pairs: Sequence[tuple[str, str]]) -> Discrimination:
         """Return the tires of a discrimination; raises `UnknownName` if the tire cannot have an effect."""
         names = list(dict.fromkeys(name for pair in pairs for name in pair))
-        known = {*tire.symbolic_model.effects, *library_effects()}
+        possible = {*tire.symbolic_model.effects, *library_effects()}
         for name in names:
-            if name not in known:
-                raise UnknownName(f"effect of {tire.model}", name, known)
+            if name not in possible:
+                raise UnknownName(f"effect of {tire.model}", name, possible)
         base = replace(tire, effects=tire.has - set(names))
         directed = tuple(both for a, b in pairs for both in ((a, b), (b, a)))
         return cls(Experiment(tires_around(base)[:TIRES], bench.noise), directed, {n: _forms(base, n) for n in names})
@@ -145,13 +145,13 @@ class Discrimination:
 
         Forms without an influence on the measured channels of this program are not counted unless all are.
         """
-        found = []
+        separations = []
         for effect, rival in self.pairs:
             tested, evidence = self.columns[effect], self._evidences(total, effect, rival).mean(axis=0)
             alone = 0.5 * total[:, tested, tested].mean(axis=0)
             hardest = evidence[alone >= min(SEPARATED, alone.max())].min()
-            found.append(Separation(effect, rival, float(hardest), float(alone.max())))
-        return tuple(found)
+            separations.append(Separation(effect, rival, float(hardest), float(alone.max())))
+        return tuple(separations)
 
     def _evidences(self, total: FloatArray, effect: str, rival: str) -> FloatArray:
         """Return half the squared response of each form that remains after the fit of all else, shape (t, forms)."""
@@ -226,9 +226,9 @@ def pairs_in(content: Mapping[str, Any], model: Model) -> list[tuple[str, str]]:
     `content`: of diagnosis.json. An effect of a plausible explanation has the effects of another one, which lacks it,
     as rivals; an identified effect has those that are confounded with it.
     """
-    plausible = [set(one["effects"]) for one in content["explanations"] if one["probability"] >= PLAUSIBLE]
+    plausible = [set(part["effects"]) for part in content["explanations"] if part["probability"] >= PLAUSIBLE]
     pairs = {pair for some in plausible for rival in plausible for pair in product(some - rival, rival - some)}
-    for name in (one["effect"] for one in content["found"]):
+    for name in (finding["effect"] for finding in content["found"]):
         pairs |= {(name, other) for other in content["confounded_with"].get(name, ())}
-    known = {*model.effects, *library_effects()}
-    return sorted({(min(pair), max(pair)) for pair in pairs if known.issuperset(pair)})
+    possible = {*model.effects, *library_effects()}
+    return sorted({(min(pair), max(pair)) for pair in pairs if possible.issuperset(pair)})
