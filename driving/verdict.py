@@ -106,7 +106,7 @@ def verdict_on(
     lacking = sum(probabilities.effects.values())
     unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.deviations[i] > UNEXPLAINED)
     lines = _lines(findings, of_car, unknown, factors, estimate)
-    if lacking > CERTAIN and estimate.converged:
+    if lacking > CERTAIN:
         lines.insert(0, _effects_line(likely))
     return Verdict(findings, of_car, likely, lacking, unknown, tuple(lines))
 
