@@ -12,7 +12,7 @@ from tirefmu.tires import Tire, tire_from
 from tirefmu.tires.tire_argument import TireLike
 
 from .effects import effect_columns
-from .estimate import estimated
+from .estimate import MIN_DEVIATION, estimated
 from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, has_spins, wheel_means
@@ -26,6 +26,10 @@ from .verdict import verdict_on
 from .wheels import wheel_table
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Deviation of the balance, per load, up to which nothing is left for an effect: the error of the midpoint rule and of
+#: the steering.
+EXPLAINED = 3.0 * MIN_DEVIATION
 
 
 def drive(
@@ -104,7 +108,9 @@ def _answer(car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple
     before = simulated(grid, estimate, unknowns, car, tires, known_car=False)
     after = simulated(grid, estimate, unknowns, car, scaled, known_car=True)
     wheels = wheel_table(grid, estimate)
-    verdict = verdict_on(car, unknowns, grid, estimate, factors, effect_columns(wheels, scaled, car.axle_loads))
+    residual = estimate.converged and estimate.deviations.max() > EXPLAINED
+    effects = effect_columns(wheels, scaled, car.axle_loads) if residual else []
+    verdict = verdict_on(car, unknowns, grid, estimate, factors, effects)
     return Drive(log, car, grid, unknowns, estimate, tires, scaled, factors, wheels, before, after, verdict)
 
 

@@ -56,6 +56,6 @@ def _sizes(tire: Tire) -> Iterator[tuple[str, dict[str, float]]]:
                 for probe in point.probes:
                     values = {key: value for key, (value,) in point.grid.items()}
                     for key, size in probe.items():
-                        neutral = declared[key].neutral if counts_from_neutral(declared[key]) else 0.0
-                        values[key] = neutral + size
+                        neutral = declared[key].neutral
+                        values[key] = size + (neutral if neutral and counts_from_neutral(declared[key]) else 0.0)
                     yield name, values

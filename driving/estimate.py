@@ -102,10 +102,10 @@ class Estimate:
         J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
         factor, columns = _Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
         balance = J[:, -len(BALANCE) :]
-        border = np.zeros((grid.n_nodes, n, added.shape[2]))
+        at_nodes = np.zeros((grid.n_nodes, n, added.shape[2]))
         for nodes, part in ((grid.left, balance[:, :, :n]), (grid.right, balance[:, :, n : 2 * n])):
-            np.add.at(border, nodes, np.einsum("kri,krj->kij", part, columns))
-        border = border.reshape(-1, added.shape[2])
+            np.add.at(at_nodes, nodes, np.einsum("kri,krj->kij", part, columns))
+        border = at_nodes.reshape(-1, added.shape[2])
         solved = cho_solve_banded((factor.band, True), border, check_finite=False)
         cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
         corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
