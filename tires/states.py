@@ -108,7 +108,7 @@ class StateSimulation:
         nodes = [self.index[state.name] for state in driven if state.is_temperature]
         driven = [state for state in driven if not state.is_temperature]
         if nodes:
-            self._warm(rows, nodes, driven)
+            self._warm(rows, np.array(nodes), driven)
         elif driven:
             self._drive(rows, driven)
         return rows
@@ -181,7 +181,7 @@ class StateSimulation:
 
     # ------------------------------------------------------------ temperatures
 
-    def _warm(self, rows: FloatArray, nodes: list[int], driven: list[State]) -> None:
+    def _warm(self, rows: FloatArray, nodes: IntArray, driven: list[State]) -> None:
         """Simulate temperatures, and states that forces at these temperatures drive; write them into the acting rows.
 
         `nodes`: indices of the temperatures.
@@ -200,7 +200,8 @@ class StateSimulation:
             if not driven or (np.abs(rows[nodes] - before) <= CONVERGED * np.abs(rows[nodes])).all():
                 break
 
-    def _warm_window(self, rows: FloatArray, nodes: list[int], others: list[int], interval: IntArray) -> None:
+    @np.errstate(over="ignore", invalid="ignore")  # of values that are not accepted
+    def _warm_window(self, rows: FloatArray, nodes: IntArray, others: list[int], interval: IntArray) -> None:
         """Iterate temperatures and the forces that heat the tire over the intervals that begin at some rows."""
         middle = self._nodes(interval, np.full(len(interval), 0.5), rows)
         middle[others] = rows[others][:, interval]
@@ -218,8 +219,13 @@ class StateSimulation:
             held = flow - (matrix @ x[:, :, None])[:, :, 0]
             course = vector_recursion(x[0], decay, (gain @ held[:, :, None])[:, :, 0])
             change, x = np.abs(course[:-1] - x).max(), course[:-1]
-            if not change > CONVERGED * np.abs(course).max():
+            if change <= CONVERGED * np.abs(course).max():
                 break
+        else:
+            if len(interval) > 1:  # a single step converges at once
+                for part in np.array_split(interval, 2):
+                    self._warm_window(rows, nodes, others, part)
+                return
         rows[np.ix_(nodes, interval + 1)] = course[1:].T
 
     # ------------------------------------------------------------ states that forces drive

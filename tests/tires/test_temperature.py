@@ -10,7 +10,7 @@ from scipy.integrate import simpson
 from tirefmu.boundary.errors import EffectError
 from tirefmu.symbolic.added.file import read_effect
 from tirefmu.symbolic.models import model_named
-from tirefmu.tires import Tire
+from tirefmu.tires import Tire, states
 
 NODES = ("T_surface", "T_bulk", "T_carcass", "T_gas")
 CAPACITY = {"T_surface": 140.0, "T_bulk": 450.0, "T_carcass": 1200.0, "T_gas": 900.0}
@@ -128,6 +128,18 @@ def test_a_pause_cools_the_tire(tire):
     before, after = hot["T_surface"].iloc[[99, 100]]
     assert before > VALUES["THSTARTS"] + 5.0
     assert after < 293.15 + 0.2 * (before - 293.15)
+
+
+def test_rows_that_are_solved_together_are_steps_one_after_another(tire, monkeypatch):
+    """A step from the temperatures of a row ends at those of the next one; so do rows that converge in parts only."""
+    table = drive(np.arange(0.0, 300.0, 1.0))
+    together = tire.evaluate(table, hold=True)
+    state, step = together.iloc[200], table.iloc[200:202]
+    begun = tire.with_values(**{f"THSTART{node[2].upper()}": state[node] for node in NODES}).evaluate(step, hold=True)
+    np.testing.assert_allclose(begun[list(NODES)].iloc[1], together[list(NODES)].iloc[201], rtol=0, atol=1e-9)
+    monkeypatch.setattr(states, "MAX_ITERATIONS", 4)
+    divided = tire.evaluate(table, hold=True)
+    np.testing.assert_allclose(divided[list(NODES)], together[list(NODES)], rtol=0, atol=1e-9)
 
 
 def test_predicted_or_recorded_temperature_acts(tire, sensed):
