@@ -64,7 +64,7 @@ class Limits:
         ([0.0, 1.0, 2.0], [5.0])
         """
         count = 1 if self.low == self.high else min(self.levels, most)
-        return np.linspace(self.low, self.high, count).tolist()
+        return [float(level) for level in np.linspace(self.low, self.high, count)]
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,8 @@ def library(bench: Bench, tire: Tire, *, memory: bool = False) -> list[Maneuver]
     slips = [name for name in SWEPT if name in bench.limits and name in tire.inputs]
     varied = [name for name in ("gamma", "p", "V") if name in bench.limits and name in tire.inputs]
     nominal, maneuvers = held_levels(bench, tire), list[Maneuver]()
-    changes: list[dict[str, float]] = [{}, *({name: level} for name in varied for level in levels_of[name])]
+    changes: list[dict[str, float]] = [{}]
+    changes += [{name: level} for name in varied for level in levels_of[name]]
     for load, change in product(levels_of.get("Fz", [nominal["Fz"]]), changes):
         levels, pure = {**nominal, "Fz": load, **change}, {**nominal, **change} == nominal
         for swept in (name for name in slips if bench.limits[name].sweeps):

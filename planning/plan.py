@@ -46,10 +46,12 @@ class TimedIntervals(TypedDict):
     intervals: dict[str, float]
 
 
-class ComparedProgram(TimedIntervals):
+class ComparedProgram(TypedDict):
     """The program of `--compare`, and after which bench time the planned one equals it."""
 
     name: str
+    seconds: float
+    intervals: dict[str, float]
     equal_after: Annotated[float | None, "s; null if it does not"]
 
 

@@ -132,9 +132,8 @@ class Selection:
             if not possible.any():
                 return chosen
             index = np.flatnonzero(possible)
-            sample = self._random.choice(index, min(SAMPLE, len(index)), replace=False)
-            gains = self._changes(chosen, sample, 1.0) / self.seconds[sample]
-            chosen.append(int(sample[np.argmin(gains)]))
+            sample = self._random.choice(index, min(SAMPLE, len(index)), replace=False).tolist()
+            chosen.append(sample[np.argmin(self._changes(chosen, sample, 1.0) / self.seconds[sample])])
 
     def _without_least(self, chosen: list[int], count: int) -> list[int]:
         """Return a program without the maneuvers that contribute least per second."""
