@@ -15,6 +15,7 @@ import pytest
 
 import tirefmu
 import tirefmu.generated
+from tirefmu.arguments import write_json
 from tirefmu.fitting.evidence.ripple import Ripple
 from tirefmu.fitting.results.fit_result import FitResult
 from tirefmu.fitting.results.records import FittedCoefficient, StageFit
@@ -64,6 +65,11 @@ def test_every_yes_or_no_of_a_json_file_is_true_or_false(chain):
         found = dict(flags(strict((chain[0] / f"{name}.json").read_text(encoding="utf-8")), names))
         assert [path for path, right in found.items() if not right] == []
         assert {path.rpartition("/")[2] for path in found} >= expected
+
+
+def test_a_truth_value_of_numpy_is_no_text(tmp_path):
+    write_json(tmp_path / "a.json", {"ok": np.bool_(False), "rows": np.int64(3), "path": tmp_path})
+    assert strict((tmp_path / "a.json").read_text()) == {"ok": False, "rows": 3, "path": str(tmp_path)}
 
 
 def test_the_report_has_the_figures_of_the_folder(chain):

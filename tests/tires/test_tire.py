@@ -140,6 +140,12 @@ def test_evaluate_returns_the_convention_of_the_table(hoosier, table, signs):
         np.testing.assert_allclose(back[name], expected[name], rtol=1e-12, atol=1e-12)
 
 
+def test_a_nominal_load_is_returned_in_the_convention_of_the_table(hoosier):
+    slips = pd.DataFrame({"alpha": [0.1]})
+    assert hoosier.evaluate(slips, signs="sae")["Fz"].tolist() == [-220.0]
+    assert hoosier.evaluate(slips, signs="iso")["Fz"].tolist() == [220.0]
+
+
 def test_evaluate_clamps_to_the_ranges_on_demand(hoosier):
     assert hoosier.ranges["Fz"] == (120.0, 1220.0)
     wide = pd.DataFrame({"alpha": [0.1, 0.9], "Fz": [50.0, 9000.0]})
