@@ -105,8 +105,8 @@ class Estimate:
         at_nodes = np.zeros((grid.n_nodes, n, added.shape[2]))
         for nodes, part in ((grid.left, balance[:, :, :n]), (grid.right, balance[:, :, n : 2 * n])):
             np.add.at(at_nodes, nodes, np.einsum("kri,krj->kij", part, columns))
-        border = at_nodes.reshape(-1, added.shape[2])
-        solved = cho_solve_banded((factor.band, True), border, check_finite=False)
+        border = at_nodes.reshape(grid.n_nodes * n, added.shape[2])
+        solved = cho_solve_banded((factor.band, True), border, check_finite=False) if border.size else border
         cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
         corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
         slope = np.einsum("krj,kr->j", columns, r[:, -len(BALANCE) :]) - solved.T @ factor.gradient
