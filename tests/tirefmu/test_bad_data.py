@@ -18,7 +18,8 @@ def sweeps(friction=1.7, load=1.0, seed=0, rows=300):
     return pd.DataFrame(
         {
             "t": np.arange(4 * rows) / 100.0, "kappa": kappa, "alpha": alpha,
-            "gamma": np.random.default_rng(seed + 1).normal(0, 1e-4, 4 * rows), "Fz": load * heavy, "p": 83e3, "V": 11.0,
+            "gamma": np.random.default_rng(seed + 1).normal(0, 1e-4, 4 * rows), "Fz": load * heavy, "p": 83e3,
+            "V": 11.0,
             "Fx": load * mu * heavy * np.sin(1.5 * np.arctan(12.0 * kappa)) + random.normal(0, 5, 4 * rows),
             "Fy": side + random.normal(0, 5, 4 * rows),
             "Mz": -0.03 * side * np.cos(1.1 * np.arctan(9.0 * alpha)) + random.normal(0, 0.3, 4 * rows),
