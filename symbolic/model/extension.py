@@ -19,7 +19,8 @@ def has_place(effect: AddedEffect, named: Collection[str], known: Collection[str
 
     `named`: named quantities and roles of the model. `known`: its inputs and coefficients.
     """
-    readable = {*known, *BEYOND, *(declaration.name for declaration in effect.declarations)}
+    acted_on = ACTED_ON.keys() & set(effect.acts_on)  # an input that it acts on is added if the model lacks it
+    readable = {*known, *BEYOND, *acted_on, *(declaration.name for declaration in effect.declarations)}
     if effect.states:
         readable |= {"V", SLIDING_POWER, *named, *(state.name for state in effect.states)}
     return {*named, *ACTED_ON}.issuperset(effect.acts_on) and readable.issuperset(effect.reads)
