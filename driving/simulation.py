@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import MEASURED, Grid
 from .interval import BODY, OUTPUTS
+from .tire_forces import TireForces, fmu_forces, steady_forces
 from .unknowns import AXLES, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,17 +30,23 @@ HORIZON, SUBSTEPS = 2.0, 4
 class Simulation:
     """Motion simulated from the estimated state at the start of each piece, NaN outside of pieces.
 
-    `motion`, shape (n, 3): yaw rate, ay and lateral speed at the intervals. `rms`: of their errors, by name.
+    `motion`, shape (n, 3): yaw rate, ay and lateral speed at the intervals. `rms`: of their errors, by name. `fmus`:
+    whether the tires were FMUs.
     """
 
     motion: FloatArray
     rms: Mapping[str, float]
+    fmus: bool = False
 
 
 def simulated(
-    grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, known_car: bool
-) -> Simulation:
-    """Simulate a car on its tires. `known_car`: with the estimated entries of the car, not those of its file."""
+    grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, known_car: bool,
+    fmus: bool = False,
+) -> Simulation:  # fmt: skip
+    """Simulate a car on its tires.
+
+    `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
+    """
     estimated = unknowns.car_values(estimate.z)
     p = {**car.values, **(estimated if known_car else {})}
     p["cg_to_rear"] = p["wheelbase"] - p["cg_to_front"]
@@ -49,50 +57,48 @@ def simulated(
         for first in range(0, len(grid.t) - length + 1, length)
         if grid.segment[first] == grid.segment[first + length - 1]
     ]
+    motion = np.full((len(grid.t), 3), np.nan)
+    if not starts:
+        return Simulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
     rows = np.array(starts)[:, None] + np.arange(length)
     # The offset of the steering is one of the log: both cars drive with it.
     steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated.get("offset", car.values["offset"])
     speed = estimate.states[:, 0]
-    kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows]
+    kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
     acceleration = np.zeros((2, len(rows)))
-    motion = np.full((len(grid.t), 3), np.nan)
-    for k in range(length):
-        at = rows[:, k]
-        ends = speed[grid.left[at]], speed[grid.right[at]]
-        along = (ends[1] - ends[0]) / grid.step
-        before = state
-        for i in range(SUBSTEPS):
-            share = (i + 0.5) / SUBSTEPS
-            vx = ends[0] + share * (ends[1] - ends[0])
-            angle = steer[0, :, k] + share * (steer[1, :, k] - steer[0, :, k])
-            h = grid.step / SUBSTEPS
-            first, acceleration = _rates(vx, along, state, angle, kappa[:, k], acceleration, body, tires)
-            second, acceleration = _rates(vx, along, state + h * first, angle, kappa[:, k], acceleration, body, tires)
-            state = state + h / 2 * (first + second)
-        mean = (before + state) / 2
-        motion[at] = np.stack(
-            [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
-        )
-    return Simulation(motion, _errors(motion, grid, estimate, unknowns, car))
+    h = grid.step / SUBSTEPS
+    with fmu_forces(tires, len(rows)) if fmus else nullcontext(steady_forces(tires)) as forces:
+        for k in range(length):
+            at = rows[:, k]
+            ends = speed[grid.left[at]], speed[grid.right[at]]
+            given = kappa[:, k].T, (ends[1] - ends[0]) / grid.step, body, forces
+            before = state
+            for i in range(SUBSTEPS):
+                share = (i + 0.5) / SUBSTEPS
+                vx = ends[0] + share * (ends[1] - ends[0])
+                angle = steer[0, :, k] + share * (steer[1, :, k] - steer[0, :, k])
+                first = acceleration = _rates(vx, state, angle, acceleration, 0.0, *given)
+                second = acceleration = _rates(vx, state + h * first, angle, acceleration, h, *given)
+                state = state + h / 2 * (first + second)
+            mean = (before + state) / 2
+            motion[at] = np.stack(
+                [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
+            )
+    return Simulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
 
 
 def _rates(
-    vx: FloatArray, along: FloatArray, state: FloatArray, steer: FloatArray, kappa: FloatArray, last: FloatArray,
-    body: list[float], tires: Mapping[str, Tire],
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the rates of lateral speed and yaw rate, twice: as rates, and as those from which loads follow."""
-    vy, yaw_rate = state
-    wheels = np.array(two_track.wheels(vx, vy, yaw_rate, along, *last, steer, *body))
+    vx: FloatArray, state: FloatArray, steer: FloatArray, last: FloatArray, step: float, kappa: FloatArray,
+    along: FloatArray, body: list[float], forces: TireForces,
+) -> FloatArray:  # fmt: skip
+    """Return the rates of lateral speed and yaw rate; loads follow from the `last` ones. `step`: see `TireForces`."""
+    wheels = np.array(two_track.wheels(vx, *state, along, *last, steer, *body))
     alpha, V, Fz = wheels.reshape(3, len(CORNERS), -1)
-    Fx, Fy = np.empty_like(alpha), np.empty_like(alpha)
-    for i, axle in enumerate(AXLES):
-        some = slice(2 * i, 2 * i + 2)
-        forces = tires[axle].forces(kappa=kappa[:, i], alpha=alpha[some], Fz=Fz[some], V=V[some], code="numpy")
-        Fx[some], Fy[some] = forces["Fx"].mean(axis=0), forces["Fy"]
-    _, vy_rate, turning = two_track.accelerations(vx, vy, yaw_rate, steer, *body, *Fx, *Fy)
-    rates = np.array([vy_rate, turning])
-    return rates, rates
+    Fx, Fy = forces({"kappa": kappa, "alpha": alpha, "Fz": Fz, "V": V}, step)
+    # The wheels of an axle have the same torque.
+    Fx = Fx.reshape(2, 2, -1).mean(axis=1).repeat(2, axis=0)
+    return np.array(two_track.accelerations(vx, *state, steer, *body, *Fx, *Fy)[1:])
 
 
 def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
