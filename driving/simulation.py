@@ -1,14 +1,22 @@
-"""The simulated vehicle over the recorded steering and speed, in pieces of a few seconds, against the log."""
+"""The simulated vehicle over the recorded steering and speed, in pieces of a few seconds, against the log.
+
+The four tires are generated code in steady state, or FMUs.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.fmu.packaging.export import export
+from tirefmu.fmu.simulation.coupled import Coupled
+from tirefmu.fmu.simulation.simulate import instances
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import Tire
 from tirefmu.tires.code.modules import two_track
@@ -17,13 +25,15 @@ from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import MEASURED, Grid
 from .interval import BODY, OUTPUTS
-from .tire_forces import TireForces, fmu_forces, steady_forces
 from .unknowns import AXLES, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
 #: Length of a piece, s; Heun steps of an interval of the grid.
 HORIZON, SUBSTEPS = 2.0, 4
+#: kappa, alpha, Fz and V, shape (4, n) each, and the length of the step that follows with these inputs, s (0: none);
+#: the answer is Fx and Fy, shape (2, 4, n).
+TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -118,3 +128,37 @@ def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknow
         name: float(np.sqrt(np.mean((motion[known, i] - reference[known]) ** 2))) if known.any() else float("nan")
         for i, (name, reference) in enumerate(references.items())
     }
+
+
+def steady_forces(tires: Mapping[str, Tire]) -> TireForces:
+    """Return the forces of the tires in steady state, from their generated code."""
+
+    def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
+        parts = []
+        for i, axle in enumerate(AXLES):
+            found = tires[axle].forces(code="numpy", **{name: rows[2 * i : 2 * i + 2] for name, rows in inputs.items()})
+            parts.append([found["Fx"], found["Fy"]])
+        return np.concatenate(parts, axis=1)
+
+    return forces
+
+
+@contextmanager
+def fmu_forces(tires: Mapping[str, Tire], n: int) -> Iterator[TireForces]:
+    """Export the tires, and yield the forces of an FMU at each wheel of `n` vehicles."""
+    with TemporaryDirectory(prefix="tirefmu-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
+        axles = []
+        for axle in AXLES:
+            path = export(tires[axle], Path(folder) / f"{axle}.fmu")
+            slaves = stack.enter_context(instances(path, 2 * n))
+            read = [name for name in ("kappa", "alpha", "Fz", "V") if name in tires[axle].inputs]
+            axles.append(Coupled(slaves, read, ("Fx", "Fy")))
+
+        def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
+            parts = []
+            for i, coupled in enumerate(axles):
+                rows = [inputs[name][2 * i : 2 * i + 2].ravel() for name in coupled.inputs]
+                parts.append(coupled.exchange(np.stack(rows, axis=1), step).T.reshape(2, 2, n))
+            return np.concatenate(parts, axis=1)
+
+        yield forces

@@ -28,7 +28,7 @@ class Coupled:
         that are not finite are not set, and their outputs are NaN. Raises `Rejected` if an instance rejects a call.
         """
         outputs = np.full((len(self.slaves), len(self.outputs)), np.nan)
-        for i in np.flatnonzero(np.isfinite(rows).all(axis=1)):
+        for i in np.flatnonzero(np.isfinite(rows).all(axis=1)).tolist():
             slave = self.slaves[i]
             try:
                 if self._starting:

@@ -18,7 +18,6 @@ from tirefmu.cli import main
 from tirefmu.driving import simulation
 from tirefmu.driving.inputs.car import Car
 from tirefmu.driving.report import write_drive
-from tirefmu.driving.tire_forces import fmu_forces
 from tirefmu.tires import read_tir
 
 
@@ -66,7 +65,7 @@ def test_the_fmus_of_lagging_tires_lag(tire):
     lagging = replace(tire, effects={*tire.effects, "relax_lat"}, values={**tire.values, "SIGY": 0.5})
     t = 0.01 * np.arange(40)
     table = pd.DataFrame({"t": t, "kappa": 0.01, "alpha": 0.05 * np.sin(20.0 * t), "Fz": 4000.0, "V": 15.0})
-    with fmu_forces({"front": tire, "rear": lagging}, 2) as forces:
+    with simulation.fmu_forces({"front": tire, "rear": lagging}, 2) as forces:
         wheels = [
             {name: np.full((4, 2), row[name]) for name in ("kappa", "alpha", "Fz", "V")} for _, row in table.iterrows()
         ]
