@@ -111,23 +111,22 @@ def _rates(
     return np.array(two_track.accelerations(vx, *state, steer, *body, *Fx, *Fy)[1:])
 
 
-def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
-    """Return the rms of simulated minus measured motion, offsets removed; of the estimate where it is not measured."""
-    p = {**car.values, **unknowns.car_values(estimate.z)}
+def estimated_motion(grid: Grid, estimate: Estimate) -> FloatArray:
+    """Return yaw rate, ay and lateral speed of the center of gravity as estimated, shape (n, 3)."""
     middle = (estimate.states[grid.left] + estimate.states[grid.right]) / 2
     rate = (estimate.states[grid.right] - estimate.states[grid.left]) / grid.step
-    yaw_rate = grid.means[MEASURED.index("yaw_rate")]
-    # ay and lateral speed are compared at the center of gravity, where they are estimated.
-    references = {
-        "yaw_rate": np.where(np.isfinite(yaw_rate), yaw_rate - p["yaw_rate_offset"], middle[:, 2]),
-        "ay": rate[:, 1] + middle[:, 2] * middle[:, 0],
-        "vy": middle[:, 1],
-    }
-    known = np.isfinite(motion[:, 0])
-    return {
-        name: float(np.sqrt(np.mean((motion[known, i] - reference[known]) ** 2))) if known.any() else float("nan")
-        for i, (name, reference) in enumerate(references.items())
-    }
+    return np.stack([middle[:, 2], rate[:, 1] + middle[:, 2] * middle[:, 0], middle[:, 1]], axis=1)
+
+
+def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
+    """Return the rms of simulated minus estimated motion, and minus the measured yaw rate, its offset removed."""
+    reference = estimated_motion(grid, estimate)
+    offset = {**car.values, **unknowns.car_values(estimate.z)}["yaw_rate_offset"]
+    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - offset
+    reference[:, 0] = np.where(np.isfinite(yaw_rate), yaw_rate, reference[:, 0])
+    squares = ((motion - reference) ** 2)[np.isfinite(motion[:, 0])]
+    rms = np.sqrt(squares.mean(axis=0)) if len(squares) else np.full(3, np.nan)
+    return dict(zip(("yaw_rate", "ay", "vy"), rms.tolist(), strict=True))
 
 
 def steady_forces(tires: Mapping[str, Tire]) -> TireForces:
