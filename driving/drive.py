@@ -39,6 +39,7 @@ def drive(
     tire: TireLike,
     rear: TireLike | None = None,
     columns: dict[str, str] | None = None,
+    fmus: bool = False,
 ) -> Drive:
     """Compare a drive with the tires of the car: forces of the axles, scaling factors, simulated motion.
 
@@ -54,6 +55,9 @@ def drive(
         factors LMUX, LMUY, LKX and LKY.
     columns : dict of str to str, optional
         Header of a channel that has another name in the log; beyond those of the car file.
+    fmus : bool
+        Whether the vehicle is simulated on four tire FMUs, whose states lag, in place of the generated code in steady
+        state; `Drive.save` writes the FMUs of the scaled tires.
 
     Returns
     -------
@@ -92,10 +96,12 @@ def drive(
     speed = forward_speed(recorded, car)
     grid = gridded(recorded, car, speed)
     check_log(recorded, car, grid, np.interp(grid.t, *speed))
-    return _answer(car, tires, recorded, grid, speed)
+    return _answer(car, tires, recorded, grid, speed, fmus)
 
 
-def _answer(car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple[FloatArray, FloatArray]) -> Drive:
+def _answer(
+    car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple[FloatArray, FloatArray], fmus: bool
+) -> Drive:
     unknowns = unknowns_of(car, log)
     interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=has_spins(log, car), step=grid.step)
     start = _start(grid, interval.states, log, car, speed)
@@ -105,8 +111,8 @@ def _answer(car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
     factors = factors_of(estimate, unknowns, tires, grid.step)
     scaled = scaled_tires(tires, factors)
-    before = simulated(grid, estimate, unknowns, car, tires, known_car=False)
-    after = simulated(grid, estimate, unknowns, car, scaled, known_car=True)
+    before = simulated(grid, estimate, unknowns, car, tires, known_car=False, fmus=fmus)
+    after = simulated(grid, estimate, unknowns, car, scaled, known_car=True, fmus=fmus)
     wheels = wheel_table(grid, estimate)
     residual = estimate.converged and estimate.deviations.max() > EXPLAINED
     effects = effect_columns(wheels, scaled, car.axle_loads) if residual else []

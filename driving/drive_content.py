@@ -11,7 +11,7 @@ from .factors import Factor
 from .verdict import CarFinding, EffectFinding, Finding
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.1"
+VERSION = "1.2"
 
 
 class CarEntry(TypedDict):
@@ -35,6 +35,7 @@ class SimulationContent(TypedDict):
 
     before: Mapping[str, float]
     after: Mapping[str, float]
+    fmus: Annotated[bool, "whether the tires of the vehicle were FMUs"]
 
 
 class DriveContent(TypedDict):
