@@ -35,7 +35,7 @@ def wrapped(text: str) -> list[str]:
     """Return the lines of a printable text, of at most `LINE` columns; a word and a command to enter remain whole.
 
     >>> [len(line) for line in wrapped("  - " + 40 * "word ")]
-    [98, 103]
+    [98, 98, 13]
     """
     if len(text) <= LINE:
         return [text]
