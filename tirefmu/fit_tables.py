@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from rich.console import RenderableType
@@ -29,8 +28,6 @@ WORDS = {
 FEW = 3
 #: The longest text in a cell, in characters.
 LONGEST_CELL = 200
-#: Columns of a line of the verdict.
-LINE = 100
 
 
 class PlainTable(Table):
@@ -47,7 +44,7 @@ def plain_table(*columns: str, title: str = "") -> Table:
     title = visible(title)
     table = PlainTable(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for column in columns:
-        table.add_column(column, justify="left" if column in WORDS else "right")
+        table.add_column(column, justify="left" if column in WORDS else "right", overflow="fold")
     return table
 
 
@@ -55,7 +52,7 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
     """Yield the verdict of a fit and its reasons, a line each."""
     yield f"verdict: {verdict.word}"
     for reason in verdict.reasons:
-        yield from wrap(visible(f"- {reason}"), LINE, initial_indent="  ", subsequent_indent="    ")
+        yield f"  - {reason}"
 
 
 def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:

@@ -128,7 +128,7 @@ class FitProgress:
         if stage != self._stage:
             self._stage = stage
             self._stages.begin(stage)
-        self._stages.report(f"iteration {iteration}, cost {cost:.6g}")
+        self._stages.report(f"iteration {iteration}, cost {cost:.4g}")
 
     def finish(self) -> None:
         """Begin what follows the last stage, since its latest report."""

@@ -45,7 +45,7 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
     assert main(arguments) == 0
     reported = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
     captured = capsys.readouterr()
-    assert captured.out.startswith(reported["verdict"])  # progress is on standard error
+    assert " ".join(captured.out.split()).startswith(reported["verdict"])  # progress is on standard error
     lines = captured.err.splitlines()
     assert [line.split("; ")[-1].split(",")[0] for line in lines if "; stage " in line] == [
         f"stage {number} of 4" for number in range(1, 5)

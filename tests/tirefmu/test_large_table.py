@@ -117,7 +117,7 @@ def test_wrong_signs_are_reported_in_the_same_words(evaluated, rows, tmp_path):
     assert warning.startswith(
         "in.parquet: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae), or alpha has"
     )
-    assert f"warning: {warning}" in outcome.out
+    assert f"warning: {warning}" in outcome.text
 
 
 def test_units_are_those_of_the_header(evaluated, rows):

@@ -28,7 +28,7 @@ def test_every_effect_that_a_tire_can_have_is_listed(command):
 
 
 def test_an_effect_is_described_with_formula_coefficients_and_measurement(command):
-    out = command("effects", "temp_friction").out
+    out = command("effects", "temp_friction").text
     (declared,) = effects("temp_friction")
     for text in ("TMU1", "1/K", "-0.05 to 0.05", declared["source"], declared["formulas"][0]["factor"], "T"):
         assert text in out

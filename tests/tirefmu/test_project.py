@@ -134,10 +134,16 @@ def test_the_page_has_what_was_run_before_an_interruption(project):
     commands = Commands(project)
 
     def interrupted(step):
-        if step.name == "export":
+        if step.name == stopped:
             raise KeyboardInterrupt
         return commands(step)
 
+    stopped = "inspect"
+    with pytest.raises(KeyboardInterrupt):
+        run_project(project, interrupted, Terminal(quiet=True))
+    page = (project.folder / "index.html").read_text(encoding="utf-8")
+    assert f"Not run: {', '.join(ALL)}." in page
+    stopped = "export"
     with pytest.raises(KeyboardInterrupt):
         run_project(project, interrupted, Terminal(quiet=True))
     page = (project.folder / "index.html").read_text(encoding="utf-8")
@@ -145,6 +151,41 @@ def test_the_page_has_what_was_run_before_an_interruption(project):
     assert "Not run: export, check a, check b, diagnose a, diagnose b." in page
     assert repeated(project, commands) == ALL[3:]
     assert "Not run" not in (project.folder / "index.html").read_text(encoding="utf-8")
+
+
+def test_the_page_shows_the_first_picture_of_each_step(project):
+    commands, data = Commands(project), "data:image/png;base64,"
+
+    def drawing(step):
+        status = commands(step)
+        if step.name in ("fit", "check a"):
+            step.page.write_text(f'<img alt="x" src="{data}QUJD+/="><img alt="x" src="{data}REVG">')
+        if step.name == "check b":
+            step.page.write_text(f'<img src="{data}QUJD&quot;"><img src="https://tire.example/a.png">')
+        return status
+
+    run_project(project, drawing, Terminal(quiet=True))
+    page = (project.folder / "index.html").read_text(encoding="utf-8")
+    shown = re.findall(r'<img class="thumbnail" alt="First figure of (.*?)" src="(.*?)">', page)
+    assert shown == [("fit", f"{data}QUJD+/="), ("check a", f"{data}QUJD+/=")]
+    assert page.count("<img") == 2
+
+
+def test_each_step_begins_with_the_time_that_the_remaining_ones_took(project, capsys):
+    def began(**options):
+        run_project(project, commands, Terminal(), **options)
+        return capsys.readouterr().err.splitlines()
+
+    commands = Commands(project)
+    assert "left" not in "".join(began())
+    records = json.loads((project.folder / "run.json").read_text())
+    for seconds, name in enumerate(ALL, 10):
+        records[name]["seconds"] = float(seconds)
+    (project.folder / "run.json").write_text(json.dumps(records))
+    (project.folder / "check_a.html").unlink()
+    lines = began()
+    assert lines[0] == "1/8 inspect (all steps: about 14 s left)"
+    assert lines[5] == "6/8 check b"  # nothing is left
 
 
 def test_a_diagnosis_beyond_its_time_limit_is_stated_and_repeated(project):

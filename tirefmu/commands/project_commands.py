@@ -134,7 +134,7 @@ def run(
     check_output_paths(json_file)
     from ..project.limited import run_limited
     from ..project.project_file import read_project
-    from ..project.run import run_project
+    from ..project.run import INDEX, run_project
     from ..project.steps import Step, steps_of
     from ..terminal import Terminal
 
@@ -160,7 +160,12 @@ def run(
             group.commands[step.command].make_context(step.command, list(step.arguments))
         except click.UsageError as error:
             raise TirefmuError(f"{project}: step {step.name}: {' '.join(error.format_message().split())}") from error
-    outcomes = run_project(read, command, terminal, force=force, outside=outside, only=only)
+    index = read.folder / INDEX
+    try:
+        outcomes = run_project(read, command, terminal, force=force, outside=outside, only=only)
+    except KeyboardInterrupt:
+        terminal.print("", f"interrupted; index page: {index}; to continue: {command_text('run', project)}")
+        raise
     failed = [outcome.step.name for outcome in outcomes if outcome.status]
     steps = [
         {
@@ -171,7 +176,6 @@ def run(
         }
         for outcome in outcomes
     ]
-    index = read.folder / "index.html"
     write_json(json_file, {"ok": not failed, "index": str(index), "steps": steps})
     terminal.print(
         "", f"{'check failed: ' + ', '.join(failed) if failed else 'all checks passed'}; index page: {index}"

@@ -27,11 +27,12 @@ class StepRecord(TypedDict):
     key: Annotated[str, "digest of version, equations, command line and inputs"]
     outputs: Annotated[dict[str, str], "SHA-256 digest by file"]
     status: Annotated[int, "exit code"]
+    seconds: Annotated[float, "time that the step took"]
 
 
 def records_schema() -> dict[str, Any]:
     """Return the JSON Schema of the file of records."""
-    return document("run", "1.0", "Records of the steps of a project", schema_of(dict[str, StepRecord]))
+    return document("run", "1.1", "Records of the steps of a project", schema_of(dict[str, StepRecord]))
 
 
 @dataclass
@@ -63,14 +64,22 @@ class Records:
         current = entry.get("key") == _key(step) and entry.get("outputs") == _digests(step.outputs)
         return status if current and status in (0, 1) else None
 
-    def add(self, step: Step, status: int) -> None:
+    def seconds(self, step: Step) -> float | None:
+        """Return the time that a step took the last time that it ended, or None."""
+        entry: Mapping[str, Any] = self.entries.get(step.name, {})
+        seconds = entry.get("seconds")
+        return float(seconds) if isinstance(seconds, int | float) else None
+
+    def add(self, step: Step, status: int, seconds: float) -> None:
         """Record a step that has ended, and write the file."""
-        self.entries[step.name] = {"key": _key(step), "outputs": _digests(step.outputs), "status": status}
+        outputs = _digests(step.outputs)
+        self.entries[step.name] = {"key": _key(step), "outputs": outputs, "status": status, "seconds": seconds}
         self._write()
 
     def forget(self, step: Step) -> None:
-        """Remove the record of a step that begins, and write the file."""
-        if self.entries.pop(step.name, None):
+        """Invalidate the record of a step that begins, and write the file; the time of the step remains."""
+        if step.name in self.entries:
+            self.entries[step.name]["key"] = ""
             self._write()
 
     def _write(self) -> None:

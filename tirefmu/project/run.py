@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Collection, Sequence
+import re
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from time import monotonic
 from typing import Any
 from urllib.parse import quote
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.tires.drawing.page import page_text, write_page
 
+from ..forecast import left_text
 from ..terminal import Terminal
 from .limited import TimeLimitReached
 from .project_file import Project
@@ -22,6 +25,8 @@ from .summaries import Headline, headline_of, summary_of
 
 #: Name of the page over all results, in their folder.
 INDEX = "index.html"
+#: The first picture of a page: that of its first figure, which the page shows in print.
+PICTURE = re.compile(r'src="(data:image/png;base64,[A-Za-z0-9+/=]+)"')
 #: Runs a step and returns its exit code.
 Command = Callable[[Step], int]
 
@@ -34,6 +39,7 @@ class Outcome:
     - `repeated`: false if the results were up to date.
     - `headline`: what the step found, in one line.
     - `summary`: the details, a line each.
+    - `picture`: the first picture of its page, as the address of an image; empty if there is none.
     """
 
     step: Step
@@ -41,13 +47,14 @@ class Outcome:
     repeated: bool
     headline: Headline
     summary: tuple[str, ...]
+    picture: str = ""
 
 
 def run_project(
     project: Project, command: Command, terminal: Terminal, *, force: bool = False, outside: bool = False,
     only: Collection[str] = (),
 ) -> list[Outcome]:  # fmt: skip
-    """Run the steps of a project and write the page ``index.html`` after each.
+    """Run the steps of a project and write the page ``index.html`` before the first and after each.
 
     `command`: runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
     `terminal`: shows the outcome of each step, a line or a few. `force`: repeat also the steps whose results are up to
@@ -71,12 +78,14 @@ def run_project(
     outcomes: list[Outcome] = []
     chosen = needed(steps, only) if only else steps
     skipped: dict[str, Step] = {}
+    ahead = _seconds_ahead(chosen, records, force)
+    _write_index(project, outcomes, [step.name for step in steps])
     for number, step in enumerate(steps, 1):
-        stale = reads_results(step, skipped.values()) or records.status(step) is None
-        if step not in chosen and stale:
+        if step not in chosen and (reads_results(step, skipped.values()) or records.status(step) is None):
             skipped[step.name] = step
             continue
-        terminal.begin(f"{number}/{len(steps)} {step.name}")
+        left = left_text(_sum(ahead[later.name] for later in steps[number - 1 :] if later.name in ahead))
+        terminal.begin(f"{number}/{len(steps)} {step.name}" + (f" (all steps: {left})" if left else ""))
         outcome = _run(step, records, command, terminal, force and step in chosen)
         outcomes.append(outcome)
         state = outcome.headline.text + ("" if outcome.repeated else " (up to date)")
@@ -103,17 +112,40 @@ def _run(step: Step, records: Records, command: Command, terminal: Terminal, for
     if status is None:
         records.forget(step)
         try:
+            began = monotonic()
             status = command(step)
+            seconds = monotonic() - began
         except TimeLimitReached as reached:
             return _unfinished(step, str(reached))
         except TirefmuError as error:
             raise TirefmuError(f"step {step.name}: {error}") from error
         if _result(step).get("interrupted"):
             raise KeyboardInterrupt  # a fit ends with the best values so far, which is no complete step
-        records.add(step, status)
+        records.add(step, status, round(seconds, 1))
     result = _result(step)
     headline = headline_of(step.command, result, status)
-    return Outcome(step, status, repeated, headline, tuple(summary_of(step.command, result)))
+    return Outcome(step, status, repeated, headline, tuple(summary_of(step.command, result)), _picture(step))
+
+
+def _seconds_ahead(steps: Sequence[Step], records: Records, force: bool) -> dict[str, float | None]:
+    """Return the time that each step took the last time, for the steps that are likely to be repeated."""
+    repeated: list[Step] = []
+    for step in steps:
+        if force or records.status(step) is None or reads_results(step, repeated):
+            repeated.append(step)
+    return {step.name: records.seconds(step) for step in repeated}
+
+
+def _sum(seconds: Iterable[float | None]) -> float | None:
+    """Return the sum of times; None if one of them is unknown."""
+    times = list(seconds)
+    return None if None in times else sum(time for time in times if time is not None)
+
+
+def _picture(step: Step) -> str:
+    page = step.page.read_text(encoding="utf-8", errors="replace") if step.page and step.page.is_file() else ""
+    first = PICTURE.search(page)
+    return first[1] if first else ""
 
 
 def _unfinished(step: Step, last: str) -> Outcome:
