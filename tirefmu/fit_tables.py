@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rich.console import RenderableType
+from rich.console import JustifyMethod, RenderableType
 from rich.style import StyleType
 from rich.table import Table
 
@@ -28,14 +28,19 @@ WORDS = {
 FEW = 3
 #: The longest text in a cell, in characters.
 LONGEST_CELL = 200
+#: Lengths of an interval and of a name up to which they do not fold.
+NUMBER, NAME = 20, 8
 
 
 class PlainTable(Table):
     """A table whose cells are printable text of limited length."""
 
     def add_row(self, *cells: RenderableType | None, style: StyleType | None = None, end_section: bool = False) -> None:
-        """Add a row; see rich."""
-        shown = (excerpt(cell, LONGEST_CELL) if isinstance(cell, str) else cell for cell in cells)
+        """Add a row; see rich. Numbers and short names remain on one line; longer texts fold."""
+        shown = [excerpt(cell, LONGEST_CELL) if isinstance(cell, str) else cell for cell in cells]
+        for column, cell in zip(self.columns, shown, strict=False):
+            most = NUMBER if column.justify == "right" else NAME
+            column.min_width = max(column.min_width or 0, min(len(str(cell)), most))
         super().add_row(*shown, style=style, end_section=end_section)
 
 
@@ -44,7 +49,9 @@ def plain_table(*columns: str, title: str = "") -> Table:
     title = visible(title)
     table = PlainTable(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for column in columns:
-        table.add_column(column, justify="left" if column in WORDS else "right", overflow="fold")
+        longest = max(map(len, column.split()), default=0)
+        justify: JustifyMethod = "left" if column in WORDS else "right"
+        table.add_column(column, justify=justify, overflow="fold", min_width=longest)
     return table
 
 

@@ -46,7 +46,7 @@ def test_the_end_to_end_workflow(command, tmp_path, monkeypatch):
     files |= {"fit.png", "fmu_check.png", "diagnosis.png"}
     assert files | made == {path.name for path in folder.iterdir()}
     for name in files | {"figures", "tire_fmi2.fmu", "tire_fmi3.fmu"}:
-        assert str(folder / name) in outcome.out or name.endswith(".tir"), name
+        assert str(folder / name) in outcome.text or name.endswith(".tir"), name
     # The page links to files that exist, and has pictures of the steps after the data.
     page = (folder / "index.html").read_text(encoding="utf-8")
     assert "All checks passed" in page
