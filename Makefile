@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives compare-methods missing-effects awkward wrong-tables recovery planning coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -65,6 +65,10 @@ drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: e
 	$(BIN)/pytest tests/driving -k mdf
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/drives.py $(DRIVES_ARGS)
 
+compare-methods: $(VENV)/installed-dev  ## what PySINDy and a Gaussian process reach on the memory suite: a table of docs/discovery.md
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/comparison_methods.py $(METHODS_ARGS)
+
 missing-effects: $(VENV)/installed-dev  ## tests of all entries of the benchmark of missing effects, and the tables of docs/missing_effects.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
 	$(BIN)/pytest tests/missing_effects
@@ -81,9 +85,6 @@ recovery: $(VENV)/installed-dev  ## recovery of known coefficients: 100 fits per
 
 planning: $(VENV)/installed-dev  ## planned programs: bench time, predicted and achieved intervals, three tires
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/planning.py $(PLANNING_ARGS)
-
-confounded: $(VENV)/installed-dev  ## confounded diagnoses and the planned next measurement
-	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/confounded.py $(CONFOUNDED_ARGS)
 
 coverage: $(VENV)/installed-dev  ## coverage of intervals of made recordings: noise, offsets, a memory, an effect that the model lacks
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/coverage.py $(COVERAGE_ARGS)

@@ -12,7 +12,10 @@ from tirefmu.measurements import TableLike
 from tirefmu.tires import tire_from
 from tirefmu.tires.tire import Tire
 
-from .workers import Progress, all_results
+from .workers import all_results
+
+#: Called with the numbers of finished and of all folds.
+Progress = Callable[[int, int], None]
 
 
 def cross_validate(
@@ -66,6 +69,14 @@ def cross_validate(
         options["start"] = tire_from(options["start"])  # workers read no files
 
     def compute(function: Callable[[FoldTask], Tire], tasks: Sequence[FoldTask]) -> list[Tire]:
-        return all_results(function, tasks, scheduler, workers, progress)
+        done = 0
+
+        def finished(task: FoldTask) -> None:
+            nonlocal done
+            done += 1
+            if progress:
+                progress(done, len(tasks))
+
+        return all_results(function, tasks, scheduler, workers, finished)
 
     return in_this_process(tables, model, compute=compute, **options)

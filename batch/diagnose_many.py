@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
 from inspect import signature
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,14 +15,16 @@ from typing import Any
 
 import pandas as pd
 
-from tirefmu.boundary.errors import TirefmuError, path_from
+from tirefmu.boundary.errors import DataError, FitError, TirefmuError, path_from
 from tirefmu.boundary.escaping import file_name
 from tirefmu.diagnosis import diagnose, export_and_simulate, write_report
 from tirefmu.measurements import Recording, recording_from
+from tirefmu.measurements.files.reading import READERS
 from tirefmu.tires import Tire, tire_from
+from tirefmu.tires.drawing.page import page_text, write_page
 
 from .jobs import unique
-from .resumable import FAILED, Kind, Outcome, compute, digest_of, recordings_in, write_summary
+from .resumable import FAILED, Kind, Outcome, compute, write_table
 
 #: States of a diagnosis: complete; complete, but an FMU does not match direct evaluation.
 DIAGNOSED, DIFFERS = "diagnosed", "FMU differs"
@@ -151,8 +156,7 @@ def diagnose_many(
     """
     folder = path_from(folder)
     given = [tables] if isinstance(tables, (str, Path)) else list(tables)
-    paths = [path_from(path) for path in given]
-    files = [one for path in paths for one in (recordings_in(path) if path.is_dir() else [path])]
+    files = [one for path in given for one in _recordings_in(path_from(path))]
     signature(diagnose).bind(None, **options)
     chosen = {key: value for key, value in options.items() if value is not None}
     chosen |= {key: tuple(chosen[key]) for key in ("effects", "candidates") if key in chosen}
@@ -196,11 +200,15 @@ def run(task: DiagnosisTask) -> Outcome[DiagnosisResult]:
     return Outcome(found, files)
 
 
-def _digest_of(job: DiagnosisJob) -> str:
-    """Return a digest of what determines the result of a job."""
+def digest_of(job: DiagnosisJob) -> str:
+    """Return a digest of what determines the result of a job: version, options, tire, and the recording."""
     tire = job.tire and (job.tire.model, sorted(job.tire.values.items()), sorted(job.tire.has), job.tire.added)
-    paths: list[str | Path] = [job.table, *([job.where] if job.where else [])]
-    return digest_of((job.signs, job.where, job.fmus, tire, sorted(job.options.items())), paths)
+    options = sorted(job.options.items())
+    digest = hashlib.sha256(repr((version("tirefmu"), job.signs, job.where, job.fmus, tire, options)).encode())
+    for path in (job.table, *([Path(job.where)] if job.where else [])):
+        with contextlib.suppress(OSError, ValueError):  # an expression, or an error that the task reports
+            digest.update(repr(path.name).encode() + path.read_bytes())
+    return digest.hexdigest()
 
 
 def table_of(results: Sequence[DiagnosisResult]) -> pd.DataFrame:
@@ -218,6 +226,16 @@ def table_of(results: Sequence[DiagnosisResult]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def _recordings_in(path: Path) -> list[Path]:
+    """Return the recordings in a folder, or the path of one."""
+    if not path.is_dir():
+        return [path]
+    found = sorted(one for one in path.iterdir() if one.suffix.lower() in READERS and one.is_file())
+    if not found:
+        raise FitError(f"{path}: no recording ({', '.join(READERS)})")
+    return found
+
+
 def _earlier(folder: Path, name: str) -> list[Path]:
     """Return the files of an earlier run; what others have put there remains."""
     kinds = ("*.tir", "*.fmu", "*.toml", "*.schema.json", "diagnosis.json", "report.html")
@@ -225,11 +243,17 @@ def _earlier(folder: Path, name: str) -> list[Path]:
 
 
 def _write_summary(results: Sequence[DiagnosisResult], folder: Path) -> None:
+    write_table(table_of(results), folder, "summary")
     channels = list(dict.fromkeys(channel for one in results for channel in one.errors))
-    write_summary(table_of(results), folder, "diagnoses.html", results=results, channels=channels)
+    numbers = {"number": lambda value: "" if value is None else f"{value:.4g}"}
+    text = page_text("tirefmu.batch", numbers, template="diagnoses.html", results=results, channels=channels)
+    try:
+        write_page(text, folder / "summary.html")
+    except OSError as error:
+        raise DataError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
 #: How diagnoses are computed and stored.
 DIAGNOSES: Kind[DiagnosisJob, DiagnosisTask, DiagnosisResult] = Kind(
-    task_of, run, _digest_of, DiagnosisResult, DiagnosisResult.from_json, _earlier
+    task_of, run, digest_of, DiagnosisResult, DiagnosisResult.from_json, _earlier
 )

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
 
-from tirefmu.boundary.errors import FitError, TirefmuError, path_from
+from tirefmu.boundary.errors import DataError, FitError, TirefmuError, path_from
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, recordings_from
 from tirefmu.tires import tire_from
+from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.tire import Tire
 
 from .jobs import FitJob, read_jobs, unique
 from .records import JobResult, result_of_fit, table_of
-from .resumable import FAILED, LOST, Kind, Outcome, compute, digest_of, write_summary
+from .resumable import FAILED, LOST, Kind, Outcome, compute, write_table
 
 #: Called with a result and the numbers of finished and of all jobs.
 Progress = Callable[[JobResult, int, int], None]
@@ -148,27 +152,43 @@ def run(task: FitTask) -> Outcome[JobResult]:
     return Outcome(result_of_fit(job.name, found), files, {"fit": found.to_json()})
 
 
-def _digest_of(job: FitJob) -> str:
-    """Return a digest of what determines the result of a job."""
-    named = [job.options[key] for key in ("start", "recipe") if key in job.options]
-    paths = [*job.tables, *named, *([job.where] if job.where else [])]
-    return digest_of((job.signs, job.where, sorted(job.options.items())), paths)
+def digest_of(job: FitJob) -> str:
+    """Return a digest of what determines the result of a job: version, options, and the contents of its files."""
+    digest = hashlib.sha256(repr((version("tirefmu"), job.signs, job.where, sorted(job.options.items()))).encode())
+    others = [Path(job.options[key]) for key in ("start", "recipe") if key in job.options]
+    others += [Path(job.where)] if job.where else []
+    for path in (*job.tables, *others):
+        with contextlib.suppress(OSError, ValueError):  # a name, an expression, or an error that the fit reports
+            digest.update(repr(path.name).encode() + path.read_bytes())
+    return digest.hexdigest()
 
 
 #: How fits are computed and stored.
 FITS: Kind[FitJob, FitTask, JobResult] = Kind(
-    task_of, run, _digest_of, JobResult, JobResult.from_json, lambda folder, name: [folder / f"{name}.tir"]
+    task_of, run, digest_of, JobResult, JobResult.from_json, lambda folder, name: [folder / f"{name}.tir"]
 )
 
 
 def _write_summary(batch: Batch) -> None:
-    results = batch.results
-    write_summary(
-        batch.table, batch.folder, "report.html", results=results, counts=Counter(one.status for one in results),
-        channels=list(dict.fromkeys(channel for one in results for channel in one.channels)),
-        words=list(dict.fromkeys(one.status for one in sorted(results, key=_worst_first))),
+    write_table(batch.table, batch.folder, "summary")
+    try:
+        write_page(_page(batch), batch.folder / "summary.html")
+    except OSError as error:
+        raise DataError(f"{batch.folder}: cannot be written ({error.strerror or error})") from error
+
+
+def _page(batch: Batch) -> str:
+    counts = Counter(one.status for one in batch.results)
+    channels = dict.fromkeys(channel for one in batch.results for channel in one.channels)
+    return page_text(
+        "tirefmu.batch", {"number": _number}, results=batch.results, channels=list(channels), counts=counts,
+        words=list(dict.fromkeys(one.status for one in sorted(batch.results, key=_worst_first))),
     )  # fmt: skip
 
 
 def _worst_first(result: JobResult) -> tuple[bool, str]:
     return result.usable, result.status
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.4g}"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from tirefmu.boundary.errors import UnknownName, no_single_text
 from tirefmu.fitting import FitResult
 from tirefmu.fitting.resampling.bootstrap import (
+    ReplicateTask,
     bootstrap_of,
     check_replicates,
     replicate_tasks,
@@ -18,7 +19,10 @@ from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
 from tirefmu.measurements import Recording, TableLike, recordings_from
 from tirefmu.symbolic.models import model_named
 
-from .workers import Progress, all_results
+from .workers import all_results
+
+#: Called with the numbers of finished and of all replicates, or sides of profiles.
+Progress = Callable[[int, int], None]
 
 
 def check_intervals(
@@ -94,7 +98,15 @@ def bootstrap(
     """
     recordings = recordings_from(tables, signs=signs)
     tasks = replicate_tasks(result, recordings, replicates, seed)
-    found = all_results(replicates_of, tasks, scheduler, workers, progress, lambda task: len(task.numbers))
+    done = 0
+
+    def finished(task: ReplicateTask) -> None:
+        nonlocal done
+        done += len(task.numbers)
+        if progress:
+            progress(done, replicates)
+
+    found = all_results(replicates_of, tasks, scheduler, workers, finished)
     return bootstrap_of(result, tasks, np.concatenate(found))
 
 
@@ -141,4 +153,12 @@ def profile(
     """
     no_single_text("coefficients", coefficients)
     tasks = side_tasks(result, coefficients)
-    return profiles_of(result, tasks, all_results(side_of, tasks, scheduler, workers, progress))
+    done = 0
+
+    def finished(task: object) -> None:
+        nonlocal done
+        done += 1
+        if progress:
+            progress(done, len(tasks))
+
+    return profiles_of(result, tasks, all_results(side_of, tasks, scheduler, workers, finished))

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import FitError, path_from
 from tirefmu.boundary.escaping import file_name, quoted
 from tirefmu.boundary.json_schema import document, object_schema
-from tirefmu.boundary.schema_check import check_content
+from tirefmu.measurements.files.reading import READERS
 
-from .resumable import Job, recordings_in
+from .resumable import Job
+from .toml_file import check_keys
 
 #: Options of a job: the arguments of `tirefmu.fit` with their types.
 OPTIONS: Mapping[str, Any] = {
@@ -23,6 +24,9 @@ OPTIONS: Mapping[str, Any] = {
 }  # fmt: skip
 #: Options that determine how the tables are read.
 READING: Mapping[str, Any] = {"signs": str, "where": str}
+#: Keys of a job, and of the file.
+JOB: Mapping[str, Any] = {"name": str, "tables": list[str], **OPTIONS, **READING}
+FILE: Mapping[str, Any] = {"defaults": dict[str, Any], "jobs": list[Any]}
 
 
 @dataclass(frozen=True)
@@ -47,8 +51,8 @@ def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tup
 
     `path`: a TOML file with ``[[jobs]]``, each with ``name``, ``tables`` and options, and ``[defaults]`` with options
     of all jobs. Paths are relative to the file. Or a folder: each recording in it is a job with its name. `options`:
-    options of all jobs of a folder. Raises `FitError` if the file cannot be read, has no job, an unknown key, an
-    invalid value, or two jobs of the same name.
+    options of all jobs of a folder. Raises `FitError` if the file cannot be read, has no job, an invalid value, or two
+    jobs of the same name. Raises `UnknownName` if a key does not exist.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -61,42 +65,50 @@ def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tup
     path = path_from(path)
     if path.is_dir():
         given = {key: list(value) if isinstance(value, tuple) else value for key, value in (options or {}).items()}
-        check_content(given, object_schema({**OPTIONS, **READING}), "options", FitError)
+        check_keys(given, {**OPTIONS, **READING}, "options")
         return unique(_jobs_of_folder(path, given), path)
     if options:
         raise FitError(f"{path}: [defaults] in the file sets {', '.join(options)}")
     content = toml_file(path, FitError)
-    check_content(content, jobs_schema(), str(path), FitError)
+    check_keys(content, FILE, str(path))
     defaults = content.get("defaults", {})
-    return unique([_job(item, defaults, path) for item in content["jobs"]], path)
+    check_keys(defaults, {**OPTIONS, **READING}, f"{path}, defaults")
+    items = content.get("jobs", [])
+    if not items:
+        raise FitError(f"{path}: no [[jobs]]")
+    return unique([_job(item, defaults, path, number) for number, item in enumerate(items, start=1)], path)
 
 
 def jobs_schema() -> dict[str, Any]:
     """Return the JSON Schema of a list of jobs."""
-    tables = Annotated[list[str], "the recordings of the tire", {"minItems": 1}]
-    job = object_schema({"name": str, "tables": tables, **OPTIONS, **READING}, ["name", "tables"])
-    jobs = {"type": "array", "minItems": 1, "items": job, "description": "[[jobs]], one table for each fit"}
-    content = {"defaults": object_schema({**OPTIONS, **READING}), "jobs": jobs}
+    jobs = {"type": "array", "minItems": 1, "items": object_schema(JOB, ["name", "tables"])}
+    content = {**FILE, "defaults": object_schema({**OPTIONS, **READING}), "jobs": jobs}
     return document("jobs", "1.0", "Jobs of many fits", object_schema(content, ["jobs"]))
 
 
 def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
     """Return a job for each recording in a folder."""
+    tables = sorted(one for one in folder.iterdir() if one.suffix.lower() in READERS and one.is_file())
+    if not tables:
+        raise FitError(f"{folder}: no recording ({', '.join(READERS)})")
     how = {key: options[key] for key in READING if key in options}
     others = {key: value for key, value in options.items() if key not in READING}
-    return [
-        FitJob(file_name(one.stem), (one,), how.get("signs"), how.get("where"), others) for one in recordings_in(folder)
-    ]
+    return [FitJob(file_name(one.stem), (one,), how.get("signs"), how.get("where"), others) for one in tables]
 
 
-def _job(item: Mapping[str, Any], defaults: Mapping[str, Any], path: Path) -> FitJob:
+def _job(item: Any, defaults: Mapping[str, Any], path: Path, number: int) -> FitJob:
+    location = f"{path}, job {number}"
+    check_keys(item, JOB, location)
+    name, tables = item.get("name"), item.get("tables")
+    if not name or not tables:
+        raise FitError(f"{location}: {'tables' if name else 'name'} is missing")
     given = {**defaults, **{key: value for key, value in item.items() if key not in ("name", "tables")}}
     options = {key: given[key] for key in OPTIONS if key in given}
     for key in ("start", "recipe"):
         if key in options and (path.parent / options[key]).is_file():
             options[key] = str(path.parent / options[key])
-    files = tuple(path.parent / table for table in item["tables"])
-    return FitJob(item["name"], files, given.get("signs"), given.get("where"), options)
+    files = tuple(path.parent / table for table in tables)
+    return FitJob(name, files, given.get("signs"), given.get("where"), options)
 
 
 def unique(jobs: Sequence[Job], source: str | Path) -> tuple[Job, ...]:

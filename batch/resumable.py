@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import version
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -15,9 +12,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, FitError, TirefmuError
-from tirefmu.measurements.files.reading import READERS
-from tirefmu.tires.drawing.page import page_text, write_page
+from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.tires.drawing.whole_file import write_whole
 
 from .execution import Lost
@@ -100,7 +95,10 @@ def compute(
     and the numbers of finished and of all jobs. `summarize`: called with the results in the order of the jobs, also if
     the batch is interrupted. Raises `DataError` if the folder cannot be written.
     """
-    made_folder(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DataError(f"{folder}: cannot be created ({error.strerror or error})") from error
     digests = [kind.digest_of(job) for job in jobs]
     results = {
         number: kept for number, job in enumerate(jobs)
@@ -119,64 +117,16 @@ def compute(
     return ordered
 
 
-def made_folder(folder: Path) -> Path:
-    """Return a folder for results, which is created; raise `DataError` if it cannot be."""
+def write_table(table: pd.DataFrame, folder: Path, name: str) -> None:
+    """Write a table as CSV, and with pyarrow as Parquet."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        write_whole(folder / f"{name}.csv", table.to_csv(index=False).encode("utf-8"))
+        if find_spec("pyarrow"):
+            buffer = BytesIO()
+            table.to_parquet(buffer)
+            write_whole(folder / f"{name}.parquet", buffer.getvalue())
     except OSError as error:
-        raise DataError(f"{folder}: cannot be created ({error.strerror or error})") from error
-    return folder
-
-
-def digest_of(parts: object, paths: Iterable[str | Path]) -> str:
-    """Return a digest of version, options and the contents of files.
-
-    `paths`: a name, an expression, or a file that cannot be read (an error that the job reports) counts by its text.
-    """
-    digest = hashlib.sha256(repr((version("tirefmu"), parts)).encode())
-    for path in map(Path, paths):
-        with contextlib.suppress(OSError, ValueError):
-            digest.update(repr(path.name).encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
-def recordings_in(folder: Path) -> list[Path]:
-    """Return the recordings in a folder; raise `FitError` if there is none."""
-    found = sorted(path for path in folder.iterdir() if path.suffix.lower() in READERS and path.is_file())
-    if not found:
-        raise FitError(f"{folder}: no recording ({', '.join(READERS)})")
-    return found
-
-
-def write_summary(table: pd.DataFrame, folder: Path, template: str, **content: Any) -> None:
-    """Write the results of a batch: a table as CSV, with pyarrow as Parquet, and a page.
-
-    `template`: of the page. `content`: its variables.
-    """
-    numbers = {"number": lambda value: "" if value is None else f"{value:.4g}"}
-    for suffix in (".csv", ".parquet") if find_spec("pyarrow") else (".csv",):
-        write_table(table, folder / f"summary{suffix}")
-    with _writing(folder):
-        write_page(page_text("tirefmu.batch", numbers, template=template, **content), folder / "summary.html")
-
-
-def write_table(table: pd.DataFrame, path: Path) -> None:
-    """Write a table as CSV or Parquet, by the ending of the path."""
-    buffer = BytesIO()
-    if path.suffix == ".parquet":
-        table.to_parquet(buffer)
-    else:
-        table.to_csv(buffer, index=False)
-    with _writing(path):
-        write_whole(path, buffer.getvalue())
-
-
-@contextlib.contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from error
+        raise DataError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
 def _outcomes(
@@ -220,7 +170,7 @@ def _write(kind: Kind[Job, Task, Result], folder: Path, digest: str, outcome: Ou
     """Write the files of a job; NAME.json last, as it states that all are complete."""
     name = outcome.result.name
     plain = {"digest": digest, "result": outcome.result.to_json(), "files": sorted(outcome.files), **outcome.report}
-    with _writing(folder):
+    try:
         (folder / f"{name}.json").unlink(missing_ok=True)
         for earlier in kind.earlier(folder, name):
             earlier.unlink(missing_ok=True)
@@ -228,3 +178,5 @@ def _write(kind: Kind[Job, Task, Result], folder: Path, digest: str, outcome: Ou
             (folder / path).parent.mkdir(exist_ok=True)
             write_whole(folder / path, content)
         write_whole(folder / f"{name}.json", json.dumps(plain, indent=1).encode("utf-8"))
+    except OSError as error:
+        raise DataError(f"{folder}: cannot be written ({error.strerror or error})") from error

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -19,15 +20,17 @@ from tirefmu.fmu.simulation.archive import unpacked
 from tirefmu.fmu.simulation.simulate import read_description, simulate
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.measurements.channels import OUTPUTS
+from tirefmu.tires.drawing.whole_file import write_whole
 from tirefmu.tires.signs import convert_signs
 
 from .execution import Lost
-from .resumable import made_folder, write_table
 from .study_file import Study, read_study
-from .workers import Progress, results
+from .workers import results
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Called with the numbers of finished and of all runs.
+Progress = Callable[[int, int], None]
 #: Simulated rows of a task: enough that starting its process does not count.
 ROWS_OF_TASK = 200_000
 #: What is stored of an output of a run.
@@ -109,7 +112,10 @@ def study(
         raise DataError("series are stored as Parquet: pip install 'tirefmu[parquet]'")
     recordings = [recording_from(table, signs=plan.signs) for table in plan.tables]
     tasks = list(_tasks(fmu, plan, recordings))
-    made_folder(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DataError(f"{folder}: cannot be created ({error.strerror or error})") from error
     rows: list[dict[str, Any]] = []
     finished, total = 0, len(recordings) * len(plan.values)
     for number, outcome in results(run, tasks, scheduler, workers):
@@ -119,12 +125,12 @@ def study(
             outcome = [outcome.reason] * len(task.values)
         rows += _rows(task, source, outcome)
         if plan.series:
-            write_table(_series(task, outcome), folder / f"series-{task.first:07d}.parquet")
+            _write(_series(task, outcome), folder / f"series-{task.first:07d}.parquet")
         finished += len(task.values)
         if progress:
             progress(finished, total)
     table = pd.DataFrame(rows).sort_values("run", ignore_index=True)
-    write_table(table, folder / ("study.parquet" if find_spec("pyarrow") else "study.csv"))
+    _write(table, folder / ("study.parquet" if find_spec("pyarrow") else "study.csv"))
     return table
 
 
@@ -203,3 +209,15 @@ def _series(task: StudyTask, outcome: Sequence[FloatArray | str]) -> pd.DataFram
     outputs = np.vstack([missing if isinstance(found, str) else found for found in outcome])
     columns = {"run": np.repeat(np.arange(task.first, task.first + runs), n), "t": np.tile(task.table["t"], runs)}
     return pd.DataFrame(columns | dict(zip(task.outputs, outputs.T, strict=True)))
+
+
+def _write(table: pd.DataFrame, path: Path) -> None:
+    buffer = BytesIO()
+    if path.suffix == ".parquet":
+        table.to_parquet(buffer)
+    else:
+        table.to_csv(buffer, index=False)
+    try:
+        write_whole(path, buffer.getvalue())
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from error

@@ -7,22 +7,24 @@ from dataclasses import dataclass
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
 from tirefmu.boundary.bounded_file import toml_file
 from tirefmu.boundary.errors import FitError, path_from
-from tirefmu.boundary.json_schema import document, object_schema, schema_of
-from tirefmu.boundary.schema_check import check_content
+from tirefmu.boundary.escaping import quoted
+from tirefmu.boundary.json_schema import document, is_of, object_schema, schema_of
+
+from .toml_file import check_keys
 
 #: Upper limit of the number of runs.
 MAX_RUNS = 1_000_000
 KEYS: Mapping[str, Any] = {
-    "tables": Annotated[list[str], "manoeuvres", {"minItems": 1}], "signs": str, "outputs": list[str],
-    "samples": int, "seed": int, "series": bool,
+    "tables": list[str], "signs": str, "outputs": list[str], "parameters": dict[str, Any], "samples": int, "seed": int,
+    "series": bool,
 }  # fmt: skip
-RANGE: Mapping[str, Any] = {"from": float, "to": float, "count": Annotated[int, {"minimum": 1, "maximum": MAX_RUNS}]}
+RANGE: Mapping[str, Any] = {"from": float, "to": float, "count": int}
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,8 @@ def read_study(path: str | Path) -> Study:
 
     `path`: with ``tables`` (relative to the file) and ``[parameters]``: of each a list of values or a range ``{from =
     0.5, to = 1.0, count = 6}``. All combinations are simulated; with ``samples`` a Latin hypercube of so many points in
-    the ranges (``seed``). Raises `FitError` if the file cannot be read, has an unknown key or an invalid
-    value, or the study has too many runs.
+    the ranges (``seed``). Raises `FitError` if the file cannot be read or has an invalid value, or the study too many
+    runs. Raises `UnknownName` if a key does not exist.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -61,12 +63,14 @@ def read_study(path: str | Path) -> Study:
     """
     path = path_from(path)
     content = toml_file(path, FitError)
-    check_content(content, study_schema(), str(path), FitError)
-    location = f"{path}: parameters"
+    check_keys(content, KEYS, str(path))
+    if not content.get("tables"):
+        raise FitError(f"{path}: tables is missing")
+    location = f"{path}, parameters"
     parameters = content.get("parameters", {})
     samples = content.get("samples")
     if samples is None:
-        lists = {name: _levels(given, f"{location}.{name}") for name, given in parameters.items()}
+        lists = {name: _levels(given, f"{location}, {name}") for name, given in parameters.items()}
         runs = prod(map(len, lists.values()))
     else:
         runs = samples
@@ -92,22 +96,31 @@ def study_schema() -> dict[str, Any]:
 
 def _levels(given: Any, location: str) -> list[float]:
     """Return the values of a parameter, from a list or a range."""
-    if isinstance(given, list):
-        return [float(value) for value in given]
-    if "count" not in given:
-        raise FitError(f"{location}: count is missing: a range has a count, or the study has samples")
-    return [float(value) for value in np.linspace(given["from"], given["to"], given["count"])]
+    if given and is_of(given, list[float]):
+        return [float(one) for one in given]
+    lower, upper, count = _range(given, location)
+    if count is None or not 1 <= count <= MAX_RUNS:
+        raise FitError(f"{location}: count = {count} is not 1 to {MAX_RUNS}")
+    return [float(one) for one in np.linspace(lower, upper, count)]
 
 
 def _sampled(parameters: Mapping[str, Any], count: int, seed: int, location: str) -> list[dict[str, float]]:
     """Return the points of a Latin hypercube in the ranges of the parameters."""
-    for name, given in parameters.items():
-        if isinstance(given, list):
-            raise FitError(f"{location}.{name} is a list: samples need ranges {{from, to}}")
     if not parameters:
         raise FitError(f"{location}: samples needs at least one range")
-    rng, shape = np.random.default_rng(abs(seed)), (count, len(parameters))
-    strata = rng.permuted(np.tile(np.arange(count)[:, None], (1, len(parameters))), axis=0)
+    ranges = [_range(given, f"{location}, {name}")[:2] for name, given in parameters.items()]
+    rng, shape = np.random.default_rng(abs(seed)), (count, len(ranges))
+    strata = rng.permuted(np.tile(np.arange(count)[:, None], (1, len(ranges))), axis=0)
     points = (strata + rng.random(shape)) / count
-    lower, upper = np.array([(given["from"], given["to"]) for given in parameters.values()]).T
+    lower, upper = np.array(ranges).T
     return [dict(zip(parameters, row, strict=True)) for row in (lower + points * (upper - lower)).tolist()]
+
+
+def _range(given: Any, location: str) -> tuple[float, float, int | None]:
+    if not isinstance(given, dict):
+        raise FitError(f"{location} = {quoted(given)} is neither a list of numbers nor a range {{from, to, count}}")
+    check_keys(given, RANGE, location)
+    for key in ("from", "to"):
+        if key not in given:
+            raise FitError(f"{location}: {key} is missing")
+    return float(given["from"]), float(given["to"]), given.get("count")

@@ -12,8 +12,6 @@ from .execution import Lost, completed
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
-#: Called with the numbers of finished and of all parts.
-Progress = Callable[[int, int], None]
 
 
 def results(
@@ -30,20 +28,17 @@ def results(
 
 def all_results(
     function: Callable[[Task], Result], tasks: Sequence[Task], scheduler: str | None, workers: int | None,
-    progress: Progress | None, size: Callable[[Task], int] = lambda task: 1,
+    finished: Callable[[Task], None],
 ) -> list[Result]:  # fmt: skip
     """Return the result of every task, in their order.
 
-    `function`, `tasks`, `scheduler`, `workers`: as for `results`. `progress`: called as tasks finish. `size`: how much
-    a task counts there. Raises `FitError` if a task has no result.
+    `function`, `tasks`, `scheduler`, `workers`: as for `results`. `finished`: called with each task that has a result.
+    Raises `FitError` if a task has no result.
     """
     found: dict[int, Result] = {}
-    total, finished = sum(map(size, tasks)), 0
     for number, outcome in results(function, tasks, scheduler, workers):
         if isinstance(outcome, Lost):
             raise FitError(f"a part of the computation has no result: {outcome.reason}")
         found[number] = outcome
-        finished += size(tasks[number])
-        if progress:
-            progress(finished, total)
+        finished(tasks[number])
     return [found[number] for number in range(len(tasks))]

@@ -41,9 +41,8 @@ def recording(friction: float = 1.6, load: float = 1.0, seed: int = 0, rows: int
     heavy = load * np.where(part % 2, 900.0, 500.0)
     count = 4 * rows
     side = -friction * heavy * np.sin(1.4 * np.arctan(10.0 * alpha))
-    gamma = np.random.default_rng(seed + 1).normal(0.0, 1e-4, count)  # no sensor records exactly 0
     table = {
-        "t": np.arange(count) / 100.0 + 5.0 * part, "kappa": kappa, "alpha": alpha, "gamma": gamma,
+        "t": np.arange(count) / 100.0 + 5.0 * part, "kappa": kappa, "alpha": alpha, "gamma": 0.0,
         "Fz": heavy + load * random.normal(0.0, 4.0, count), "p": 83e3 + random.normal(0.0, 100.0, count),
         "V": 11.0 + random.normal(0.0, 0.01, count), "T": 60.0 + random.normal(0.0, 0.1, count),
         "Fx": friction * heavy * np.sin(1.5 * np.arctan(12.0 * kappa)) + load * random.normal(0.0, 5.0, count),

@@ -1,4 +1,4 @@
-"""How often 95 % intervals contain the truth: noise alone, sensor errors, a memory, an effect that the model lacks.
+"""How often 95 % intervals contain the truth: noise alone, sensor offsets, a memory, an effect that the model lacks.
 
     python benchmarks/coverage.py [--recordings N] [--seed SEED]
 
@@ -25,14 +25,12 @@ from known_tires import LOADS, NOMINAL, SIZES, known_tire, moved
 
 from tirefmu.fitting import FitResult, fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
-from tirefmu.measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE, MAX_CROSS_TALK, cross_talk
 from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
 from tirefmu.tires import Tire
 
 FloatArray = npt.NDArray[np.float64]
 CAMBERS = [radians(angle) for angle in (0, 2, 4)]
-GROUPS = ("noise", "offsets", "sensor errors", "memory", "static effect")
-SEEDS = dict(zip(GROUPS, (0, 1, 4, 2, 3), strict=True))
+GROUPS = ("noise", "offsets", "memory", "static effect")
 FORCES = ("Fx", "Fy", "Mz")
 
 
@@ -50,12 +48,13 @@ class Made:
 
 def made(group: str, seed: int) -> Made:
     """Return a recording of a group."""
-    rng = np.random.default_rng([SEEDS[group], seed])
+    rng = np.random.default_rng([GROUPS.index(group), seed])
     tire = moved(known_tire("mf96"), 0.1, seed).in_signs("iso")
     lateral = alpha_sweeps(LOADS, CAMBERS, sample_rate=20.0)
     driven = kappa_sweeps(LOADS, [radians(angle) for angle in (0, 3, 6)], CAMBERS[::2], sample_rate=20.0)
     exact = VirtualBench(tire, Noise.none()).truth(concatenate([lateral, driven], signs="iso"))
-    noise = Noise({name: _sensor(name, group) for name in sorted({*Noise().channels, *SIZES})})
+    offsets = {name: part.offset for name, part in Noise().channels.items()} if group == "offsets" else {}
+    noise = Noise({n: ChannelNoise(SIZES.get(n, 0.0), offset=offsets.get(n, 0.0)) for n in {*offsets, *SIZES}})
     factor = _static(rng) if group == "static effect" else lambda load, slip: np.ones_like(load)
     load = exact["Fz"].to_numpy()
     scales = {name: factor(load, exact[slip].to_numpy()) for name, slip in (("Fx", "kappa"), ("Fy", "alpha"))}
@@ -66,19 +65,7 @@ def made(group: str, seed: int) -> Made:
         exact[name] = exact[name] * scale
     t = exact["t"].to_numpy()
     recorded = {n: noise.record(n, exact[n].to_numpy(), t, rng) for n in exact.columns.drop("t")}
-    if group == "sensor errors":
-        forces = exact[list(FORCES)].to_numpy().T
-        for pair, target, column in cross_talk(FORCES, forces, NOMINAL["R0"]):
-            size = CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[pair] * rng.standard_normal()
-            recorded[FORCES[target]] = recorded[FORCES[target]] + size * column
     return Made(tire, Recording(exact.assign(**recorded), "iso", f"{group} {seed}"), factor)
-
-
-def _sensor(name: str, group: str) -> ChannelNoise:
-    """Return the noise of a channel, with the offset and the drift of a bench in two groups."""
-    bench = Noise().channels.get(name, ChannelNoise())
-    offset = bench.offset if group in ("offsets", "sensor errors") else 0.0
-    return ChannelNoise(SIZES.get(name, 0.0), offset=offset, drift=bench.drift if group == "sensor errors" else 0.0)
 
 
 def _heat(table: pd.DataFrame, time: float) -> FloatArray:

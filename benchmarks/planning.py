@@ -87,7 +87,7 @@ def compared(name: str, case: Case, seeds: int) -> None:
     for label, (program, prediction) in parts.items():
         real = achieved(tire, bench, program, prediction, seeds) if seeds else {}
         for target in prediction.targets:
-            alone = 196.0 * float(np.sqrt(np.sum(target.squares[0] * prediction.covariances[0])))
+            alone = 100.0 * np.sqrt(np.mean(target.widths(prediction.covariances)[0] ** 2))
             rows.append([label, target.name, alone, 100.0 * real.get(target.name, np.nan)])
     table = pd.DataFrame(rows, columns=["program", "target", "predicted", "achieved"])
     table = table.pivot(index="target", columns="program", values=["predicted", "achieved"])

@@ -113,7 +113,7 @@ def refitted(task: RecoveryTask) -> Refit:
     recording = recorded(truth, task.rows, seed=task.seed, correlation_time=CORRELATIONS[task.noise])
     start = time.process_time()
     with threadpool_limits(limits=1, user_api="blas"):
-        result = fit([recording], task.model, nominal=NOMINAL, sensor_errors=False)
+        result = fit([recording], task.model, nominal=NOMINAL)
         seconds = time.process_time() - start
         if task.replicates:
             tasks = replicate_tasks(result, [recording], task.replicates, task.seed)

@@ -26,7 +26,7 @@ SOURCE = Path(__file__).with_suffix(".c")
 LIMITS = {
     "r_z": (0.85, 1.02), "R_32": (-0.1, 0.1), "v_x": (-10.0, 60.0), "v_y": (-3.0, 3.0), "v_z": (-0.5, 0.5),
     "w_z": (-1.0, 1.0), "omega": (-40.0, 200.0), "T_drive": (-300.0, 300.0), "T_brake": (0.0, 500.0),
-    "road_mu": (0.1, 1.2), "kappa": (-0.1, 0.1), "alpha": (-0.15, 0.15), "Fz": (500.0, 3000.0), "V": (5.0, 40.0),
+    "road_mu": (0.1, 1.2),
 }  # fmt: skip
 
 
@@ -50,14 +50,7 @@ def step_times(tire: Tire, inputs: str, steps: int, folder: Path) -> tuple[float
         for name, (low, high) in LIMITS.items()
         if name in listed and listed[name][1].causality == "input"
     ]
-    command = [
-        str(program),
-        token.decode(),
-        str(steps),
-        str(listed["F_x" if "F_x" in listed else "Fx"][0]),
-        "3",
-        *moved,
-    ]
+    command = [str(program), token.decode(), str(steps), str(listed["F_x"][0]), "6", *moved]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     median, high, longest = map(float, done.stdout.split())
     return median, high, longest

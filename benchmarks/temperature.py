@@ -5,27 +5,23 @@
 FOLDER has ``cornering.mat`` and ``drivebrake.mat``; without it only made recordings are computed. Printed are, for each
 measured recording, the rms error over the last 30 % of the time after a fit to the rest, the error of the other
 recording's coefficients, and the error of Fy with the predicted and with the recorded temperature; for the made
-recordings, errors in units of the sensor's noise, and how many intervals contain the truth; and the time of a simulated
-row and of a step of FMUs with and without temperatures.
+recordings, errors in units of the sensor's noise; and the time of a simulated row with and without temperatures.
 """
 
 from __future__ import annotations
 
 import sys
-import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from step_times import step_times
 
-from tirefmu import FitResult, fit
+from tirefmu import fit
 from tirefmu.fitting.temperature.heat_balance import EFFECT, HeatBalance
-from tirefmu.fitting.temperature.optimum import optimum_temperature
 from tirefmu.fitting.temperature.solution import solved
-from tirefmu.fitting.temperature.temperature_fit import FITTED_SHARE, FREE, STARTS, fit_temperature
+from tirefmu.fitting.temperature.temperature_fit import FITTED_SHARE, FREE, fit_temperature
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.tires import Tire
 
@@ -40,13 +36,6 @@ EFFECTS = (
 #: Duration, s, from whose temperatures the starts of the other recording are estimated.
 START = 60.0
 MADE, NOISE, DURATION = 30, 0.3, 300.0
-#: Largest friction, deg C, and its curvature, 1/K^2, of made recordings.
-OPTIMUM = {"inside": 55.0, "above": 140.0, "none": 60.0}
-CURVATURE = {"inside": 2e-4, "above": 2e-5, "none": 0.0}
-#: Recordings of the model itself, and the standard deviation of the logarithms of their coefficients.
-OWN, DRAWN = 20, 0.4
-#: Groups of load of which one is left out; steps of FMUs.
-LOADS, STEPS = 4, 100_000
 
 
 def rms(values: pd.Series | np.ndarray) -> float:
@@ -91,26 +80,10 @@ def measured_recordings(folder: Path) -> None:
     for name, other in (("cornering", "drivebrake"), ("drivebrake", "cornering")):
         error = from_other(tires[other], warm[name], recordings[other])
         print(f"coefficients of {name} over {other}: rms {error:.2f} K", flush=True)
-    for name, measured in recordings.items():
-        errors = ", ".join(f"{error:.2f}" for error in without_a_load(warm[name], measured))
-        print(f"{name}, a quarter of the loads left out: rms {errors} K", flush=True)
     recorded, predicted = forces(recordings["cornering"])
     print(
         f"cornering, last {1 - FITTED_SHARE:.0%}: Fy rms {recorded:.1f} N with T recorded, {predicted:.1f} N predicted"
     )
-
-
-def without_a_load(warm: Tire, measured: Recording) -> list[float]:
-    """Return the error over the rows of each load after a fit without them, K."""
-    balance = HeatBalance.of(warm, measured, "T")
-    known = np.isfinite(balance.measured)
-    load = balance.inputs[warm.inputs.index("Fz")]
-    at = np.digitize(load, np.quantile(load[known], np.arange(1, LOADS) / LOADS))
-    whole, errors = solved([balance], [known], FREE), []
-    for group in range(LOADS):
-        left_out = known & (at == group)
-        errors.append(rms(solved([balance], [known & ~left_out], FREE, whole).errors([balance])[0][left_out]))
-    return errors
 
 
 def made_recordings() -> None:
@@ -121,17 +94,17 @@ def made_recordings() -> None:
     all_rows, held_out = [], []
     for seed in range(MADE):
         kind = ("inside", "above", "none")[seed % 3]
-        table, result = made(seed, kind, [EFFECT])
-        surface = result.tire.evaluate(table)["T_surface"] - 273.15
-        shown = np.interp(table["t"] - result.temperature.delay[0], table["t"], surface)
-        all_rows.append(rms(shown - table["T"]) / NOISE)
+        optimum = {"inside": 55.0, "above": 140.0, "none": 60.0}[kind]
+        curvature = {"inside": 2e-4, "above": 2e-5, "none": 0.0}[kind]
+        table = recording(seed, noise=NOISE, duration=DURATION, friction=curvature, optimum=optimum)
+        effects = ["load_friction", "load_stiffness", "temp_friction", EFFECT]
+        result = fit(table, "mf96", effects=effects, nominal={"Fz0": 1500.0, "R0": 0.25})
+        error = result.tire.evaluate(table)["T_surface"] - 273.15 - table["T"]
+        all_rows.append(rms(error) / NOISE)
         held_out.append(result.temperature.holdout_rmse / NOISE)
-        answer = result.temperature.optimum
-        inside = f", contained: {abs(answer.value - OPTIMUM[kind]) <= answer.half}" if answer.determined else ""
+        answer = result.temperature.optimum.text()
         print(
-            f"made {seed}, {kind}: {all_rows[-1]:.2f} of the noise, {held_out[-1]:.2f} held out;"
-            f" {answer.text()}{inside}",
-            flush=True,
+            f"made {seed}, {kind}: {all_rows[-1]:.2f} of the noise, {held_out[-1]:.2f} held out; {answer}", flush=True
         )
     for what, ratios in (("over all rows", all_rows), ("held out", held_out)):
         within = sum(ratio <= 1.5 for ratio in ratios)
@@ -141,66 +114,24 @@ def made_recordings() -> None:
         )
 
 
-def made(seed: int, kind: str, effects: list[str]) -> tuple[pd.DataFrame, FitResult]:
-    """Return a made recording and the fit to it."""
-    table = recording(seed, noise=NOISE, duration=DURATION, friction=CURVATURE[kind], optimum=OPTIMUM[kind])
-    effects = ["load_friction", "load_stiffness", "temp_friction", *effects]
-    return table, fit(table, "mf96", effects=effects, nominal={"Fz0": 1500.0, "R0": 0.25})
-
-
-def without_influence() -> None:
-    """Print in how many of further recordings without an influence an optimum is determined."""
-    named = 0
-    for seed in range(100, 100 + MADE):
-        table, result = made(seed, "none", [])
-        named += optimum_temperature(result.tire, [Recording(table, "iso", "made")]).determined
-    print(f"without an influence: an optimum in {named} of {MADE}", flush=True)
-
-
-def coverage() -> None:
-    """Print how many intervals contain the true coefficients, in recordings of the model itself."""
-    contained = []
-    for seed in range(OWN):
-        random = np.random.default_rng(seed)
-        truth = Tire("mf96", {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25}, effects={EFFECT})
-        neutral = {name: truth.values[name] for name in FREE}
-        values = {name: value * np.exp(random.normal(0.0, DRAWN)) for name, value in neutral.items()}
-        truth = truth.with_values(**values, **{name: random.normal(308.0, 2.0) for name in STARTS})
-        table = truth.evaluate(recording(seed, duration=DURATION).drop(columns=["T", "Fx", "Fy"]))
-        shown = np.interp(table["t"] - 0.1, table["t"], table["T_surface"])
-        table = table.assign(T=shown - 273.15 + random.normal(0.0, NOISE, len(table)))
-        _, found = fit_temperature(truth, [Recording(table, "iso", "own")])
-        contained += [abs(np.log(found.values[name] / values[name])) <= np.log(found.intervals[name])
-                      for name in FREE]  # fmt: skip
-    print(f"intervals contain the truth in {np.mean(contained):.1%} of {len(contained)}", flush=True)
-
-
 def cost() -> None:
-    """Print the time of a simulated row with and without temperatures, and the same of a step of FMUs."""
+    """Print the time of a simulated row with and without temperatures."""
     t = np.arange(0.0, 60.0, 0.005)
     table = pd.DataFrame({"t": t, "alpha": 0.1 * np.sin(t), "kappa": 0.05 * np.sin(1.3 * t), "Fz": 1500.0, "V": 15.0})
-    values = {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "TMU1": -0.002, "SIGX": 0.1, "SIGY": 0.3}
-    plain = Tire("mf61", values, effects={"temp_friction", "relax_lat", "relax_lon"})
-    heated = Tire("mf61", {**values, "THACT": 1.0}, effects={*plain.has, EFFECT})
-    seconds = []
-    for tire in (plain, heated):
+    seconds = {}
+    for effects in ({"temp_friction"}, {"temp_friction", EFFECT}):
+        values = {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "TMU1": -0.002}
+        tire = Tire("mf61", {**values, **({"THACT": 1.0} if EFFECT in effects else {})}, effects=effects)
         tire.evaluate(table, hold=True)
-        began = time.process_time()
+        began = time.perf_counter()
         tire.evaluate(table, hold=True)
-        seconds.append(1e6 * (time.process_time() - began) / len(t))
-    print(f"a row: {seconds[0]:.1f} us without, {seconds[1]:.1f} us with temperatures")
-    for inputs in ("slip", "hub", "hub-torque"):
-        medians = []
-        for tire in (plain, heated):
-            with tempfile.TemporaryDirectory() as folder:
-                medians.append(step_times(tire.in_signs("iso"), inputs, STEPS, Path(folder))[0])
-        print(f"a step with {inputs} inputs: {medians[0]:.1f} us without, {medians[1]:.1f} us with temperatures")
+        seconds[EFFECT in effects] = time.perf_counter() - began
+    plain, heated = (1e6 * seconds[present] / len(t) for present in (False, True))
+    print(f"a row: {plain:.1f} us without, {heated:.1f} us with temperatures")
 
 
 if __name__ == "__main__":
     if len(sys.argv) > 1:
         measured_recordings(Path(sys.argv[1]))
     made_recordings()
-    without_influence()
-    coverage()
     cost()

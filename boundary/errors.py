@@ -143,7 +143,7 @@ def nearest(name: str, known: Iterable[str], listed_by: str = "") -> str:
     """
     names = list(dict.fromkeys(known))
     folded = {candidate.casefold(): candidate for candidate in names}
-    near = [folded[match] for match in difflib.get_close_matches(name.casefold(), folded, n=NEAREST, cutoff=0.5)]
+    near = [folded[each] for each in difflib.get_close_matches(name.casefold(), folded, n=NEAREST, cutoff=0.5)]
     meant = [f"did you mean {near[0]}?"] if near else []
     if len(names) <= FEW:
         others = [f"known are {', '.join(names)}"] if len(names) > len(near[:1]) else []

@@ -14,8 +14,7 @@ import unicodedata
 
 #: What XML 1.0 cannot contain, not even escaped (Extensible Markup Language 1.0, section 2.2).
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-#: Surrogates, which are no characters, and NUL, which no reader of files accepts.
-_IN_NO_FILE = re.compile("[\0\ud800-\udfff]")
+_SURROGATES = re.compile("[\ud800-\udfff]")
 #: What no file name contains on at least one of the three systems, and what a shell or a path takes for its own.
 _NOT_IN_FILE_NAMES = re.compile(r"[^\w.+=@,-]", re.UNICODE)
 #: File names that Windows reserves for devices, whatever the extension.
@@ -184,7 +183,7 @@ def command_text(command: str, *arguments: object) -> str:
     >>> command_text("run", "my tires/tirefmu.toml")
     "tirefmu run 'my tires/tirefmu.toml'"
     """
-    return shlex.join(["tirefmu", command, *(str(argument) for argument in arguments if argument is not None)])
+    return shlex.join(["tirefmu", command, *(str(each) for each in arguments if each is not None)])
 
 
 def script_text(code: str) -> str:
@@ -218,7 +217,7 @@ def toml_string(text: str) -> str:
     "a \"b\"\n\u007f"
     """
     named = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
-    plain = (named.get(c) or (c if c.isprintable() else _toml_escape(c)) for c in _IN_NO_FILE.sub("\ufffd", text))
+    plain = (named.get(c) or (c if c.isprintable() else _toml_escape(c)) for c in _SURROGATES.sub("\ufffd", text))
     return '"' + "".join(plain) + '"'
 
 

@@ -1,4 +1,4 @@
-"""JSON Schemas from the types that declare what a file contains, and values of JSON.
+"""JSON Schemas from the types that declare what a file contains, the check of a value by such a type, values of JSON.
 
 A reader lists its keys with types (``{"tables": list[str]}``), a writer has frozen classes and typed dictionaries. Both
 are enough for `schema_of`, so that no schema repeats a declaration.
@@ -15,17 +15,15 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
-#: The schema of a text that is not empty.
-FILLED = {"type": "string", "pattern": r"\S", "title": "a text that is not empty"}
 _TYPES = {bool: "boolean", int: "integer", float: "number", str: "string", NoneType: "null"}
 
 
 def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
     """Return the JSON Schema of a type; a schema, which is a dictionary, is returned as it is.
 
-    `kind`: bool, int, float, str, None, Any; lists, tuples, mappings with text keys, unions of types; arrays; frozen
-    classes and typed dictionaries. ``Annotated[type, text or mapping]`` adds a description or further keywords.
-    `missing`: a number may be null, as in `json_value`. Raises `TypeError` for another type.
+    `kind`: bool, int, float, str, None, Any; lists, tuples, mappings with text keys, unions of types; frozen classes
+    and typed dictionaries. ``Annotated[type, text or mapping]`` adds a description or further keywords. `missing`: a
+    number may be null, as in `json_value`. Raises `TypeError` for another type.
 
     >>> schema_of(list[float] | None)
     {'anyOf': [{'type': 'array', 'items': {'type': 'number'}}, {'type': 'null'}]}
@@ -51,8 +49,6 @@ def schema_of(kind: Any, *, missing: bool = False) -> dict[str, Any]:
         return {"type": "array", "prefixItems": pair, "items": False, "minItems": len(pair)}
     if origin in (list, tuple, Sequence):
         return {"type": "array", "items": schema_of(parts[0], missing=missing)}
-    if getattr(origin, "__name__", "") == "ndarray":
-        return {"type": "array"}
     if origin in (dict, Mapping):
         return {"type": "object", "additionalProperties": schema_of(parts[1], missing=missing)}
     if is_typeddict(kind) or is_dataclass(kind):
@@ -78,9 +74,8 @@ def object_schema(properties: Mapping[str, Any], required: Iterable[str] = ()) -
     >>> object_schema({"rows": int}, ["rows"])["properties"]
     {'rows': {'type': 'integer'}}
     """
-    schemas = {key: schema_of(part) for key, part in properties.items()}
-    # An unknown key is reported before a missing one, of which it may be a misspelling.
-    return {"type": "object", "properties": schemas, "additionalProperties": False, "required": list(required)}
+    schemas = {key: schema_of(one) for key, one in properties.items()}
+    return {"type": "object", "properties": schemas, "required": list(required), "additionalProperties": False}
 
 
 def one_of(names: Iterable[str]) -> dict[str, Any]:
@@ -88,19 +83,19 @@ def one_of(names: Iterable[str]) -> dict[str, Any]:
     return {"enum": list(names)}
 
 
-def list_schema(item: Any, least: int, most: int) -> dict[str, Any]:
-    """Return the schema of a list of least to most items; `item`: a type or a schema."""
-    return {"type": "array", "items": schema_of(item), "minItems": least, "maxItems": most}
+def tables_schema(keys: Mapping[str, Any], most: int, required: Iterable[str] = ()) -> dict[str, Any]:
+    """Return the schema of a list of at most some tables with these keys."""
+    return {"type": "array", "maxItems": most, "items": object_schema(keys, required)}
 
 
-def name_schema(form: re.Pattern[str], longest: int, meaning: str) -> dict[str, Any]:
-    """Return the schema of a text that has the form of a name, which `meaning` describes, and a largest length."""
-    return {"type": "string", "maxLength": longest, "pattern": f"^({form.pattern})$", "title": meaning}
+def name_schema(form: re.Pattern[str]) -> dict[str, Any]:
+    """Return the schema of a text that has the form of a name."""
+    return {"type": "string", "pattern": f"^({form.pattern})$"}
 
 
-def by_name(name: Mapping[str, Any], value: Any) -> dict[str, Any]:
-    """Return the schema of a table of values (a type or a schema) by names with a schema."""
-    return {"type": "object", "propertyNames": name, "additionalProperties": schema_of(value)}
+def by_name(form: re.Pattern[str], value: Any) -> dict[str, Any]:
+    """Return the schema of a table of values (a type or a schema) by names of a form."""
+    return {"type": "object", "propertyNames": name_schema(form), "additionalProperties": schema_of(value)}
 
 
 def document(kind: str, version: str, title: str, schema: Mapping[str, Any]) -> dict[str, Any]:
@@ -131,6 +126,25 @@ def schema_file(schema: Mapping[str, Any]) -> str:
     return f"tirefmu-{schema['$id'].split(':')[3]}.schema.json"
 
 
+def is_of(value: Any, kind: Any) -> bool:
+    r"""Return whether a value of TOML has a type; numbers are finite, texts have no NUL, which no path contains.
+
+    `kind`: Any, a plain type, or a list or mapping of them.
+
+    >>> is_of([1, 2.5], list[float]), is_of(True, int), is_of("a\0", str), is_of(float("inf"), float)
+    (True, False, False, False)
+    """
+    if get_origin(kind) is list:
+        return isinstance(value, list) and all(is_of(one, get_args(kind)[0]) for one in value)
+    if get_origin(kind) is dict:
+        return isinstance(value, dict) and all(is_of(one, get_args(kind)[1]) for one in value.values())
+    if kind is str:
+        return isinstance(value, str) and "\0" not in value
+    if kind is float:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+    return kind is Any or (isinstance(value, kind) and isinstance(value, bool) == (kind is bool))
+
+
 def json_value(value: Any) -> Any:
     """Return a result as values of JSON: a frozen class becomes an object, a number that is not finite null.
 
@@ -140,9 +154,9 @@ def json_value(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return {part.name: json_value(getattr(value, part.name)) for part in fields(value)}
     if isinstance(value, Mapping):
-        return {str(key): json_value(item) for key, item in value.items()}
+        return {str(key): json_value(one) for key, one in value.items()}
     if isinstance(value, (list, tuple)):
-        return [json_value(item) for item in value]
-    if hasattr(value, "tolist"):  # a number or an array of NumPy
-        return json_value(value.tolist())
+        return [json_value(one) for one in value]
+    if hasattr(value, "item"):  # a number of NumPy
+        return json_value(value.item())
     return None if isinstance(value, float) and not isfinite(value) else value

@@ -90,13 +90,13 @@ class Comparison:
             count = len(self.differences)
             return f"{count or 'no'} coefficient{'s'[: count != 1]} differ{'s'[: count == 1]}"
         closer: dict[str, list[str]] = {}
-        for channel in dict.fromkeys(error.channel for error in self.errors):
+        for channel in dict.fromkeys(each.channel for each in self.errors):
             closer.setdefault(self._closer(channel), []).append(channel)
         return "closer to the data: " + "; ".join(f"{who} in {', '.join(which)}" for who, which in closer.items())
 
     def _closer(self, channel: str) -> str:
         squares = [
-            sum(error.rows * error.rmse[i] ** 2 for error in self.errors if error.channel == channel) for i in (0, 1)
+            sum(each.rows * each.rmse[i] ** 2 for each in self.errors if each.channel == channel) for i in (0, 1)
         ]
         if abs(squares[0] - squares[1]) <= 2.0 * EQUAL * max(squares):
             return "both equally"
@@ -109,11 +109,11 @@ class Comparison:
             "verdict": self.verdict,
             "tires": [{"name": n, "model": t.model} for n, t in zip(self.names, self.tires, strict=True)],
             "effects_of_one": [list(names) for names in self.effects],
-            "coefficients": [vars(difference) for difference in self.differences],
-            "characteristics": [vars(characteristic) for characteristic in self.characteristics],
+            "coefficients": [vars(each) for each in self.differences],
+            "characteristics": [vars(each) for each in self.characteristics],
             "channels": [
-                {**vars(error), "r2": [value if np.isfinite(value) else None for value in error.r2]}
-                for error in self.errors
+                {**vars(each), "r2": [value if np.isfinite(value) else None for value in each.r2]}
+                for each in self.errors
             ],
         }
 
@@ -154,29 +154,29 @@ def _characteristics(first: Tire, second: Tire) -> Iterator[Characteristic]:
 
 def _differences(first: Tire, second: Tire) -> list[Difference]:
     declared = {**second.symbolic_model.coefficients, **first.symbolic_model.coefficients}
-    errors = []
+    found = []
     for name, coefficient in declared.items():
         values = (first.values.get(name), second.values.get(name))
         if values[0] != values[1]:
-            errors.append(Difference(name, coefficient.unit, coefficient.description, *values))
-    return errors
+            found.append(Difference(name, coefficient.unit, coefficient.description, *values))
+    return found
 
 
 def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ChannelErrors]:
     included = exclude_rows(recording).included
     predicted = [tire.evaluate(recording.table, signs=recording.signs) for tire in tires]
-    errors = []
+    found = []
     for channel in recording.measured():
-        if not all(channel in table for table in predicted):
+        if not all(channel in each for each in predicted):
             continue
         measured = recording.table[channel].to_numpy(dtype=np.float64)
         rows = included & np.isfinite(measured)
         if not rows.any():
             continue
-        squares = [float(np.mean((table[channel].to_numpy()[rows] - measured[rows]) ** 2)) for table in predicted]
+        squares = [float(np.mean((each[channel].to_numpy()[rows] - measured[rows]) ** 2)) for each in predicted]
         variance = float(np.var(measured[rows]))
         r2 = [1.0 - square / variance if variance > 0.0 else np.nan for square in squares]
         unit = next(quantity.unit for quantity in tires[0].symbolic_model.outputs if quantity.name == channel)
         rmse = (squares[0] ** 0.5, squares[1] ** 0.5)
-        errors.append(ChannelErrors(recording.source, channel, unit, int(rows.sum()), rmse, (r2[0], r2[1])))
-    return errors
+        found.append(ChannelErrors(recording.source, channel, unit, int(rows.sum()), rmse, (r2[0], r2[1])))
+    return found

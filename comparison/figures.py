@@ -43,12 +43,12 @@ def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], 
     for channel, slip in PAIRS:
         if not all(channel in tire.outputs and slip in tire.inputs for tire in comparison.tires):
             continue
-        ranges = sweeps(comparison.tires[1], slip, given)
-        if signs == "sae" and not len(ranges[0].rows):
-            ranges = [Sweep(slip, {"Fz": -sweep.load}, sweep.low, sweep.high, sweep.rows) for sweep in ranges]
-        figures.append(_family(comparison, ranges, channel, signs, slope=False))
+        found = sweeps(comparison.tires[1], slip, given)
+        if signs == "sae" and not len(found[0].rows):
+            found = [Sweep(slip, {"Fz": -each.load}, each.low, each.high, each.rows) for each in found]
+        figures.append(_family(comparison, found, channel, signs, slope=False))
         if channel != "Mz":
-            figures.append(_family(comparison, ranges, channel, signs, slope=True))
+            figures.append(_family(comparison, found, channel, signs, slope=True))
     for role, title in ROLES.items():
         if all(tire.symbolic_model.quantity(role) for tire in comparison.tires):
             figures.append(_over_load(comparison, role, title, signs))
@@ -59,25 +59,25 @@ def _evaluated(tire: Tire, held: dict[str, float], name: str, values: FloatArray
     return tire.evaluate(pd.DataFrame({**held, name: values}), signs=signs, steady=True)
 
 
-def _family(comparison: Comparison, ranges: Sequence[Sweep], channel: str, signs: str, *, slope: bool) -> Figure:
+def _family(comparison: Comparison, found: Sequence[Sweep], channel: str, signs: str, *, slope: bool) -> Figure:
     """Return a panel for each tire with a curve for each load; both have the same axes."""
-    slip = ranges[0].slip
+    slip = found[0].slip
     panels = [
-        _tire_panel(tire, name, ranges, channel, signs, slope)
+        _tire_panel(tire, name, found, channel, signs, slope)
         for tire, name in zip(comparison.tires, comparison.names, strict=True)
     ]
-    points = ["points: measured at zero camber and zero other slip"] if len(ranges[0].rows) else []
-    held = {name: level for name, level in ranges[0].held.items() if name in FURTHER}
+    points = ["points: measured at zero camber and zero other slip"] if len(found[0].rows) else []
+    held = {name: level for name, level in found[0].held.items() if name in FURTHER}
     notes = [held_text(signs, held)] if held else []
     title = f"Pure slip: {'slope of ' * slope}{channel} over {letter(slip)}"
     text = note(signs, *(["positive at zero slip"] if slope else points), *notes)
     return Figure(f"{channel}{'_slope' * slope}_over_{slip}", title, (tuple(panels),), text)
 
 
-def _tire_panel(tire: Tire, name: str, ranges: Sequence[Sweep], channel: str, signs: str, slope: bool) -> Panel:
-    slip = ranges[0].slip
+def _tire_panel(tire: Tire, name: str, found: Sequence[Sweep], channel: str, signs: str, slope: bool) -> Panel:
+    slip = found[0].slip
     points, lines = [], []
-    for sweep, style in zip(ranges, level_styles(len(ranges), "Fz"), strict=True):
+    for sweep, style in zip(found, level_styles(len(found), "Fz"), strict=True):
         label = level_text("Fz", sweep.load)
         x = np.linspace(sweep.low, sweep.high, _POINTS)
         y = _evaluated(tire, sweep.held, slip, x, signs)[channel].to_numpy()

@@ -49,10 +49,10 @@ def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep
     `tire`: determines loads and range if no recording has such a sweep. `slip`: "kappa" or "alpha". `recordings`: all
     in the same convention.
     """
-    all_sweeps = [sweep for recording in recordings for sweep in _measured(recording, slip)]
+    found = [sweep for recording in recordings for sweep in _measured(recording, slip)]
     for name in FURTHER:
-        all_sweeps = _at_main_level(all_sweeps, name)
-    most = sorted(_merged(all_sweeps), key=lambda sweep: -len(sweep.rows))[:MAX_SWEEPS]
+        found = _at_main_level(found, name)
+    most = sorted(_merged(found), key=lambda sweep: -len(sweep.rows))[:MAX_SWEEPS]
     if most:
         return sorted(most, key=lambda sweep: abs(sweep.load))
     low, high = tire.ranges.get(slip, WIDEST[slip])
@@ -60,40 +60,38 @@ def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep
     return [Sweep(slip, {"Fz": load}, low, high, pd.DataFrame()) for load in default_loads(tire)]
 
 
-def _at_main_level(candidates: list[Sweep], name: str) -> list[Sweep]:
+def _at_main_level(found: list[Sweep], name: str) -> list[Sweep]:
     """Return the sweeps at the level of an input with the most rows; all if it is held in none."""
-    levels = [sweep.held[name] for sweep in candidates if name in sweep.held]
+    levels = [sweep.held[name] for sweep in found if name in sweep.held]
     if not levels:
-        return candidates
+        return found
     tolerance = level_tolerance(levels, name)
 
     def near(level: float) -> list[Sweep]:
-        return [sweep for sweep in candidates if name in sweep.held and abs(sweep.held[name] - level) <= tolerance]
+        return [sweep for sweep in found if name in sweep.held and abs(sweep.held[name] - level) <= tolerance]
 
     return near(max(levels, key=lambda level: sum(len(sweep.rows) for sweep in near(level))))
 
 
-def _merged(measured: Sequence[Sweep]) -> list[Sweep]:
+def _merged(found: Sequence[Sweep]) -> list[Sweep]:
     """Return one sweep for each load, with the rows of all sweeps there, held as the longest of them."""
-    tolerance = level_tolerance([sweep.load for sweep in measured], "Fz")
+    tolerance = level_tolerance([sweep.load for sweep in found], "Fz")
     merged: list[Sweep] = []
-    for sweep in sorted(measured, key=lambda sweep: -len(sweep.rows)):
-        same = next((i for i, other in enumerate(merged) if abs(other.load - sweep.load) <= tolerance), None)
+    for sweep in sorted(found, key=lambda sweep: -len(sweep.rows)):
+        same = next((i for i, one in enumerate(merged) if abs(one.load - sweep.load) <= tolerance), None)
         if same is None:
             merged.append(sweep)
             continue
-        before = merged[same]
-        low, high = min(before.low, sweep.low), max(before.high, sweep.high)
-        merged[same] = Sweep(
-            before.slip, before.held, low, high, pd.concat([before.rows, sweep.rows], ignore_index=True)
-        )
+        one = merged[same]
+        low, high = min(one.low, sweep.low), max(one.high, sweep.high)
+        merged[same] = Sweep(one.slip, one.held, low, high, pd.concat([one.rows, sweep.rows], ignore_index=True))
     return merged
 
 
 def _measured(recording: Recording, slip: str) -> list[Sweep]:
     included = exclude_rows(recording).included
     grouping = group_by_condition(recording)
-    measured = []
+    found = []
     for label, (held, moving) in enumerate(zip(grouping.conditions, grouping.moving, strict=True)):
         levels = dict(held)
         rows = recording.table[included & (grouping.labels == label)]
@@ -103,5 +101,5 @@ def _measured(recording: Recording, slip: str) -> list[Sweep]:
             if name in ("kappa", "alpha", "gamma", "phit")
         )
         if moving == (slip,) and upright and "Fz" in levels and len(rows) >= MIN_ROWS:
-            measured.append(Sweep(slip, levels, float(rows[slip].min()), float(rows[slip].max()), rows))
-    return measured
+            found.append(Sweep(slip, levels, float(rows[slip].min()), float(rows[slip].max()), rows))
+    return found

@@ -11,8 +11,7 @@ from tirefmu.boundary.errors import DataError
 from tirefmu.tires import Tire, tire_from
 from tirefmu.tires.tire_argument import TireLike
 
-from .effects import effect_columns
-from .estimate import MIN_DEVIATION, estimated
+from .estimate import estimated
 from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, has_spins, wheel_means
@@ -27,10 +26,6 @@ from .wheels import wheel_table
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Deviation of the balance, per load, up to which nothing is left for an effect: the error of the midpoint rule and of
-#: the steering.
-EXPLAINED = 3.0 * MIN_DEVIATION
-
 
 def drive(
     log: LogLike,
@@ -39,7 +34,6 @@ def drive(
     tire: TireLike,
     rear: TireLike | None = None,
     columns: dict[str, str] | None = None,
-    fmus: bool = False,
 ) -> Drive:
     """Compare a drive with the tires of the car: forces of the axles, scaling factors, simulated motion.
 
@@ -55,9 +49,6 @@ def drive(
         factors LMUX, LMUY, LKX and LKY.
     columns : dict of str to str, optional
         Header of a channel that has another name in the log; beyond those of the car file.
-    fmus : bool
-        Whether the vehicle is simulated on four tire FMUs, whose states lag, in place of the generated code in steady
-        state; `Drive.save` writes the FMUs of the scaled tires.
 
     Returns
     -------
@@ -96,12 +87,10 @@ def drive(
     speed = forward_speed(recorded, car)
     grid = gridded(recorded, car, speed)
     check_log(recorded, car, grid, np.interp(grid.t, *speed))
-    return _answer(car, tires, recorded, grid, speed, fmus)
+    return _answer(car, tires, recorded, grid, speed)
 
 
-def _answer(
-    car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple[FloatArray, FloatArray], fmus: bool
-) -> Drive:
+def _answer(car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple[FloatArray, FloatArray]) -> Drive:
     unknowns = unknowns_of(car, log)
     interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=has_spins(log, car), step=grid.step)
     start = _start(grid, interval.states, log, car, speed)
@@ -111,13 +100,12 @@ def _answer(
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
     factors = factors_of(estimate, unknowns, tires, grid.step)
     scaled = scaled_tires(tires, factors)
-    before = simulated(grid, estimate, unknowns, car, tires, known_car=False, fmus=fmus)
-    after = simulated(grid, estimate, unknowns, car, scaled, known_car=True, fmus=fmus)
-    wheels = wheel_table(grid, estimate)
-    residual = estimate.converged and estimate.deviations.max() > EXPLAINED
-    effects = effect_columns(wheels, scaled, car.axle_loads) if residual else []
-    verdict = verdict_on(car, unknowns, grid, estimate, factors, effects)
-    return Drive(log, car, grid, unknowns, estimate, tires, scaled, factors, wheels, before, after, verdict)
+    before = simulated(grid, estimate, unknowns, car, tires, known_car=False)
+    after = simulated(grid, estimate, unknowns, car, scaled, known_car=True)
+    return Drive(
+        log, car, grid, unknowns, estimate, tires, scaled, factors, wheel_table(grid, estimate), before, after,
+        verdict_on(car, tires, unknowns, estimate, factors),
+    )  # fmt: skip
 
 
 def _start(grid: Grid, states: tuple[str, ...], log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> FloatArray:

@@ -8,10 +8,10 @@ from typing import Annotated, Any, TypedDict
 from tirefmu.boundary.json_schema import document, schema_of
 
 from .factors import Factor
-from .verdict import CarFinding, EffectFinding, Finding
+from .verdict import CarFinding, Finding
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.2"
+VERSION = "1.0"
 
 
 class CarEntry(TypedDict):
@@ -35,7 +35,6 @@ class SimulationContent(TypedDict):
 
     before: Mapping[str, float]
     after: Mapping[str, float]
-    fmus: Annotated[bool, "whether the tires of the vehicle were FMUs"]
 
 
 class DriveContent(TypedDict):
@@ -50,8 +49,6 @@ class DriveContent(TypedDict):
     found: Annotated[Sequence[Finding], "differences of the tires"]
     unknown: Annotated[bool, "whether the tires do not explain the side force of an axle"]
     unexplained: Annotated[dict[str, float], "deviation of the balance of forces per load by axle"]
-    effects: Annotated[Sequence[EffectFinding], "of the library, likely ones first"]
-    lacking: Annotated[float, "probability that the tires lack an effect of the library"]
     car: CarContent
     correlations: Annotated[dict[str, dict[str, float]], "of determined factors with entries of the car, above 0.3"]
     simulation: SimulationContent

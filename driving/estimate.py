@@ -2,10 +2,8 @@
 
 A least-squares problem in the states of all nodes and the unknowns. Its Jacobian is exact (CasADi). The Gauss-Newton
 matrix is block tridiagonal in the nodes with a border of the unknowns; its banded Cholesky factor also gives the
-covariance. The deviations of the balance of forces (how much the motion requires beyond the tires) are those at the
-fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992). The unknowns maximize the posterior
-integrated over the states: the optimum in both together would have too low a stiffness, as fits to noisy slip angles
-have.
+covariance. The deviations of the balance of forces (how much the motion requires beyond the tires) follow from the
+residuals by the fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
 """
 
 from __future__ import annotations
@@ -20,7 +18,6 @@ from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_bande
 from tirefmu.estimation.correlation import correlation_length
 
 from .inputs.car import Car
-from .inputs.car_entries import ENTRIES
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
 from .interval import BALANCE, CHUNK, Interval
@@ -29,18 +26,15 @@ from .unknowns import Unknowns
 FloatArray = npt.NDArray[np.float64]
 
 #: Deviations of the balance, per load: at the start, and the smallest one (the error of the midpoint rule).
-START_DEVIATION, MIN_DEVIATION = 0.1, 1e-3
+START_DEVIATION, MIN_DEVIATION = 0.05, 1e-3
 #: Longest step of an unknown, in its standard deviations.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
-LARGEST = 10.0
+LARGEST = 4.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
-#: Most solutions for given deviations; steps of a solution; relative decrease of the cost at which it ends.
-ROUNDS, MAX_STEPS, TOLERANCE = 12, 12, 1e-7
-#: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of
-#: a deviation below which the integral over the states counts; limits of such a change.
-SETTLED, NEAR, LARGEST_CHANGES = 0.1, 0.7, (-2.0, 1.0)
+#: Solutions for given deviations; steps of a solution; relative decrease of the cost at which it ends.
+ROUNDS, MAX_STEPS, TOLERANCE = 4, 30, 1e-7
 
 
 @dataclass(frozen=True)
@@ -68,7 +62,6 @@ class Estimate:
     - `residuals`, `outputs`: of the intervals at the solution.
     - `covariance`, shape (n_z, n_z). `pairs`, shape (n, 2 n_states, 2 n_states): covariance of the nodes of an interval
       for given unknowns; `slopes`, shape (n, 2 n_states, n_z): their change with the unknowns.
-    - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
     - `converged`: whether the last solution ended by its tolerance.
     """
 
@@ -81,7 +74,6 @@ class Estimate:
     covariance: FloatArray
     pairs: FloatArray
     slopes: FloatArray
-    weights: FloatArray
     converged: bool
 
     def variances(self, J: FloatArray) -> FloatArray:
@@ -93,28 +85,6 @@ class Estimate:
             + np.einsum("kri,ij,krj->kr", by_z, self.covariance, by_z, optimize=True)
         )
 
-    def information(self, grid: Grid, added: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the information of the log on the unknowns and on coefficients of added forces, and its score at 0.
-
-        `added`, shape (n, 2, n_added): side force per static load for a coefficient of 1. Priors are not included.
-        Returns matrix and vector of n_z + n_added.
-        """
-        J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
-        factor, columns = _Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
-        balance = J[:, -len(BALANCE) :]
-        at_nodes = np.zeros((grid.n_nodes, n, added.shape[2]))
-        for nodes, part in ((grid.left, balance[:, :, :n]), (grid.right, balance[:, :, n : 2 * n])):
-            np.add.at(at_nodes, nodes, np.einsum("kri,krj->kij", part, columns))
-        border = at_nodes.reshape(grid.n_nodes * n, added.shape[2])
-        solved = cho_solve_banded((factor.band, True), border, check_finite=False) if border.size else border
-        cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
-        corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
-        slope = np.einsum("krj,kr->j", columns, r[:, -len(BALANCE) :]) - solved.T @ factor.gradient
-        precision = np.linalg.inv(self.covariance)
-        both = np.block([[precision - np.eye(len(self.z)), cross], [cross.T, corner]])
-        # The unknowns are at their optimum; the score is that at 0, for a quadratic cost.
-        return both, np.concatenate([precision @ self.z, cross.T @ self.z - slope])
-
 
 def estimated(
     grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car
@@ -124,22 +94,15 @@ def estimated(
     deviations, noise = np.full(len(BALANCE), START_DEVIATION), np.ones(len(MEASURED))
     balance, weights = slice(-len(BALANCE), None), np.ones((len(grid.t), len(interval.residuals)))
     # The motion first: from a poor one the unknowns would run away.
-    tilt, steps = np.zeros(len(z)), np.zeros((0, 2, len(BALANCE)))
-    states, *_ = _solved(grid, interval, states, z, 10.0 * deviations, noise, weights, tilt, longest=0.0)
+    states, *_ = _solved(grid, interval, states, z, 10.0 * deviations, noise, weights, longest=0.0)
     for _ in range(ROUNDS):
-        states, z, linear, converged = _solved(grid, interval, states, z, deviations, noise, weights, tilt)
-        estimate = _with_covariance(grid, interval, states, z, deviations, noise, linear, weights, converged)
+        states, z, linear, converged = _solved(grid, interval, states, z, deviations, noise, weights)
+        estimate = _with_covariance(grid, interval, states, z, deviations, noise, linear, converged)
         variance = estimate.variances(linear.jacobian[:, balance])
         determined = np.maximum(len(grid.t) - variance.sum(axis=0), 1.0)
-        excess = np.log(np.sum(linear.values[:, balance] ** 2, axis=0) / determined) / 2
-        steps = np.concatenate([steps, [[np.log(deviations), excess]]])
-        used, deviations = deviations, np.maximum(deviations * np.exp(_secant(steps)), MIN_DEVIATION)
-        change = float(np.abs(np.log(deviations / used)).max())
-        slope = _volume_slope(grid, interval, unknowns, estimate, used, weights) if change < NEAR else np.zeros(len(z))
-        shift = np.abs(slope - tilt) * np.sqrt(np.diag(estimate.covariance))
-        if converged and max(change, shift.max()) < SETTLED:
-            break
-        tilt = (tilt + slope) / 2 if tilt.any() else slope
+        deviations = np.maximum(
+            deviations * np.sqrt(np.sum(linear.values[:, balance] ** 2, axis=0) / determined), MIN_DEVIATION
+        )
         noise = noise * _excess(linear.values[:, : len(MEASURED)])
         grid = with_steering(grid, log, car, unknowns.car_values(z))
         scaled = linear.values / weights / np.maximum(np.sqrt(np.mean(linear.values**2, axis=0)), 1e-12)
@@ -147,17 +110,9 @@ def estimated(
     # A residual that is correlated over time has the information of fewer independent ones.
     lengths = [correlation_length(linear.values[:, balance][:, i], grid.segment) for i in range(len(BALANCE))]
     widened = deviations * np.sqrt(lengths)
-    linear = evaluated(interval.residual_chunk, grid, states, z, widened, interval_data(grid, noise)).weighted(weights)
-    final = _with_covariance(grid, interval, states, z, widened, noise, linear, weights, converged)
+    states, z, linear, converged = _solved(grid, interval, states, z, widened, noise, weights)
+    final = _with_covariance(grid, interval, states, z, widened, noise, linear, converged)
     return grid, replace(final, deviations=deviations)
-
-
-def _secant(steps: FloatArray) -> FloatArray:
-    """Return the change of logarithms x at which f is 0, from the last pairs of x and f, shape (n, 2, n_x)."""
-    (x, f), (last_x, last_f) = steps[-1], steps[-2] if len(steps) > 1 else steps[-1]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        slope = np.nan_to_num((f - last_f) / (x - last_x), nan=-1.0)
-    return np.asarray(np.clip(-f / np.clip(slope, -1.0, -0.2), *LARGEST_CHANGES))
 
 
 def _excess(residual: FloatArray) -> FloatArray:
@@ -175,10 +130,9 @@ def interval_data(grid: Grid, noise: FloatArray) -> FloatArray:
 
 
 def evaluated(
-    function: Any, grid: Grid, states: FloatArray, z: FloatArray, deviations: FloatArray, data: FloatArray,
-    more: FloatArray | None = None,
-) -> Linear:  # fmt: skip
-    """Return a function of `Interval` at all intervals; `more`, shape (n, n_more): its last argument."""
+    function: Any, grid: Grid, states: FloatArray, z: FloatArray, deviations: FloatArray, data: FloatArray
+) -> Linear:
+    """Return a function of `Interval` at all intervals."""
     n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[1] + len(z)
     values, jacobian = np.empty((n, m)), np.empty((n, m, width))
     constant = np.concatenate([z, deviations, grid.used])
@@ -186,8 +140,7 @@ def evaluated(
         rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
         ends = states[grid.left[rows]], states[grid.right[rows]]
         results = [np.empty((CHUNK, m)), np.empty((CHUNK, m * width))]
-        last = [] if more is None else [more[rows]]
-        _call(function, [*ends, data.T[rows], np.tile(constant, (CHUNK, 1)), *last], results)
+        _call(function, [*ends, data.T[rows], np.tile(constant, (CHUNK, 1))], results)
         some = slice(first, min(first + CHUNK, n))
         count = some.stop - first
         values[some] = results[0][:count]
@@ -208,20 +161,20 @@ def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray])
 
 def _solved(
     grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, noise: FloatArray,
-    weights: FloatArray, tilt: FloatArray, longest: float = LONGEST_STEP,
+    weights: FloatArray, longest: float = LONGEST_STEP,
 ) -> tuple[FloatArray, FloatArray, Linear, bool]:  # fmt: skip
     """Return states, unknowns, problem there, and whether the Gauss-Newton steps converged (Levenberg, Marquardt)."""
     data = interval_data(grid, noise)
     linear = evaluated(interval.residual_chunk, grid, states, z, deviations, data).weighted(weights)
-    cost, damping = linear.cost(z) + float(tilt @ z), 1e-6
+    cost, damping = linear.cost(z), 1e-6
     for _ in range(MAX_STEPS):
-        change, change_z = _step(grid, linear, states, z, tilt, damping, longest)
+        change, change_z = _step(grid, linear, states, z, damping, longest)
         tried = evaluated(interval.residual_chunk, grid, states + change, z + change_z, deviations, data).weighted(
             weights
         )
-        lower = tried.cost(z + change_z) + float(tilt @ (z + change_z))
+        lower = tried.cost(z + change_z)
         if np.isfinite(lower) and lower <= cost:
-            gain = (cost - lower) / abs(cost)
+            gain = (cost - lower) / cost
             states, z, linear, cost = states + change, z + change_z, tried, lower
             damping = max(damping / 10, 1e-9)
             if gain < TOLERANCE:
@@ -234,12 +187,12 @@ def _solved(
 
 
 def _step(
-    grid: Grid, linear: Linear, states: FloatArray, z: FloatArray, tilt: FloatArray, damping: float, longest: float
+    grid: Grid, linear: Linear, states: FloatArray, z: FloatArray, damping: float, longest: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return the step of states and unknowns; a matrix that rounding makes indefinite is damped more."""
     while True:
         try:
-            return _Factor(grid, linear, states.shape[1], damping).step(z + tilt, z, longest)
+            return _Factor(grid, linear, states.shape[1], damping).step(z, longest)
         except np.linalg.LinAlgError:
             damping = max(100.0 * damping, 1e-9)
 
@@ -262,8 +215,8 @@ class _Factor:
         self.band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
         border = np.zeros((size, J.shape[2] - 2 * n))
         np.add.at(border, rows.ravel(), blocks[:, : 2 * n, 2 * n :].reshape(-1, border.shape[1]))
-        self.gradient = np.zeros(size)
-        np.add.at(self.gradient, rows.ravel(), slopes[:, : 2 * n].ravel())
+        self._gradient = np.zeros(size)
+        np.add.at(self._gradient, rows.ravel(), slopes[:, : 2 * n].ravel())
         self._gradient_z = slopes[:, 2 * n :].sum(axis=0)
         self._border = border
         self.solved_border = cho_solve_banded((self.band, True), border, check_finite=False)
@@ -271,10 +224,10 @@ class _Factor:
         self.schur = corner - border.T @ self.solved_border
         self.damping = damping
 
-    def step(self, slope: FloatArray, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
+    def step(self, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
         """Return the step of the states and of the unknowns; of an unknown at most `longest`."""
-        solved = cho_solve_banded((self.band, True), self.gradient, check_finite=False)
-        gradient = self._gradient_z + slope - self._border.T @ solved
+        solved = cho_solve_banded((self.band, True), self._gradient, check_finite=False)
+        gradient = self._gradient_z + z - self._border.T @ solved
         damped = self.schur + self.damping * np.diag(np.diag(self.schur))
         change_z = -cho_solve(cho_factor(damped), gradient)
         change_z *= min(1.0, longest / max(float(np.abs(change_z).max()), 1e-12))
@@ -282,27 +235,9 @@ class _Factor:
         return (-solved - self.solved_border @ change_z).reshape(self._shape), change_z
 
 
-def _volume_slope(
-    grid: Grid, interval: Interval, unknowns: Unknowns, estimate: Estimate, deviations: FloatArray, weights: FloatArray
-) -> FloatArray:
-    """Return the derivatives by the unknowns of what the integral over the states adds to the cost (Laplace).
-
-    Without it, forces that depend on estimated slip angles have too low a stiffness. Sensors and brakes shift what is
-    measured and pushed, which changes no volume but that of the linearization.
-    """
-    n = estimate.pairs.shape[1]
-    shares = (estimate.residuals.jacobian[:, :, :n] @ estimate.pairs) * weights[:, :, None]
-    more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
-    data = interval_data(grid, estimate.noise)
-    slopes = evaluated(interval.volume_chunk, grid, estimate.states, estimate.z, deviations, data, more).jacobian[:, 0]
-    result = slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes)
-    result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section in ("sensors", "wheels")]] = 0.0
-    return np.asarray(result)
-
-
 def _with_covariance(
     grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, noise: FloatArray,
-    linear: Linear, weights: FloatArray, converged: bool,
+    linear: Linear, converged: bool,
 ) -> Estimate:  # fmt: skip
     n = states.shape[1]
     factor = _Factor(grid, linear, n, 1e-9)
@@ -311,8 +246,7 @@ def _with_covariance(
     slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
     of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
     outputs = evaluated(interval.output_chunk, grid, states, z, deviations, interval_data(grid, noise))
-    scale = weights[:, -len(BALANCE) :] / deviations
-    return Estimate(states, z, deviations, noise, linear, outputs, covariance, pairs, of_pairs, scale, converged)
+    return Estimate(states, z, deviations, noise, linear, outputs, covariance, pairs, of_pairs, converged)
 
 
 def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:

@@ -39,6 +39,11 @@ class Factor:
     determined: bool
     reason: str = ""
 
+    @property
+    def changed(self) -> bool:
+        """Whether the factor is determined and differs from 1."""
+        return self.determined and not self.low <= 1.0 <= self.high
+
 
 def factors_of(
     estimate: Estimate, unknowns: Unknowns, tires: Mapping[str, Tire], step: float

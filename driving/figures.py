@@ -11,7 +11,6 @@ from tirefmu.tires.drawing.figure import Figure, Panel, Series, band
 from tirefmu.tires.drawing.style import DASHED
 
 from .interval import OUTPUTS
-from .simulation import estimated_motion
 from .unknowns import AXLES
 
 if TYPE_CHECKING:
@@ -35,7 +34,10 @@ def _some(n: int) -> slice:
 
 
 def _histories(answer: Drive) -> Figure:
-    grid, recorded = answer.grid, estimated_motion(answer.grid, answer.estimate).T
+    grid, states = answer.grid, answer.estimate.states
+    middle = (states[grid.left] + states[grid.right]) / 2
+    rate = (states[grid.right] - states[grid.left]) / grid.step
+    recorded = (middle[:, 2], rate[:, 1] + middle[:, 0] * middle[:, 2], middle[:, 1])
     labels = ("yaw rate (rad/s)", "ay (m/s²)", "lateral speed (m/s)")
     some = _some(len(grid.t))
     panels = []

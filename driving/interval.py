@@ -52,15 +52,12 @@ class Interval:
     - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
       (`estimate.interval_data`), and unknowns followed by deviations of the balance and the delay and lag of the
       steering in the data. They give the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
-    - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
-      product minus the logarithm of the density that the balance gives the next motion.
     """
 
     states: tuple[str, ...]
     residuals: tuple[str, ...]
     residual_chunk: Any
     output_chunk: Any
-    volume_chunk: Any
 
 
 def interval_of(
@@ -95,8 +92,6 @@ def interval_of(
     measured = _readings(p, middle, rate, pose)
     parts = {name: (data[i] - measured.get(name, 0)) * data[n + i] for i, name in enumerate(MEASURED)}
     parts |= _kinematics(middle, rate) if pose else {}
-    # Without an accelerometer, nothing else keeps the speed from alternating between nodes.
-    parts["thrust"] = (rate[0] - middle[1] * middle[2]) / GRAVITY
     loads = {"e_front": weight - rear, "e_rear": rear}
     parts |= {name: balance[name] / loads[name] / deviations[i] for i, name in enumerate(BALANCE)}
     residual = ca.vertcat(*parts.values())
@@ -107,13 +102,6 @@ def interval_of(
     for results in (residual, outputs):
         by = ca.densify(ca.jacobian(results, ca.vertcat(left, right, z)))
         chunks.append(ca.Function("interval", arguments, [results, ca.vec(by)], {"cse": True}).map(CHUNK))
-    point, next_motion = ca.vertcat(left, right, z), right[1:3]
-    by_nodes = ca.densify(ca.jacobian(residual, ca.vertcat(left, right)))
-    shares = ca.SX.sym("shares", by_nodes.numel())
-    density = ca.log(ca.fabs(ca.det(ca.jacobian(residual[-len(BALANCE) :], next_motion))))
-    volume = ca.dot(ca.vec(by_nodes), shares) - density
-    by = ca.densify(ca.gradient(volume, point))
-    chunks.append(ca.Function("volume", [*arguments, shares], [volume, by], {"cse": True}).map(CHUNK))
     return Interval(states, tuple(parts), *chunks)
 
 

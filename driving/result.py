@@ -12,7 +12,6 @@ import pandas as pd
 
 from tirefmu.boundary.errors import TirefmuError, path_from
 from tirefmu.boundary.json_schema import json_value
-from tirefmu.fmu.packaging.export import export
 from tirefmu.measurements import Recording, write_table
 from tirefmu.tires import Tire
 
@@ -99,11 +98,9 @@ class Drive:
             "found": self.verdict.tires,
             "unknown": bool(self.verdict.unknown),
             "unexplained": {axle: float(self.estimate.deviations[i]) for i, axle in enumerate(AXLES)},
-            "effects": self.verdict.effects,
-            "lacking": self.verdict.lacking,
             "car": {"found": self.verdict.car, "entries": entries},
             "correlations": self._correlations(),
-            "simulation": {"before": self.before.rms, "after": self.after.rms, "fmus": self.after.fmus},
+            "simulation": {"before": self.before.rms, "after": self.after.rms},
             "converged": self.estimate.converged,
         }
         return dict(json_value(content))
@@ -131,7 +128,7 @@ class Drive:
         Returns
         -------
         list of Path
-            ``wheels.csv``, then ``front.tir`` and ``rear.tir``, each with its FMU if the vehicle was simulated on FMUs.
+            ``wheels.csv``, then ``front.tir`` and ``rear.tir``.
 
         Raises
         ------
@@ -147,7 +144,7 @@ class Drive:
                 path = folder / f"{axle}.tir"
                 note = "; ".join(line for line in self.verdict.lines if line.startswith(axle))
                 replace(self.scaled[axle], about={**self.scaled[axle].about, "drive": note}).save(path)
-                written += [path, *([export(path, path.with_suffix(".fmu"))] if self.after.fmus else [])]
+                written.append(path)
         except OSError as error:
             raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
         return written

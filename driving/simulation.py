@@ -1,22 +1,13 @@
-"""The simulated vehicle over the recorded steering and speed, in pieces of a few seconds, against the log.
-
-The four tires are generated code in steady state, or FMUs.
-"""
+"""The simulated vehicle over the recorded steering and speed, in pieces of a few seconds, against the log."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, nullcontext
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.fmu.packaging.export import export
-from tirefmu.fmu.simulation.coupled import Coupled
-from tirefmu.fmu.simulation.simulate import instances
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import Tire
 from tirefmu.tires.code.modules import two_track
@@ -31,32 +22,23 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Length of a piece, s; Heun steps of an interval of the grid.
 HORIZON, SUBSTEPS = 2.0, 4
-#: kappa, alpha, Fz and V, shape (4, n) each, and the length of the step that follows with these inputs, s (0: none);
-#: the answer is Fx and Fy, shape (2, 4, n).
-TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
 
 
 @dataclass(frozen=True)
 class Simulation:
     """Motion simulated from the estimated state at the start of each piece, NaN outside of pieces.
 
-    `motion`, shape (n, 3): yaw rate, ay and lateral speed at the intervals. `rms`: of their errors, by name. `fmus`:
-    whether the tires were FMUs.
+    `motion`, shape (n, 3): yaw rate, ay and lateral speed at the intervals. `rms`: of their errors, by name.
     """
 
     motion: FloatArray
     rms: Mapping[str, float]
-    fmus: bool = False
 
 
 def simulated(
-    grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, known_car: bool,
-    fmus: bool = False,
-) -> Simulation:  # fmt: skip
-    """Simulate a car on its tires.
-
-    `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
-    """
+    grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, known_car: bool
+) -> Simulation:
+    """Simulate a car on its tires. `known_car`: with the estimated entries of the car, not those of its file."""
     estimated = unknowns.car_values(estimate.z)
     p = {**car.values, **(estimated if known_car else {})}
     p["cg_to_rear"] = p["wheelbase"] - p["cg_to_front"]
@@ -67,97 +49,66 @@ def simulated(
         for first in range(0, len(grid.t) - length + 1, length)
         if grid.segment[first] == grid.segment[first + length - 1]
     ]
-    motion = np.full((len(grid.t), 3), np.nan)
-    if not starts:
-        return Simulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
     rows = np.array(starts)[:, None] + np.arange(length)
     # The offset of the steering is one of the log: both cars drive with it.
     steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated.get("offset", car.values["offset"])
     speed = estimate.states[:, 0]
-    kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
+    kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows]
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
     acceleration = np.zeros((2, len(rows)))
-    h = grid.step / SUBSTEPS
-    with fmu_forces(tires, len(rows)) if fmus else nullcontext(steady_forces(tires)) as forces:
-        for k in range(length):
-            at = rows[:, k]
-            ends = speed[grid.left[at]], speed[grid.right[at]]
-            given = kappa[:, k].T, (ends[1] - ends[0]) / grid.step, body, forces
-            before = state
-            for i in range(SUBSTEPS):
-                share = (i + 0.5) / SUBSTEPS
-                vx = ends[0] + share * (ends[1] - ends[0])
-                angle = steer[0, :, k] + share * (steer[1, :, k] - steer[0, :, k])
-                first = acceleration = _rates(vx, state, angle, acceleration, 0.0, *given)
-                second = acceleration = _rates(vx, state + h * first, angle, acceleration, h, *given)
-                state = state + h / 2 * (first + second)
-            mean = (before + state) / 2
-            motion[at] = np.stack(
-                [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
-            )
-    return Simulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+    motion = np.full((len(grid.t), 3), np.nan)
+    for k in range(length):
+        at = rows[:, k]
+        ends = speed[grid.left[at]], speed[grid.right[at]]
+        along = (ends[1] - ends[0]) / grid.step
+        before = state
+        for i in range(SUBSTEPS):
+            share = (i + 0.5) / SUBSTEPS
+            vx = ends[0] + share * (ends[1] - ends[0])
+            angle = steer[0, :, k] + share * (steer[1, :, k] - steer[0, :, k])
+            h = grid.step / SUBSTEPS
+            first, acceleration = _rates(vx, along, state, angle, kappa[:, k], acceleration, body, tires)
+            second, acceleration = _rates(vx, along, state + h * first, angle, kappa[:, k], acceleration, body, tires)
+            state = state + h / 2 * (first + second)
+        mean = (before + state) / 2
+        motion[at] = np.stack(
+            [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
+        )
+    return Simulation(motion, _errors(motion, grid, estimate, unknowns, car))
 
 
 def _rates(
-    vx: FloatArray, state: FloatArray, steer: FloatArray, last: FloatArray, step: float, kappa: FloatArray,
-    along: FloatArray, body: list[float], forces: TireForces,
-) -> FloatArray:  # fmt: skip
-    """Return the rates of lateral speed and yaw rate; loads follow from the `last` ones. `step`: see `TireForces`."""
-    wheels = np.array(two_track.wheels(vx, *state, along, *last, steer, *body))
+    vx: FloatArray, along: FloatArray, state: FloatArray, steer: FloatArray, kappa: FloatArray, last: FloatArray,
+    body: list[float], tires: Mapping[str, Tire],
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Return the rates of lateral speed and yaw rate, twice: as rates, and as those from which loads follow."""
+    vy, yaw_rate = state
+    wheels = np.array(two_track.wheels(vx, vy, yaw_rate, along, *last, steer, *body))
     alpha, V, Fz = wheels.reshape(3, len(CORNERS), -1)
-    Fx, Fy = forces({"kappa": kappa, "alpha": alpha, "Fz": Fz, "V": V}, step)
-    # The wheels of an axle have the same torque.
-    Fx = Fx.reshape(2, 2, -1).mean(axis=1).repeat(2, axis=0)
-    return np.array(two_track.accelerations(vx, *state, steer, *body, *Fx, *Fy)[1:])
-
-
-def estimated_motion(grid: Grid, estimate: Estimate) -> FloatArray:
-    """Return yaw rate, ay and lateral speed of the center of gravity as estimated, shape (n, 3)."""
-    middle = (estimate.states[grid.left] + estimate.states[grid.right]) / 2
-    rate = (estimate.states[grid.right] - estimate.states[grid.left]) / grid.step
-    return np.stack([middle[:, 2], rate[:, 1] + middle[:, 2] * middle[:, 0], middle[:, 1]], axis=1)
+    Fx, Fy = np.empty_like(alpha), np.empty_like(alpha)
+    for i, axle in enumerate(AXLES):
+        some = slice(2 * i, 2 * i + 2)
+        forces = tires[axle].forces(kappa=kappa[:, i], alpha=alpha[some], Fz=Fz[some], V=V[some], code="numpy")
+        Fx[some], Fy[some] = forces["Fx"].mean(axis=0), forces["Fy"]
+    _, vy_rate, turning = two_track.accelerations(vx, vy, yaw_rate, steer, *body, *Fx, *Fy)
+    rates = np.array([vy_rate, turning])
+    return rates, rates
 
 
 def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car) -> dict[str, float]:
-    """Return the rms of simulated minus estimated motion, and minus the measured yaw rate, its offset removed."""
-    reference = estimated_motion(grid, estimate)
-    offset = {**car.values, **unknowns.car_values(estimate.z)}["yaw_rate_offset"]
-    yaw_rate = grid.means[MEASURED.index("yaw_rate")] - offset
-    reference[:, 0] = np.where(np.isfinite(yaw_rate), yaw_rate, reference[:, 0])
-    squares = ((motion - reference) ** 2)[np.isfinite(motion[:, 0])]
-    rms = np.sqrt(squares.mean(axis=0)) if len(squares) else np.full(3, np.nan)
-    return dict(zip(("yaw_rate", "ay", "vy"), rms.tolist(), strict=True))
-
-
-def steady_forces(tires: Mapping[str, Tire]) -> TireForces:
-    """Return the forces of the tires in steady state, from their generated code."""
-
-    def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
-        parts = []
-        for i, axle in enumerate(AXLES):
-            found = tires[axle].forces(code="numpy", **{name: rows[2 * i : 2 * i + 2] for name, rows in inputs.items()})
-            parts.append([found["Fx"], found["Fy"]])
-        return np.concatenate(parts, axis=1)
-
-    return forces
-
-
-@contextmanager
-def fmu_forces(tires: Mapping[str, Tire], n: int) -> Iterator[TireForces]:
-    """Export the tires, and yield the forces of an FMU at each wheel of `n` vehicles."""
-    with TemporaryDirectory(prefix="tirefmu-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
-        axles = []
-        for axle in AXLES:
-            path = export(tires[axle], Path(folder) / f"{axle}.fmu")
-            slaves = stack.enter_context(instances(path, 2 * n))
-            read = [name for name in ("kappa", "alpha", "Fz", "V") if name in tires[axle].inputs]
-            axles.append(Coupled(slaves, read, ("Fx", "Fy")))
-
-        def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
-            parts = []
-            for i, coupled in enumerate(axles):
-                rows = [inputs[name][2 * i : 2 * i + 2].ravel() for name in coupled.inputs]
-                parts.append(coupled.exchange(np.stack(rows, axis=1), step).T.reshape(2, 2, n))
-            return np.concatenate(parts, axis=1)
-
-        yield forces
+    """Return the rms of simulated minus measured motion, offsets removed; of the estimate where it is not measured."""
+    p = {**car.values, **unknowns.car_values(estimate.z)}
+    middle = (estimate.states[grid.left] + estimate.states[grid.right]) / 2
+    rate = (estimate.states[grid.right] - estimate.states[grid.left]) / grid.step
+    yaw_rate = grid.means[MEASURED.index("yaw_rate")]
+    # ay and lateral speed are compared at the center of gravity, where they are estimated.
+    references = {
+        "yaw_rate": np.where(np.isfinite(yaw_rate), yaw_rate - p["yaw_rate_offset"], middle[:, 2]),
+        "ay": rate[:, 1] + middle[:, 2] * middle[:, 0],
+        "vy": middle[:, 1],
+    }
+    known = np.isfinite(motion[:, 0])
+    return {
+        name: float(np.sqrt(np.mean((motion[known, i] - reference[known]) ** 2))) if known.any() else float("nan")
+        for i, (name, reference) in enumerate(references.items())
+    }

@@ -6,22 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
+
+from tirefmu.tires import Tire
 
 from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
-from .inputs.grid import Grid
-from .rivals import probabilities_of
 from .unknowns import AXLES, Unknowns
 
-FloatArray = npt.NDArray[np.float64]
-
-#: Posterior probability at which a change of a tire or a wrong entry of the car is a finding.
-CERTAIN = 0.95
-#: Probability from which an effect is reported.
-LIKELY = 0.05
+#: An entry of the car that is this many of its standard deviations from the file contradicts it.
+CAR_DEVIATION = 3.0
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
 #: repeated bench measurement scatters by 1 to 2 %.
 UNEXPLAINED = 0.03
@@ -34,87 +29,61 @@ MEANING = {
 
 @dataclass(frozen=True)
 class Finding:
-    """A difference of a tire: `axle`, `name` of the factor, `effect` ("friction is lower"), factor, its probability."""
+    """A difference of a tire: `axle`, `name` of the factor, `effect` ("friction is lower"), the factor."""
 
     axle: str
     name: str
     effect: str
     factor: Factor
-    probability: float
 
 
 @dataclass(frozen=True)
 class CarFinding:
-    """An entry of the car that contradicts its file: `deviation` in standard deviations, `probability`."""
+    """An entry of the car that contradicts its file: `name`, `value`, `given`, `deviation` in standard deviations."""
 
     name: str
     value: float
     given: float
     deviation: float
-    probability: float
-
-
-@dataclass(frozen=True)
-class EffectFinding:
-    """A candidate for an effect that the tires lack: `effect`, `probability`."""
-
-    effect: str
-    probability: float
 
 
 @dataclass(frozen=True)
 class Verdict:
     """The verdict.
 
-    - `tires`: findings. `car`: entries that contradict the car file. `effects`: candidates of the library, likely ones
-      first; `lacking`: the probability that the tires lack any of the library.
+    - `tires`: findings. `car`: entries that contradict the car file.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
     """
 
     tires: tuple[Finding, ...]
     car: tuple[CarFinding, ...]
-    effects: tuple[EffectFinding, ...]
-    lacking: float
     unknown: tuple[str, ...]
     lines: tuple[str, ...]
 
 
 def verdict_on(
     car: Car,
+    tires: Mapping[str, Tire],
     unknowns: Unknowns,
-    grid: Grid,
     estimate: Estimate,
     factors: Mapping[str, Mapping[str, Factor]],
-    effects: list[tuple[str, FloatArray]],
 ) -> Verdict:
-    """Return the verdict on a drive. `effects`: `effect_columns`."""
-    probabilities = probabilities_of(grid, estimate, unknowns, effects)
+    """Return the verdict on a drive."""
     findings = tuple(
-        Finding(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability)
-        for (axle, name), probability in probabilities.factors.items()
-        if (factor := factors[axle][name]).determined and probability > CERTAIN
+        Finding(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor)
+        for axle in AXLES
+        for name, factor in factors[axle].items()
+        if factor.changed
     )
     values = unknowns.car_values(estimate.z)
     of_car = tuple(
-        CarFinding(name, values[name], car.values[name], float(z), probabilities.car[name])
+        CarFinding(name, values[name], car.values[name], float(z))
         for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if probabilities.car[name] > CERTAIN
+        if abs(z) > CAR_DEVIATION
     )
-    ranked = sorted(probabilities.effects.items(), key=lambda pair: -pair[1])
-    likely = tuple(EffectFinding(name, probability) for name, probability in ranked if probability > LIKELY)
-    lacking = sum(probabilities.effects.values())
     unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.deviations[i] > UNEXPLAINED)
-    lines = _lines(findings, of_car, unknown, factors, estimate)
-    if lacking > CERTAIN:
-        lines.insert(0, _effects_line(likely))
-    return Verdict(findings, of_car, likely, lacking, unknown, tuple(lines))
-
-
-def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
-    # Linear scores are too sharp for a name: effects with similar responses take each other's place.
-    names = ", ".join(finding.effect for finding in likely)
-    return f"the tires lack an effect; candidates of the library, likely ones first: {names or 'many'}"
+    return Verdict(findings, of_car, unknown, tuple(_lines(findings, of_car, unknown, factors, estimate)))
 
 
 def _lines(

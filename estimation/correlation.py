@@ -50,8 +50,8 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
     values = np.asarray(residual, dtype=np.float64)
     if not np.isfinite(values).any():
         raise DataError("no residual is finite: its correlation length cannot be computed")
-    finite = np.isfinite(values)
-    power = float(np.mean(values[finite] ** 2))
+    known = np.isfinite(values)
+    power = float(np.mean(values[known] ** 2))
     if power == 0.0:
         return 1.0
     numbers = np.zeros(len(values)) if segment is None else np.asarray(segment)
@@ -60,8 +60,8 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
     for stretch in STRETCHES:
         if stretch > 1 and np.sum(np.diff(edges) // stretch) < MIN_SUMS:
             break
-        sums, lengths = _summed(np.where(finite, values, 0.0), edges, stretch)
-        rows, _ = _summed(finite.astype(np.float64), edges, stretch)
+        sums, lengths = _summed(np.where(known, values, 0.0), edges, stretch)
+        rows, _ = _summed(known.astype(np.float64), edges, stretch)
         # Variance of a sum relative to that of a sum of independent rows.
         counted = float(np.sum(rows))
         excess = float(np.mean(sums**2)) * len(sums) / (power * counted) if counted else 0.0
@@ -93,17 +93,17 @@ def _summed(values: FloatArray, edges: IntArray, stretch: int) -> tuple[FloatArr
     return np.asarray(values[whole].reshape(-1, stretch).sum(axis=1)), lengths
 
 
-def _geyer(values: FloatArray, finite: npt.NDArray[np.bool_], lengths: IntArray) -> float:
+def _geyer(values: FloatArray, known: npt.NDArray[np.bool_], lengths: IntArray) -> float:
     """Return the initial monotone sequence estimate over segments with 0 for unknown values."""
     if not lengths.any():
         return 1.0
     products = _autocorrelation(values, lengths)
     if products[0] <= 0.0:
         return 1.0
-    if finite.all():
+    if known.all():
         pairs = np.cumsum(np.cumsum(np.bincount(lengths)[:0:-1]))[::-1].astype(np.float64)
     else:
-        pairs = np.round(_autocorrelation(finite.astype(np.float64), lengths))
+        pairs = np.round(_autocorrelation(known.astype(np.float64), lengths))
     rho = np.where(pairs > 0, products / np.maximum(pairs, 1.0), 0.0) / (products[0] / pairs[0])
     couples = rho[: len(rho) // 2 * 2].reshape(-1, 2).sum(axis=1)
     # Sums of few pairs are noisy: the sequence is made monotone as well.

@@ -157,15 +157,15 @@ def minimize(
             if here.reason:
                 return Minimum(x, here.cost, taken, converged=False, predicted=np.inf, reason=here.reason)
             tolerance = enough(x, here.cost)
-            candidate = here.step(damping, damped, tolerance)
-            if candidate.predicted <= tolerance:
-                last = candidate.x if candidate.x is not None and steps else x
-                cost = candidate.cost if candidate.x is not None and steps else here.cost
-                return Minimum(last, cost, taken, converged=True, predicted=candidate.predicted)
-            if candidate.x is None or taken == steps or stop():
-                reason = "no step is accepted" if candidate.x is None else ""
-                return Minimum(x, here.cost, taken, converged=False, predicted=candidate.predicted, reason=reason)
-            x, damped = candidate.x, max(candidate.damping * damping.down, damping.least)
+            found = here.step(damping, damped, tolerance)
+            if found.predicted <= tolerance:
+                last = found.x if found.x is not None and steps else x
+                cost = found.cost if found.x is not None and steps else here.cost
+                return Minimum(last, cost, taken, converged=True, predicted=found.predicted)
+            if found.x is None or taken == steps or stop():
+                reason = "no step is accepted" if found.x is None else ""
+                return Minimum(x, here.cost, taken, converged=False, predicted=found.predicted, reason=reason)
+            x, damped = found.x, max(found.damping * damping.down, damping.least)
     raise AssertionError("the loop returns at its last step")
 
 
@@ -184,7 +184,7 @@ def restore(
             if constraints.satisfied(values):
                 return x
             _, gradient, matrix = objective.derivatives(x)
-            if not all(np.isfinite(array).all() for array in (gradient, matrix, values, slopes)):
+            if not all(np.isfinite(each).all() for each in (gradient, matrix, values, slopes)):
                 return None
             rows = np.concatenate([np.eye(len(x)), slopes])
             least = np.concatenate([lower - x, constraints.low - values])
@@ -230,7 +230,7 @@ class _Point:
         cost, gradient, matrix = objective.derivatives(x)
         values, slopes = constraints.values(x), constraints.slopes(x)
         reason = ""
-        if not np.isfinite(cost) or not all(np.isfinite(array).all() for array in (gradient, matrix, values, slopes)):
+        if not np.isfinite(cost) or not all(np.isfinite(each).all() for each in (gradient, matrix, values, slopes)):
             reason = "cost, constraints or derivatives are not finite"
         elif not constraints.satisfied(values):
             beyond = max(np.max(constraints.low - values), np.max(values - constraints.high))

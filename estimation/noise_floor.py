@@ -82,14 +82,14 @@ def noise_floor(
         columns.append(([*inputs, *history], [*scales, *[1.0] * len(history)]))
     targets = np.stack([residual[rows] for residual in residuals.values()])
     errors = [
-        _cross_validated(random_features([column[rows] for column in history_inputs], lengths), targets, part)
-        for history_inputs, lengths in columns
+        _cross_validated(random_features([column[rows] for column in own], lengths), targets, part)
+        for own, lengths in columns
     ]
     floors = {}
     for i, (name, residual) in enumerate(residuals.items()):
-        finite = residual[np.isfinite(residual)]
-        scatter = float(np.sqrt(np.mean(finite**2))) if finite.size else float("nan")
-        floor = min(scatter, float(errors[0][i])) if np.isfinite(errors[0][i]) else float("nan")
+        known = residual[np.isfinite(residual)]
+        own = float(np.sqrt(np.mean(known**2))) if known.size else float("nan")
+        floor = min(own, float(errors[0][i])) if np.isfinite(errors[0][i]) else float("nan")
         second = float("nan")
         if with_history:
             second = min(floor, float(errors[1][i])) if np.isfinite(errors[1][i]) else floor
@@ -142,8 +142,8 @@ def random_features(columns: Sequence[FloatArray], scales: Sequence[float]) -> F
 def _cross_validated(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
     """Return the root mean square error of each target in parts that the regression did not use, the best penalty."""
     errors = targets - out_of_sample(features, targets, part)
-    finite = np.isfinite(errors)
-    squares, counts = np.where(finite, errors**2, 0.0).sum(axis=1), finite.sum(axis=1)
+    known = np.isfinite(errors)
+    squares, counts = np.where(known, errors**2, 0.0).sum(axis=1), known.sum(axis=1)
     return np.where(counts > 0, np.sqrt(squares / np.maximum(counts, 1)), np.nan)
 
 
@@ -169,9 +169,9 @@ def _predicted(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.i
     matrices, products = [x.T @ x for x, _ in pieces], [x.T @ y for x, y in pieces]
     matrix, product = np.sum(matrices, axis=0), np.sum(products, axis=0)
     predicted = np.empty((len(PENALTIES), *targets.shape))
-    for number, ((x, _), block, own_product) in enumerate(zip(pieces, matrices, products, strict=True)):
+    for number, ((x, _), own, own_product) in enumerate(zip(pieces, matrices, products, strict=True)):
         for k, penalty in enumerate(PENALTIES):
             ridge = penalty * len(features) * np.eye(features.shape[1])
-            predicted[k, part == number] = x @ dposv(matrix - block + ridge, product - own_product)[1]
+            predicted[k, part == number] = x @ dposv(matrix - own + ridge, product - own_product)[1]
     best = np.sum((targets - predicted) ** 2, axis=1).argmin(axis=0)
     return np.asarray(predicted[best, :, np.arange(targets.shape[1])].T)

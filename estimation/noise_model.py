@@ -80,7 +80,7 @@ def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseP
         )
         for memory in DRIFT_TIMES
     ]
-    return parts(min(solutions, key=lambda solution: float(solution.fun)).x)
+    return parts(min(solutions, key=lambda one: float(one.fun)).x)
 
 
 def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:
@@ -106,12 +106,10 @@ class Whitening:
         typical_step = float(np.median(steps[1:]))
         steps = np.maximum(steps, typical_step)
         steps[0] = BEFORE_START
-        decay = np.array(
-            [[channel.fading ** (steps / typical_step), np.exp(-steps / channel.memory)] for channel in noise]
-        )
+        decay = np.array([[one.fading ** (steps / typical_step), np.exp(-steps / one.memory)] for one in noise])
         gain, variance = np.empty_like(decay), np.empty(root.shape)
-        for i, channel in enumerate(noise):
-            gain[i], variance[i] = _kalman_gains(channel, decay[i], size[i], present[i])
+        for i, one in enumerate(noise):
+            gain[i], variance[i] = _kalman_gains(one, decay[i], size[i], present[i])
         self._root = np.where(present, 1.0 / np.sqrt(variance), 0.0)
         self._decay, self._gain = _divided(decay.transpose(2, 1, 0)), _divided(gain.transpose(2, 1, 0))
         self._size = _divided(size.T)

@@ -70,21 +70,21 @@ def periodic_lines(
     [('t', 4.9)]
     """
     rest = np.where(present, residual, 0.0)
-    lines: list[PeriodicLine] = []
-    while len(lines) < MAX_LINES:
+    found: list[PeriodicLine] = []
+    while len(found) < MAX_LINES:
         peaks = [peak for over, at in axes.items() if (peak := _largest_peak(over, at, rest, simulated)) is not None]
         if not peaks:
             break
-        _, line = max(peaks, key=lambda peak: peak[0])
+        _, line = max(peaks, key=lambda one: one[0])
         waves = line.waves(axes[line.over])
         amplitudes = np.linalg.lstsq(waves.T, rest.T, rcond=None)[0].T
         waved = np.where(present, amplitudes @ waves, 0.0)
         share = np.mean(waved**2, axis=1) / np.maximum(np.mean(rest**2, axis=1), 1e-300)
         if share.max() < MIN_SHARE:
             break
-        lines.append(line)
+        found.append(line)
         rest = rest - waved
-    return lines
+    return found
 
 
 def _largest_peak(

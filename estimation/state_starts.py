@@ -59,11 +59,11 @@ def estimated_starts(
     spread = SPREAD * np.concatenate([np.repeat(size, k), others])
     steps = STEP * np.concatenate([size, others])
     mean = np.concatenate([first.ravel(), np.zeros(len(others))])
-    starts = mean.copy()
+    found = mean.copy()
     for _ in range(ITERATIONS):
-        values, shift = starts[: m * k].reshape(m, k), starts[m * k :]
+        values, shift = found[: m * k].reshape(m, k), found[m * k :]
         now = residual(values, shift)
-        matrix = np.zeros((now.size, len(starts)))
+        matrix = np.zeros((now.size, len(found)))
         for i, step in enumerate(steps):
             unit = step * (np.arange(len(steps)) == i)
             slope = (residual(values + unit[:m, None], shift + unit[m:]) - now) / step
@@ -71,10 +71,10 @@ def estimated_starts(
                 matrix[:, i * k + j] = np.where(segment == j, slope, 0.0).ravel()
             if i >= m:
                 matrix[:, m * k + i - m] = slope.ravel()
-        scaled = np.concatenate([matrix * spread, np.eye(len(starts))])
-        target = np.concatenate([-now.ravel(), (mean - starts) / spread])
-        starts = starts + spread * np.clip(np.linalg.lstsq(scaled, target, rcond=None)[0], -1.0, 1.0)
-    return starts[: m * k].reshape(m, k)
+        scaled = np.concatenate([matrix * spread, np.eye(len(found))])
+        target = np.concatenate([-now.ravel(), (mean - found) / spread])
+        found = found + spread * np.clip(np.linalg.lstsq(scaled, target, rcond=None)[0], -1.0, 1.0)
+    return found[: m * k].reshape(m, k)
 
 
 def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] = ()) -> Recording:
@@ -108,11 +108,11 @@ def with_fitted_starts(tire: Tire, recording: Recording, free: Collection[str] =
     error = measured - course[channels].to_numpy(dtype=np.float64).T
     deviation = np.maximum(np.sqrt(np.nanmean(error**2, axis=1)), 1e-9)[:, None]
     coefficients = np.array([_size(tire, name) for name in free])
-    starts = estimated_starts(
+    found = estimated_starts(
         lambda values, shift: np.nan_to_num(difference(values, shift) / deviation),
         segment, states[:, begins], size, coefficients,
     )  # fmt: skip
-    return replace(recording, table=table.assign(**columns(starts)))
+    return replace(recording, table=table.assign(**columns(found)))
 
 
 def _size(tire: Tire, name: str) -> float:

@@ -71,11 +71,11 @@ def once_per_revolution(
     radii = radius * np.geomspace(*RADII, TRIED)
     chosen = stretches[:: -(-len(stretches) // MAX_STRETCHES)]
     power, square, advance = _spectra(chosen, radii)
-    finite = np.isfinite(power).all(axis=1)
-    if not finite.any():
+    known = np.isfinite(power).all(axis=1)
+    if not known.any():
         return None
-    typical = np.median(power[finite], axis=0)
-    best = int(np.flatnonzero(finite)[np.argmax((power[finite] / np.maximum(typical, 1e-30)).sum(axis=1))])
+    typical = np.median(power[known], axis=0)
+    best = int(np.flatnonzero(known)[np.argmax((power[known] / np.maximum(typical, 1e-30)).sum(axis=1))])
     above = np.maximum(power[best] - typical, 0.0)
     share = np.where(square > 0.0, above / 2.0 / np.where(square > 0.0, square, 1.0), 0.0)
     frequency = float(advance / step / (tau * radii[best]))
@@ -102,8 +102,8 @@ def _stretches(
             mask = np.isfinite(residual[:, piece])
             if np.all(speed[piece] > 0) and mask.mean(axis=1).min() >= MEASURED:
                 complete = [
-                    values if finite.all() else np.interp(piece, piece[finite], values[finite])
-                    for values, finite in zip(residual[:, piece], mask, strict=True)
+                    values if known.all() else np.interp(piece, piece[known], values[known])
+                    for values, known in zip(residual[:, piece], mask, strict=True)
                 ]
                 yield np.cumsum(speed[piece]) * step, np.stack(complete, axis=1)
 

@@ -25,14 +25,12 @@ MIN_ROWS = 5
 class MeasuredRows:
     """Rows of a recording at one operating condition.
 
-    - `texts`: the recording and what is swept as "sweep", and each level with its unit.
     - `slip`: the swept slip; empty for none or both.
     - `levels`: of the held inputs, in SI units.
     - `table`: in ISO-W.
     """
 
     title: str
-    texts: dict[str, str]
     slip: str
     levels: dict[str, float]
     table: pd.DataFrame
@@ -62,25 +60,23 @@ def measured_rows(recordings: Sequence[Recording], inputs: Collection[str]) -> l
 
 def _condition(source: str, held: dict[str, float], moving: tuple[str, ...], rows: pd.DataFrame) -> MeasuredRows:
     slips = [name for name in moving if name in ("kappa", "alpha")]
-    sweep = f"{excerpt(source, 40)}: {' and '.join(slips)} swept" if slips else f"{excerpt(source, 40)}: points"
-    texts = {name: _level(name, level) for name, level in held.items()}
-    acting = [f"{name} {texts[name]}" for name, level in held.items() if abs(level) > (CHANNELS[name].tolerance or 0.0)]
-    title = ", ".join([sweep, *acting, f"{len(rows)} rows"])
-    return MeasuredRows(title, {"sweep": sweep, **texts}, slips[0] if len(slips) == 1 else "", held, rows)
+    sweep = f"{' and '.join(slips)} swept" if slips else "points"
+    texts = [_level(name, level) for name, level in held.items() if abs(level) > (CHANNELS[name].tolerance or 0.0)]
+    title = ", ".join([f"{excerpt(source, 40)}: {sweep}", *texts, f"{len(rows)} rows"])
+    return MeasuredRows(title, slips[0] if len(slips) == 1 else "", held, rows)
 
 
 def _level(name: str, level: float) -> str:
-    """Return a level with its unit; one within its tolerance of 0 is 0."""
+    """Return a level that differs from 0, with its unit."""
     unit, scale = shown(CHANNELS[name].unit)
-    value = level * scale if abs(level) > (CHANNELS[name].tolerance or 0.0) else 0.0
-    return f"{value:.3g} {unit}".strip()
+    return f"{name} {level * scale:.3g} {unit}".strip()
 
 
 def rows_data(conditions: Sequence[MeasuredRows], most: int = MAX_ROWS) -> dict[str, Any]:
     """Return conditions as JSON values; columns are base64 texts of little-endian 32-bit floats.
 
-    `most`: upper limit of the rows. Returns: ``total``: number of all rows; ``conditions``: title, texts, slip,
-    levels, number of rows and columns of each.
+    `most`: upper limit of the rows. Returns: ``total``: number of all rows; ``conditions``: title, slip, levels, number
+    of rows and columns of each.
     """
     total = sum(len(each.table) for each in conditions)
     return {"total": total, "conditions": [_encoded(each) for each in sampled(conditions, most)]}
@@ -103,7 +99,6 @@ def _encoded(condition: MeasuredRows) -> dict[str, Any]:
     rows = condition.table
     return {
         "title": condition.title,
-        "texts": condition.texts,
         "slip": condition.slip,
         "levels": condition.levels,
         "rows": len(rows),

@@ -24,8 +24,6 @@ RANGES = {
 }  # fmt: skip
 #: Range of an input that is positive, as shares of its nominal value.
 SHARES = (0.1, 2.5)
-#: Room of a slider on each side of a fitted value, as a multiple of the 95 % interval.
-SLIDER = 3.0
 #: Roles of quantities that are drawn.
 ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y", "weighting_x", "weighting_y")
 #: Groups of coefficients that no effect owns.
@@ -118,7 +116,7 @@ def _state(tire: Tire, name: str) -> dict[str, Any]:
     ]
     return {
         "name": name, "text": excerpt(state.description or name), "unit": "" if state.unit == "1" else state.unit,
-        "settles": state.settles, "declares_start": state.has_start_value, "temperature": state.is_temperature,
+        "settles": state.settles, "declares_start": state.has_start_value, "observed": state.observed,
         "target": target, "start": start,
         "lines": state.line_names, "effects": effects,
     }  # fmt: skip
@@ -142,8 +140,6 @@ def _coefficient(
     lower = lower if isfinite(lower) else min(value, 0.0) - room
     upper = upper if isfinite(upper) else max(value, 0.0) + room
     ends = [end for end in interval or () if isfinite(end)]
-    if len(ends) == 2 and ends[0] < ends[1]:  # the slider has room for what the data allow, not for all tires
-        lower, upper = (min(max(value + side * SLIDER * (ends[1] - ends[0]), lower), upper) for side in (-1.0, 1.0))
     fitted = declared.fitted
     return {
         "name": declared.name,

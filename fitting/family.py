@@ -1,13 +1,11 @@
 """A family of tires as a prior of the coefficients of a new one: what the data do not determine comes from it.
 
 The coefficients of a tire of the family, in adapted SAE, are normally distributed around a linear function of its size,
-load and pressure (logarithms of UNLOADED_RADIUS, FNOMIN, NOMPRES). Their variances have the conjugate prior of a
-hierarchical normal model with `ASSUMED_TIRES` tires, whose spread is scaled by the typical spread of the tires in
-relation to the assumed one (empirical Bayes). A family of one or two tires has the assumed spread. Correlations are
-shrunk in proportion to their sampling errors (Schaefer and Strimmer, Statistical Applications in Genetics 4, 2005):
-fewer tires than coefficients show correlations where there are none. The prediction for a new tire is Student's t, used
-as a normal distribution of the same scale in the fit, and with its tails in the test of membership (Gelman et al.,
-Bayesian Data Analysis, 3rd ed. 2013, chapters 3 and 14).
+load and pressure (logarithms of UNLOADED_RADIUS, FNOMIN, NOMPRES). The covariance has the conjugate prior of a
+hierarchical normal model with `ASSUMED_TIRES` tires of independent coefficients; a family of one or two tires therefore
+has the assumed spread. The prediction for a new tire is Student's t, used as a normal distribution of the same scale in
+the fit, and with its tails in the test of membership (Gelman et al., Bayesian Data Analysis, 3rd ed. 2013, chapters 3
+and 14).
 """
 
 from __future__ import annotations
@@ -87,36 +85,33 @@ class Family:
         names = _varied(model)
         values = np.array([[tire.values[name] for name in names] for tire in tires])
         declared = [model.coefficients[name] for name in names]
-        sizes = np.array([typical_size(declaration.lower, declaration.upper, 0.0) for declaration in declared])
-        assumed = (SHARE * np.abs(values.mean(axis=0)) + SIZE_SHARE * sizes) ** 2
+        sizes = np.array([typical_size(one.lower, one.upper, 0.0) for one in declared])
+        assumed = np.diag((SHARE * np.abs(values.mean(axis=0)) + SIZE_SHARE * sizes) ** 2)
         levels = {**_means(tires), **nominal}
         places, new = _places(tires, levels)
         hat = places.T @ places + np.eye(places.shape[1])  # slopes have the spread of the tires as a prior
         slopes = np.linalg.solve(hat, places.T @ (values - values.mean(axis=0)))
         residual = values - values.mean(axis=0) - places @ slopes
-        freedom, squares = ASSUMED_TIRES + len(tires) - 1, np.sum(residual**2, axis=0)
-        varied = squares[squares > 0.0] / assumed[squares > 0.0]
-        assumed *= (ASSUMED_TIRES + (np.median(varied) if varied.size else 0.0)) / freedom
-        deviation = np.sqrt((ASSUMED_TIRES * assumed + squares) / freedom)
-        covariance = _correlation(residual) * np.outer(deviation, deviation)
+        freedom = ASSUMED_TIRES + len(tires) - 1
+        covariance = (ASSUMED_TIRES * assumed + residual.T @ residual) / freedom
         covariance *= 1.0 + 1.0 / len(tires) + float(new @ np.linalg.solve(hat, new))
         mean = np.clip(values.mean(axis=0) + new @ slopes, [d.lower for d in declared], [d.upper for d in declared])
         first = tires[0]
         given = {**first.values, **dict(zip(names, mean.tolist(), strict=True)), **levels}
         effects = frozenset[str]().union(*(tire.has for tire in tires))
         tire = Tire(model.name, given, effects=effects, signs="adapted-sae", added=first.added)
-        unknown = tuple(n for n in names if all(n in tire.defaulted or n not in _live(tire) for tire in tires))
+        unknown = tuple(n for n in names if all(n in one.defaulted or n not in _live(one) for one in tires))
         return cls(names, mean, covariance, freedom, len(tires), unknown, tire)
 
     def prior(self, free: Sequence[str], scale: FloatArray, weight: float) -> Prior:
         """Return the prior of free coefficients; one that the family does not have is free."""
         index = {name: i for i, name in enumerate(self.names)}
-        entries = [i for i, name in enumerate(free) if name in index]
-        rows = np.array([index[free[i]] for i in entries], dtype=int)
+        known = [i for i, name in enumerate(free) if name in index]
+        rows = np.array([index[free[i]] for i in known], dtype=int)
         center, precision = np.zeros(len(free)), np.zeros((len(free), len(free)))
-        center[entries] = self.mean[rows] / scale[entries]
-        scaled = self.covariance[np.ix_(rows, rows)] / np.outer(scale[entries], scale[entries])
-        precision[np.ix_(entries, entries)] = np.linalg.inv(scaled)
+        center[known] = self.mean[rows] / scale[known]
+        scaled = self.covariance[np.ix_(rows, rows)] / np.outer(scale[known], scale[known])
+        precision[np.ix_(known, known)] = np.linalg.inv(scaled)
         return Prior(center, precision, weight)
 
     def marked(
@@ -184,22 +179,6 @@ class Family:
         return tuple(name for name, share in shares.items() if share < FROM_DATA and name not in self.unknown)
 
 
-def _correlation(residual: FloatArray) -> FloatArray:
-    """Return the correlations of coefficients, shape (n, n), shrunk by their sampling errors.
-
-    `residual`, shape (m, n): of m tires.
-    """
-    m, n = residual.shape
-    size = np.sqrt(np.sum(residual**2, axis=0) / max(m - 1, 1))
-    products = np.einsum("mi,mj->mij", *(2 * (residual / np.where(size > 0.0, size, 1.0),)))
-    correlation = products.sum(axis=0) / max(m - 1, 1)
-    error = m / max(m - 1, 1) ** 3 * np.sum((products - products.mean(axis=0)) ** 2, axis=0)
-    away = ~np.eye(n, dtype=bool)
-    squares = float(np.sum(correlation[away] ** 2))
-    kept = max(0.0, 1.0 - float(np.sum(error[away])) / squares) if m > 2 and squares > 0.0 else 0.0
-    return np.asarray(np.where(away, kept * correlation, 1.0))
-
-
 def _live(tire: Tire) -> frozenset[str]:
     return frozenset(tire.symbolic_model.live(tire.has))
 
@@ -207,9 +186,7 @@ def _live(tire: Tire) -> frozenset[str]:
 def _varied(model: Model) -> tuple[str, ...]:
     """Return the coefficients of a model that differ among tires: those with bounds that a fit frees."""
     return tuple(
-        n
-        for n, declaration in model.coefficients.items()
-        if declaration.fitted and isfinite(declaration.lower) and isfinite(declaration.upper)
+        n for n, one in model.coefficients.items() if one.fitted and isfinite(one.lower) and isfinite(one.upper)
     )
 
 

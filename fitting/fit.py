@@ -142,7 +142,5 @@ def _identity(setup: Setup) -> dict[str, str]:
         "method": f"{options.method}, {options.iterations or 'default'} iterations, seed {options.seed}",
         "family": "" if plan.family is None else f"{plan.family.count} tires, {plan.family.covariance.sum():.17g}",
         "start": FEATURES if plan.features else "values",
-        "constraints": ",".join(
-            constraint.name for constraints in plan.constraints.values() for constraint in constraints
-        ),
+        "constraints": ",".join(each.name for own in plan.constraints.values() for each in own),
     }

@@ -97,11 +97,8 @@ class FitRun:
 
     def _work(self) -> list[tuple[str, float]]:
         """Return the names and the work of the stages to come: rows times coefficients."""
-        sizes = [
-            (stage, len(self._table(stage)[0]), len(self._candidates(stage)))
-            for stage in self._plan.stages[self._done :]
-        ]
-        return [(stage.name, float(min(rows, stage.rows or rows) * free)) for stage, rows, free in sizes if rows]
+        sizes = [(one, len(self._table(one)[0]), len(self._candidates(one))) for one in self._plan.stages[self._done :]]
+        return [(one.name, float(min(rows, one.rows or rows) * free)) for one, rows, free in sizes if rows]
 
     def _stop(self) -> bool:
         return self._interruption.requested
@@ -114,9 +111,9 @@ class FitRun:
 
     def restore(self, state: FitState, source: str) -> None:
         """Continue from a state; raise FitError with its source if it does not belong to this fit."""
-        declared = {constraint.name: constraint for constraint, _ in self._constraints.of(self._fitted)}
-        self._check_state(state, declared.keys(), source)
-        self._constraints.violated = [(declared[name], points) for name, points in state.violated]
+        known = {constraint.name: constraint for constraint, _ in self._constraints.of(self._fitted)}
+        self._check_state(state, known.keys(), source)
+        self._constraints.violated = [(known[name], points) for name, points in state.violated]
         for end in state.ended:
             stage = self._plan.stages[end.stage]
             table, channels = self._table(stage)
@@ -225,8 +222,8 @@ class FitRun:
         elif self._given:
             guesses = {}
         else:
-            determined = {name for name, release in self._freed.items() if release.determined}
-            new = [name for name in self._candidates(stage) if name not in determined]
+            known = {name for name, release in self._freed.items() if release.determined}
+            new = [name for name in self._candidates(stage) if name not in known]
             guesses = {name: self._read.get(name, generic(declarations[name])) for name in new}
         self._tire = replace(self._tire, values={**self._tire.values, **guesses})
 
@@ -297,8 +294,8 @@ class FitRun:
         A stage is final if it uses all rows, or if no later stage frees all of its coefficients.
         """
         following = self._plan.stages[self._plan.stages.index(stage) + 1 :]
-        candidates = set(self._candidates(stage))
-        if stage.rows is None or not any(candidates.issubset(self._candidates(later)) for later in following):
+        own = set(self._candidates(stage))
+        if stage.rows is None or not any(own.issubset(self._candidates(later)) for later in following):
             return "final"
         return "penultimate" if following[0].rows is None else "intermediate"
 
@@ -306,10 +303,10 @@ class FitRun:
         """Return whether the stage before has the same channels and coefficients, and fewer rows."""
         before = self._plan.stages[: self._plan.stages.index(stage)][-1:]
         return stage.rows is None and any(
-            other.rows is not None
-            and self._channels_of(other) == self._channels_of(stage)
-            and self._candidates(other) == self._candidates(stage)
-            for other in before
+            each.rows is not None
+            and self._channels_of(each) == self._channels_of(stage)
+            and self._candidates(each) == self._candidates(stage)
+            for each in before
         )
 
     def _stage_r2(self, rows: Rows) -> float:
@@ -342,10 +339,9 @@ class FitRun:
         ends = [(self._plan.stages[end.stage].name, problem, end.x) for end, problem in self._ends]
         intervals, directions, effective, covariance, complete, errors = uncertainty_of_stages(
             ends,
-            {name: coefficient.stage for name, coefficient in fitted.items()},
-            {name for name, coefficient in fitted.items() if coefficient.at_bound},
+            {name: one.stage for name, one in fitted.items()},
+            {name for name, one in fitted.items() if one.at_bound},
             (int(self._data["recording"].max()) + 1, len(self._tire.outputs)),
-            self._options.sensor_errors,
         )
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
         if self._family:

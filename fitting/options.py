@@ -60,9 +60,6 @@ class FitOptions:
     temperature : str, optional
         The recorded temperature of the tread, deg C, to which the effect ``temperature`` is fitted after the forces; by
         default ``T`` if `effects` has this effect (`tirefmu.fitting.temperature`).
-    sensor_errors : bool
-        Whether intervals contain slow errors of the sensors of a test bench: offsets, drift, cross-talk
-        (`tirefmu.fitting.uncertainty.sensor_errors`).
     constraints, without_constraints : collection of str
         Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
         (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
@@ -83,7 +80,6 @@ class FitOptions:
     stiffness_weight: float = STIFFNESS_WEIGHT
     family: TireLike | None = None
     temperature: str | None = None
-    sensor_errors: bool = True
     constraints: Collection[str] = ()
     without_constraints: Collection[str] = ()
 

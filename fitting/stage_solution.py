@@ -61,22 +61,22 @@ class StageSolver:
         `start`, shape (n_free,): scaled free values. `continues`: whether the start is the solution for the same
         coefficients with fewer rows.
         """
-        constraints = self.constraints.of(self.channels) + self.constraints.violated
+        known = self.constraints.of(self.channels) + self.constraints.violated
         approached = self.stage_type == "intermediate"
         dense = self.constraints.of(self.channels, density=APPROACHED if approached else VERIFIED)
         solver = partial(
             self.solver, lower=self.lower, upper=self.upper, ridge=self.ridge, stage_type=self.stage_type,
             progress=self.report, stop=self.stop,
         )  # fmt: skip
-        solution = self._first(start, partial(solver, constraints=constraints), continues=continues)
+        solution = self._first(start, partial(solver, constraints=known), continues=continues)
         for _ in range(1 if approached else ROUNDS):
             if self.stop():
                 break
             violated = self.constraints.violations(dense, self.problem.parameters(solution.x))
             if not violated:
                 break
-            constraints = constraints + violated
-            after = solver(self.problem, solution.x, constraints=constraints, refine=True)
+            known = known + violated
+            after = solver(self.problem, solution.x, constraints=known, refine=True)
             solution = replace(after, iterations=solution.iterations + after.iterations)
         return solution
 

@@ -42,9 +42,7 @@ class StiffnessTargets:
             groups = tuple(map(str, range(int(data["recording"].max()) + 1)))
             self._read = slope_targets(Residuals.of(data, groups, tire))
         problem.targets = tuple(
-            target
-            for target in self._read
-            if target.group < len(weights) and weights[target.group, target.output] > 0.0
+            each for each in self._read if each.group < len(weights) and weights[each.group, each.output] > 0.0
         )
         _, rows = noise_of(problem, start)
         problem.target_weight = self._weight / max(rows, 1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, inf
 
@@ -20,33 +20,26 @@ from .maneuvers import Maneuver
 FloatArray = npt.NDArray[np.float64]
 #: Number of maneuvers that follow each other at a level with a long change, about.
 GROUPED = 4
-#: Units of the list of steps, and factors from SI.
-UNITS = {
-    "kappa": ("", 1.0), "alpha": ("deg", 180.0 / np.pi), "gamma": ("deg", 180.0 / np.pi), "Fz": ("N", 1.0),
-    "p": ("kPa", 1e-3), "V": ("km/h", 3.6),
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Step:
     """A maneuver of a program.
 
-    - `number`: index among the maneuvers from which the program is made.
     - `start`: s, of its first row.
     - `pause`: s before it, in which the bench changes levels and the tread cools.
     - `reason`: why it is in the program: "" or "repeat", to see drift.
     """
 
-    number: int
     maneuver: Maneuver
     start: float
     pause: float
     reason: str = ""
 
     @property
-    def end(self) -> float:
-        """Time of its last row, s."""
-        return self.start + self.maneuver.duration
+    def middle(self) -> float:
+        """Time of its middle, s."""
+        return self.start + 0.5 * self.maneuver.duration
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,22 +52,18 @@ class TestProgram:
     @property
     def seconds(self) -> float:
         """Bench time with the warm-up and all pauses."""
-        return self.steps[-1].end
+        return self.steps[-1].start + self.steps[-1].maneuver.duration
 
     @property
     def times(self) -> FloatArray:
         """The middle of each step, s."""
-        return np.array([0.5 * (step.start + step.end) for step in self.steps])
-
-    @cached_property
-    def tables(self) -> list[pd.DataFrame]:
-        """``t`` from 0 and the inputs of each step."""
-        return [step.maneuver.table(self.bench.sample_rate) for step in self.steps]
+        return np.array([step.middle for step in self.steps])
 
     @cached_property
     def rows(self) -> pd.DataFrame:
         """``t`` and the inputs of all recorded rows; pauses are not recorded."""
-        shifted = (table.assign(t=table["t"] + step.start) for table, step in zip(self.tables, self.steps, strict=True))
+        tables = [step.maneuver.table(self.bench.sample_rate) for step in self.steps]
+        shifted = [table.assign(t=table["t"] + step.start) for table, step in zip(tables, self.steps, strict=True)]
         return pd.concat(shifted, ignore_index=True)
 
     @property
@@ -85,14 +74,29 @@ class TestProgram:
     @property
     def table(self) -> pd.DataFrame:
         """One line for each step in the units of a bench: deg, kPa, km/h."""
-        return pd.DataFrame([_line(number, step) for number, step in enumerate(self.steps, 1)])
+        lines = [_line(number, step) for number, step in enumerate(self.steps, 1)]
+        return pd.DataFrame(lines)
 
 
 def program_from(table: TableLike) -> Program:
-    """Return the inputs of a table over time as a program of the virtual bench; other columns are ignored.
+    """Return the inputs of a table over time as a program of the virtual bench.
 
-    Raises `DataError` if the table cannot be read, or is no program.
+    Parameters
+    ----------
+    table : path, DataFrame or Recording
+        With a column ``t``; columns that are not inputs are ignored.
 
+    Returns
+    -------
+    Program
+
+    Raises
+    ------
+    DataError
+        If the table cannot be read, or is no program (`Program`).
+
+    Examples
+    --------
     >>> len(program_from(pd.DataFrame({"t": [0.0, 0.1], "alpha": 0.05, "Fz": 700.0})))
     2
     """
@@ -107,11 +111,11 @@ def cost(maneuver: Maneuver, bench: Bench, energy: float, nominal: Mapping[str, 
     `nominal`: the levels of most maneuvers. `GROUPED` maneuvers share the change to another level, except that of the
     load.
     """
-    shortest = bench.limits[maneuver.swept].change
+    least = bench.limits[maneuver.swept].change
     other = [name for name, value in maneuver.held if name in bench.limits and value != nominal[name] and name != "Fz"]
-    longest = max([shortest, *(bench.limits[name].change for name in other)])
-    load = bench.limits["Fz"].change if "Fz" in bench.limits else 0.0
-    return maneuver.duration + max(shortest, load, _cooling(maneuver, bench, energy)) + (longest - shortest) / GROUPED
+    longest = max([least, *(bench.limits[name].change for name in other)])
+    pause = max(least, bench.limits["Fz"].change if "Fz" in bench.limits else 0.0, _cooling(maneuver, bench, energy))
+    return maneuver.duration + pause + (longest - least) / GROUPED
 
 
 def _cooling(maneuver: Maneuver, bench: Bench, energy: float) -> float:
@@ -128,62 +132,66 @@ def change_time(first: Maneuver, second: Maneuver, bench: Bench) -> float:
     return max(bench.limits[name].change for name in (*changed, second.swept))
 
 
-def nearest_order(maneuvers: Sequence[Maneuver], bench: Bench) -> list[int]:
-    """Return the order in which the nearest maneuver follows, so that changes are short."""
-    left, order = list(range(len(maneuvers))), list[int]()
-    while left:
-        # Ties alternate between low and high loads, so that drift is not confounded with the load.
-        sign = 1.0 if len(order) % 2 else -1.0
-        order.append(min(left, key=lambda i: (
-            change_time(maneuvers[order[-1]], maneuvers[i], bench) if order else 0.0,
-            sign * dict(maneuvers[i].held).get("Fz", 0.0), i,
-        )))  # fmt: skip
-        left.remove(order[-1])
-    return order
-
-
-def timed(
+def ordered(
     maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Bench, *, alternate: bool = True
 ) -> TestProgram:
-    """Return the program of maneuvers in their order.
+    """Return the program with the shortest changes: the nearest maneuver follows.
 
-    The first one is repeated at intervals of the bench and at the end. `alternate`: whether starting sides alternate.
+    The first sweep is repeated at intervals of the bench and at the end. `alternate`: whether starting sides alternate.
     """
+    left, order = list(range(len(maneuvers))), list[int]()
+    while left:
+        last = maneuvers[order[-1]] if order else None
+        # Ties alternate between low and high loads, so that drift is not confounded with the load.
+        sign = 1.0 if len(order) % 2 else -1.0
+        nearest = min(left, key=lambda i: (
+            change_time(last, maneuvers[i], bench) if last else 0.0, sign * dict(maneuvers[i].held).get("Fz", 0.0), i,
+        ))  # fmt: skip
+        left.remove(nearest)
+        order.append(nearest)
+    return _timed([maneuvers[i] for i in order], [energies[i] for i in order], bench, alternate)
+
+
+def _timed(maneuvers: Sequence[Maneuver], energies: Sequence[float], bench: Bench, alternate: bool) -> TestProgram:
     steps: list[Step] = []
-    repeated, shortest = bench.warm_up, 1.0 / bench.sample_rate  # no two rows at one time
+    end, repeated, cooling = bench.warm_up, bench.warm_up, 0.0
 
-    def add(number: int, *, turned: bool = False, reason: str = "") -> None:
-        pause, start = 0.0, bench.warm_up
-        if steps:
-            last = steps[-1].number
-            cooling = _cooling(maneuvers[last], bench, energies[last])
-            pause = max(change_time(maneuvers[last], maneuvers[number], bench), cooling, shortest)
-            start = steps[-1].end + pause
-        maneuver = maneuvers[number].turned if turned else maneuvers[number]
-        steps.append(Step(number, maneuver, ceil(1e3 * start - 1e-6) / 1e3, pause, reason))
+    def add(maneuver: Maneuver, energy: float, reason: str = "") -> None:
+        nonlocal end, cooling
+        row = 1.0 / bench.sample_rate  # no two rows at one time
+        pause = max(change_time(steps[-1].maneuver, maneuver, bench), cooling, row) if steps else 0.0
+        steps.append(Step(maneuver, ceil(1e3 * (end + pause) - 1e-6) / 1e3, pause, reason))
+        end, cooling = steps[-1].start + maneuver.duration, _cooling(maneuver, bench, energy)
 
-    for number in range(len(maneuvers)):
-        if bench.repeat_every and steps and steps[-1].end - repeated >= bench.repeat_every:
-            add(0, reason="repeat")
-            repeated = steps[-1].end
-        add(number, turned=alternate and number % 2 == 1)
+    for number, (maneuver, energy) in enumerate(zip(maneuvers, energies, strict=True)):
+        if bench.repeat_every and end - repeated >= bench.repeat_every:
+            add(maneuvers[0], energies[0], "repeat")
+            repeated = end
+        turned = alternate and number % 2 and maneuver.kind == "sweep"
+        add(replace(maneuver, first=maneuver.second, second=maneuver.first) if turned else maneuver, energy)
     if bench.repeat_every and len(maneuvers) > 1:
-        add(0, reason="repeat")
+        add(maneuvers[0], energies[0], "repeat")
     return TestProgram(bench, tuple(steps))
+
+
+#: Columns of the list of steps: unit and factor from SI.
+UNITS = {
+    "kappa": ("", 1.0), "alpha": ("deg", 180.0 / np.pi), "gamma": ("deg", 180.0 / np.pi), "Fz": ("N", 1.0),
+    "p": ("kPa", 1e-3), "V": ("km/h", 3.6),
+}  # fmt: skip
 
 
 def _line(number: int, step: Step) -> dict[str, object]:
     maneuver, (unit, factor) = step.maneuver, UNITS[step.maneuver.swept]
+    duration = maneuver.duration
     held = {
         f"{name} ({UNITS[name][0]})" if UNITS[name][0] else name: round(value * UNITS[name][1], 4)
         for name, value in maneuver.held
     }
-    first = next(value for value in maneuver.values if value)
-    second = max(maneuver.values, key=lambda value: abs(value - first))
     return {
         "step": number, "start (s)": round(step.start, 2), "pause before (s)": round(step.pause, 2),
-        "duration (s)": round(maneuver.duration, 2), "maneuver": f"{maneuver.swept} {maneuver.kind}", "unit": unit,
-        "first side": round(first * factor, 4), "second side": round(second * factor, 4),
-        "rate (1/s)": round(maneuver.rate * factor, 4),
+        "duration (s)": round(duration, 2), "maneuver": f"{maneuver.swept} {maneuver.kind}", "unit": unit,
+        "first side": round(maneuver.first * factor, 4), "second side": round(maneuver.second * factor, 4),
+        "rate (1/s)": 0.0 if maneuver.kind == "step" else round(maneuver.rate * factor, 4),
         **held, "reason": step.reason,
     }  # fmt: skip

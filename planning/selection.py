@@ -1,8 +1,11 @@
 """The choice of maneuvers: greedy addition, then exchange (Fedorov, Theory of Optimal Experiments, 1972).
 
-The next maneuver is the one of a random sample of the library that lowers the criterion most per second of bench time.
-A sample of a tenth is nearly as good as the library (Mirzasoleiman et al., Lazier than lazy greedy, AAAI 2015); what it
-misses, the exchange finds.
+The criterion is the sum over the targets of the logarithm of their mean relative variance in a fit, averaged over the
+tires (Chaloner and Verdinelli, Bayesian experimental design: a review, Statistical Science 10, 1995): halving the
+interval of one target counts as much as halving that of another. With a program to compare with, it is the sum of the
+squares of the ratios to its variances instead, which is large for a target that the program determines better. The
+Fisher information of the maneuvers gives a shortlist, as it adds up and its derivative is a product; the shortlist is
+evaluated exactly.
 """
 
 from __future__ import annotations
@@ -14,148 +17,135 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from .bench_file import Bench, Heat, PlanError
-from .information import Experiment, energies
-from .maneuvers import Maneuver, held_levels
-from .program import TestProgram, cost, nearest_order, timed
+from tirefmu.estimation.one_thread import one_blas_thread
+
+from .aims import Target
+from .information import Information, common_scores, inverse_of, sandwich
 
 FloatArray = npt.NDArray[np.float64]
-#: Maneuvers of a sample; rounds of exchange, and the share of the maneuvers that a round may exchange.
-SAMPLE, EXCHANGES, EXCHANGED = 24, 3, 1.0 / 3.0
-#: The bench time of a program with its real changes: rounds in which it is adjusted, until this share is used.
-ROUNDS, CLOSE = 4, 0.96
-#: Exchanges of two steps that are tried for a better order.
-TRIALS = 300
+#: Maneuvers of the shortlist that are evaluated exactly; rounds of exchange.
+SHORTLIST, EXCHANGES = 6, 2
+#: Number of maneuvers below which no fit is possible: all are compared by the Fisher information of the first tire.
+FEW = 16
 
 
 @dataclass(frozen=True, eq=False)
 class Selection:
     """Chooses maneuvers within limits of time and energy.
 
-    - `maneuvers`, of length m: the library.
-    - `parts`, each with maneuvers along its first axis: what a maneuver adds to the information of a program.
-    - `criterion`: of sums of these parts; the best program has the lowest.
-    - `seconds`, `energy`, shape (m,): what each maneuver needs, about; infinite for one that heats the tread too much.
+    - `fisher`, shape (m, t, q, q): information of each maneuver on the coefficients and the offsets.
+    - `information`: what a fit learns from each maneuver; drift has an independent value in each.
+    - `offsets`, shape (k,): of the sources of noise.
+    - `seconds`, `energy`, shape (m,): what each maneuver costs.
+    - `budget`, `most_energy`: of the whole program.
+    - `compared`, shape (t, p, p): covariances of the program to compare with.
     """
 
-    bench: Bench
-    maneuvers: Sequence[Maneuver]
-    parts: tuple[FloatArray, ...]
-    criterion: Callable[..., float]
+    fisher: FloatArray
+    information: Information
+    offsets: FloatArray
+    targets: tuple[Target, ...]
     seconds: FloatArray
     energy: FloatArray
+    budget: float
+    most_energy: float
+    compared: FloatArray | None = None
 
-    @classmethod
-    def of(
-        cls, experiment: Experiment, bench: Bench, maneuvers: Sequence[Maneuver], parts: tuple[FloatArray, ...],
-        criterion: Callable[..., float],
-    ) -> Selection:  # fmt: skip
-        """Return the choice among a library; raises `PlanError` if each of its maneuvers heats the tread too much."""
-        energy, nominal = np.zeros(len(maneuvers)), held_levels(bench, experiment.tires[0])
-        if bench.heat != Heat():
-            energy = energies(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])
-        if energy.min() > bench.heat.energy_of_a_sweep:
-            raise PlanError(
-                f"[heat] energy_of_a_sweep: every sweep has more sliding energy, {energy.min():.4g} J at least"
-            )
-        seconds = [cost(maneuver, bench, joule, nominal) for maneuver, joule in zip(maneuvers, energy, strict=True)]
-        possible = np.where(energy <= bench.heat.energy_of_a_sweep, seconds, np.inf)
-        return cls(bench, maneuvers, parts, criterion, possible, energy)
+    def chosen(self, start: Sequence[int], progress: Callable[[float], None]) -> list[int]:
+        """Return the indices of the best maneuvers, with repetitions.
 
-    def chosen(self, minutes: float, progress: Callable[[float], None]) -> list[int]:
-        """Return the indices of the best maneuvers, with repetitions, in an order with short changes.
-
-        `progress`: called with the share of the time that is used. Raises `PlanError` if the time is too short.
+        `start`: maneuvers that are in the program at first. `progress`: called with the share of the time that is used.
         """
-        budget = allowed = 60.0 * minutes - self.bench.warm_up
-        best, longest, chosen = list[int](), 0.0, list[int]()
-        for _ in range(ROUNDS):
-            chosen = self._exchanged(self._filled(chosen, allowed, progress), allowed, progress)
-            if not chosen:
-                break
-            order = [chosen[i] for i in nearest_order([self.maneuvers[i] for i in chosen], self.bench)]
-            used = self.program(order).seconds - self.bench.warm_up
-            if longest < used <= budget:
-                best, longest = order, used
-            if CLOSE * budget <= used <= budget:
-                break
-            allowed *= min(0.99 * budget / used, 1.3)
-            while chosen and self.seconds[chosen].sum() > allowed:
-                chosen = self._without_least(chosen, 1)
-        if not best:
-            raise PlanError(
-                f"{minutes:g} min are too short: a warm-up of {self.bench.warm_up:g} s and the shortest maneuver of "
-                f"this bench with its change need {self.bench.warm_up + self.seconds.min():.3g} s"
-            )
-        return best
-
-    def program(self, order: Sequence[int], *, alternate: bool = True) -> TestProgram:
-        """Return the program of some maneuvers in their order."""
-        maneuvers, energy = [self.maneuvers[i] for i in order], self.energy[list(order)].tolist()
-        return timed(maneuvers, energy, self.bench, alternate=alternate)
-
-    def exchanged_order(
-        self, order: list[int], minutes: float, criterion: Callable[[TestProgram, Sequence[int]], float]
-    ) -> TestProgram:
-        """Return the program of the best order: exchanges of two random steps within the time lower its criterion.
-
-        The criterion depends on the order by drift.
-        """
-        random, program = np.random.default_rng(0), self.program(order)
-        best = criterion(program, order)
-        for _ in range(TRIALS):
-            i, j = random.integers(len(order), size=2)
-            trial = list(order)
-            trial[i], trial[j] = order[j], order[i]
-            candidate = self.program(trial)
-            if candidate.seconds <= 60.0 * minutes and (value := criterion(candidate, trial)) < best:
-                program, order, best = candidate, trial, value
-        return program
-
-    def _exchanged(self, chosen: list[int], budget: float, progress: Callable[[float], None]) -> list[int]:
-        """Exchange the least useful maneuvers as long as the criterion gets lower."""
-        for _ in range(EXCHANGES):
-            fewer = self._without_least(chosen, int(EXCHANGED * len(chosen)))
-            exchanged = self._filled(fewer, budget, progress)
-            if self._value(exchanged) >= self._value(chosen):
-                break
-            chosen = exchanged
+        chosen = list(start)
+        with one_blas_thread():
+            self._fill(chosen, progress)
+            for _ in range(EXCHANGES):
+                exchanged = self._without_least(chosen)
+                self._fill(exchanged, progress)
+                if self._value(self._sums(exchanged)) >= self._value(self._sums(chosen)):
+                    break
+                chosen = exchanged
         return chosen
 
-    def _filled(self, start: Sequence[int], budget: float, progress: Callable[[float], None]) -> list[int]:
+    def _fill(self, chosen: list[int], progress: Callable[[float], None]) -> None:
         """Add the best maneuvers while there is time."""
-        chosen = list(start)
         while True:
             seconds, energy = self.seconds[chosen].sum(), self.energy[chosen].sum()
-            progress(min(float(seconds / budget), 1.0))
-            possible = (self.seconds + seconds <= budget) & (self.energy + energy <= self.bench.heat.energy)
+            progress(min(float(seconds / self.budget), 1.0))
+            possible = (self.seconds + seconds <= self.budget) & (self.energy + energy <= self.most_energy)
             if not possible.any():
-                return chosen
-            index = np.flatnonzero(possible)
-            sample = self._random.choice(index, min(SAMPLE, len(index)), replace=False).tolist()
-            chosen.append(sample[np.argmin(self._changes(chosen, sample, 1.0) / self.seconds[sample])])
+                return
+            best = self._first if len(chosen) < FEW else self._best
+            chosen.append(best(self._sums(chosen), np.flatnonzero(possible)))
 
-    def _without_least(self, chosen: list[int], count: int) -> list[int]:
-        """Return a program without the maneuvers that contribute least per second."""
-        distinct = list(dict.fromkeys(chosen))
-        losses = dict(zip(distinct, self._changes(chosen, distinct, -1.0) / self.seconds[distinct], strict=True))
-        order = sorted(range(len(chosen)), key=lambda k: losses[chosen[k]])
-        return [chosen[k] for k in sorted(order[count:])]
+    def _first(self, sums: Sums, possible: npt.NDArray[np.intp]) -> int:
+        """Return the maneuver with most information per second, for the first tire."""
+        covariances = inverse_of(sums[0][0] + self.fisher[[*possible], 0]), inverse_of(sums[0][:1])
+        after, now = (sum(np.log(_traces(one[0], c)) for one in self._padded) for c in covariances)
+        return int(possible[np.argmin((after - now) / self.seconds[possible])])
 
-    def _changes(self, chosen: Sequence[int], others: Sequence[int], sign: float) -> FloatArray:
-        """Return the changes of the criterion by adding other maneuvers, or by removing them."""
-        now = self._sums(chosen)
-        values = [
-            self.criterion(*(s + sign * part[i] for s, part in zip(now, self.parts, strict=True))) for i in others
-        ]
-        return np.array(values) - self.criterion(*now)
+    def _best(self, sums: Sums, possible: npt.NDArray[np.intp]) -> int:
+        """Return the maneuver that lowers the criterion most per second."""
+        rates = self._derivatives(sums)[possible] / self.seconds[possible]
+        shortlist = possible[np.argsort(rates)[:SHORTLIST]]
+        now = self._value(sums)
+        values = [self._value(_added(sums, self._sums([i]))) for i in shortlist]
+        return int(shortlist[np.argmin((np.array(values) - now) / self.seconds[shortlist])])
 
-    def _value(self, chosen: Sequence[int]) -> float:
-        return self.criterion(*self._sums(chosen))
+    def _without_least(self, chosen: list[int]) -> list[int]:
+        """Return a program without the third of its maneuvers that contributes least per second."""
+        order = np.argsort((self._derivatives(self._sums(chosen)) / self.seconds)[chosen])
+        return [chosen[k] for k in order[: len(chosen) - len(chosen) // 3]]
 
-    def _sums(self, chosen: Sequence[int]) -> tuple[FloatArray, ...]:
-        return tuple(np.asarray(part[list(chosen)].sum(axis=0)) for part in self.parts)
+    def _sums(self, chosen: Sequence[int]) -> Sums:
+        """Return the sums of the Fisher information and of the parts of `Information`."""
+        index = np.array(chosen, dtype=int)
+        parts = (self.fisher, *vars(self.information).values())
+        return tuple(np.asarray(part[index].sum(axis=0)) for part in parts)
 
     @cached_property
-    def _random(self) -> np.random.Generator:
-        return np.random.default_rng(0)
+    def _padded(self) -> list[FloatArray]:
+        """Mean squares of the derivatives of each target, with zeros for the offsets, shape (t, q, q)."""
+        more = self.fisher.shape[-1] - self.targets[0].rows.shape[-1]
+        return [np.pad(target.squares, ((0, 0), (0, more), (0, more))) for target in self.targets]
+
+    @cached_property
+    def _references(self) -> list[FloatArray]:
+        """Variances of the targets by the program to compare with, shape (t,)."""
+        return [] if self.compared is None else [_traces(target.squares, self.compared) for target in self.targets]
+
+    def _variances(self, sums: Sums) -> list[FloatArray]:
+        """Return the mean relative variance of each target in a fit, shape (t,)."""
+        _, curvature, scores, systematic = sums
+        covariance = sandwich(curvature, scores + common_scores(systematic, self.offsets))
+        return [_traces(target.squares, covariance) for target in self.targets]
+
+    def _value(self, sums: Sums) -> float:
+        """Return the criterion."""
+        variances = self._variances(sums)
+        if not self._references:
+            return float(sum(np.log(variance).mean() for variance in variances))
+        pairs = zip(variances, self._references, strict=True)
+        return float(sum(np.square(variance / reference).mean() for variance, reference in pairs))
+
+    def _derivatives(self, sums: Sums) -> FloatArray:
+        """Return the derivative of the criterion by the Fisher information of each maneuver, shape (m,)."""
+        covariance, weight = inverse_of(sums[0]), np.zeros_like(sums[0])
+        for i, (squares, variance) in enumerate(zip(self._padded, self._variances(sums), strict=True)):
+            slope = 2.0 * variance / self._references[i] ** 2 if self._references else 1.0 / variance
+            weight += squares * slope[:, None, None]
+        outer = covariance @ (weight / len(covariance)) @ covariance
+        return np.asarray(-(self.fisher.reshape(len(self.fisher), -1) @ outer.ravel()))
+
+
+#: Fisher information, H, B and systematic scores of a program.
+Sums = tuple[FloatArray, ...]
+
+
+def _added(first: Sums, second: Sums) -> Sums:
+    return tuple(a + b for a, b in zip(first, second, strict=True))
+
+
+def _traces(squares: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Return the traces of products of symmetric matrices, shape (n,)."""
+    return np.asarray(np.maximum(np.sum(squares * covariance, axis=(-2, -1)), 1e-30))

@@ -13,9 +13,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,14 +24,15 @@ from tirefmu.boundary.errors import UnknownName
 from tirefmu.estimation.one_thread import one_blas_thread
 from tirefmu.symbolic.added import library as library_effects
 from tirefmu.symbolic.detection import LARGEST_IN_SIZES
-from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, TireLike, tire_from
 
-from .bench_file import Bench, PlanError
-from .information import Experiment, information, thinned, tires_around
-from .maneuvers import library
-from .plan import PlanResult, Progress, Separation
-from .selection import Selection
+from .bench_file import Bench, Heat, PlanError
+from .information import Experiment, energies, fisher, thinned, tires_around
+from .maneuvers import held_levels, library_with_memory
+from .plan import PlanResult, Progress
+from .plan_content import Separation
+from .program import TestProgram, cost, ordered
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows of a maneuver that are evaluated: effects with memory change within tenths of a second.
@@ -47,58 +46,108 @@ PLAUSIBLE = 0.02
 
 
 def plan_between(
-    tire: TireLike, bench: Bench, pairs: Sequence[tuple[str, str]], *, minutes: float = 2.0,
-    progress: Progress = lambda what, share: None,
-) -> PlanResult:  # fmt: skip
+    tire: TireLike,
+    bench: Bench,
+    pairs: Sequence[tuple[str, str]],
+    *,
+    minutes: float = 2.0,
+    progress: Progress | None = None,
+) -> PlanResult:
     """Plan the program that tells effects apart.
 
-    `tire`: what is known of it; effects of the pairs are removed first. `bench`: the tire on it is warm. `pairs`:
-    effects of which the tire has one. `progress`: as for `plan`. Raises `PlanError` if no program of this bench
-    and time separates the effects at their typical sizes, and `UnknownName` if the tire cannot have an effect.
+    Parameters
+    ----------
+    tire : Tire, path or published name
+        What is known of the tire. Effects of the pairs that it has are removed first.
+    bench : Bench
+        What the bench can do; the tire is warm.
+    pairs : sequence of (str, str)
+        Effects of which the tire has one.
+    minutes : float
+        Bench time.
+    progress : callable, optional
+        Called with the activity and the share of the bench time that is planned.
 
+    Returns
+    -------
+    PlanResult
+        With the expected evidence of each effect against its rival.
+
+    Raises
+    ------
+    PlanError
+        If no program of this bench and time separates the effects, at their typical sizes.
+    UnknownName
+        If the tire cannot have an effect.
+
+    Examples
+    --------
     >>> from tirefmu.planning.bench_file import Limits
     >>> bench = Bench({"Fz": Limits(220.0, 1120.0, 3.0, levels=2), "alpha": Limits(-0.2, 0.2, 2.0, 0.14)})
     >>> result = plan_between("trento_hoosier", bench, [("load_friction", "load_stiffness")], minutes=1.0)
-    >>> [pair.evidence > 5.0 for pair in result.separations]
+    >>> [one.evidence > 5.0 for one in result.separations]
     [True, True]
     """
+    report = progress or (lambda what, share: None)
     bench = replace(bench, warm_up=0.0, repeat_every=0.0)
     discrimination = Discrimination.of(tire_from(tire), bench, pairs)
-    base = discrimination.experiment.tires[0]
-    progress("library of maneuvers", 0.0)
-    maneuvers = library(bench, base, memory=True)
+    report("library of maneuvers", 0.0)
+    maneuvers = library_with_memory(bench, discrimination.experiment.tires[0])
     tables = [maneuver.table(bench.sample_rate) for maneuver in maneuvers]
-    parts = (discrimination.products(tables, pd.concat(tables, ignore_index=True)),)
-    selection = Selection.of(discrimination.experiment, bench, maneuvers, parts, discrimination.criterion)
-    chosen = selection.chosen(minutes, lambda share: progress("choosing maneuvers", share))
-    program = selection.program(chosen, alternate=False)
-    progress("simulating the program", 0.0)
-    separations = discrimination.separations(discrimination.products(program.tables, program.rows).sum(axis=0))
-    _check(separations, minutes, base)
+    matrices = discrimination.information(tables)
+    energy = energies(discrimination.experiment, tables) if bench.heat != Heat() else np.zeros(len(tables))
+    nominal = held_levels(bench, discrimination.experiment.tires[0])
+    seconds = np.array([cost(one, bench, joule, nominal) for one, joule in zip(maneuvers, energy, strict=True)])
+    possible = energy <= bench.heat.energy_of_a_sweep
+    chosen: list[int] = []
+    total = np.zeros_like(matrices[0])
+    while True:
+        left = 60.0 * minutes - seconds[chosen].sum()
+        index = np.flatnonzero((seconds <= left) & possible)
+        report("choosing maneuvers", 1.0 - left / (60.0 * minutes))
+        if not index.size:
+            break
+        now = discrimination.value(total)
+        gains = [(discrimination.value(total + matrices[i]) - now) / seconds[i] for i in index]
+        chosen.append(int(index[np.argmax(gains)]))
+        total = total + matrices[chosen[-1]]
+    if not chosen:
+        raise PlanError(f"{minutes:g} min are too short for one maneuver of this bench")
+    program = ordered([maneuvers[i] for i in chosen], energy[chosen].tolist(), bench, alternate=False)
+    report("simulating the program", 0.0)
+    separations = discrimination.separations(discrimination.information_of(program))
+    _check(separations, minutes, discrimination.experiment.tires[0])
     return PlanResult(program, tuple(f"{a} or {b}" for a, b in pairs), separations=separations)
 
 
 def _check(separations: Sequence[Separation], minutes: float, tire: Tire) -> None:
     """Raise for an effect that a program cannot see, and for two effects that it cannot separate."""
-    limit, detections = f"no program of {minutes:g} min on this bench", tire.symbolic_model.detections
-    for pair, other in zip(separations[::2], separations[1::2], strict=True):
-        for effect in (part.effect for part in (pair, other) if part.alone < SEPARATED):
-            raise PlanError(f"{limit} shows {effect} at its typical size")
-        best = max(pair.evidence, other.evidence)
+    for one, other in zip(separations[::2], separations[1::2], strict=True):
+        for each in (one, other):
+            if each.alone < SEPARATED:
+                raise PlanError(f"no program of {minutes:g} min on this bench shows {each.effect} at its typical size")
+        best = max(one.evidence, other.evidence)
         if best < SEPARATED:
-            declared = [c for part in (pair, other) if part.effect in detections
-                        for c in detections[part.effect].confounded if c.other == part.rival]  # fmt: skip
             raise PlanError(
-                f"{limit} tells {pair.effect} and {pair.rival} apart: the expected evidence is {best:.2g} nats"
-                + "".join(f"; {part.separate_by}" for part in declared[:1])
+                f"no program of {minutes:g} min on this bench tells {one.effect} and {one.rival} apart: the expected "
+                f"evidence is {best:.2g} nats{_advice(tire, one)}"
             )
+
+
+def _advice(tire: Tire, separation: Separation) -> str:
+    """Return the measurement that the files of the effects declare."""
+    detections = tire.symbolic_model.detections
+    for effect, rival in ((separation.effect, separation.rival), (separation.rival, separation.effect)):
+        for pair in detections[effect].confounded if effect in detections else ():
+            if pair.other == rival:
+                return f"; {pair.separate_by}"
+    return ""
 
 
 @dataclass(frozen=True, eq=False)
 class Discrimination:
     """Tires without the effects, and the tires that have one form of one effect.
 
-    - `pairs`: effect and rival, both ways.
     - `forms`: by effect, changes of coefficients from the tire without it.
     """
 
@@ -110,58 +159,66 @@ class Discrimination:
     def of(cls, tire: Tire, bench: Bench, pairs: Sequence[tuple[str, str]]) -> Discrimination:
         """Return the tires of a discrimination; raises `UnknownName` if the tire cannot have an effect."""
         names = list(dict.fromkeys(name for pair in pairs for name in pair))
-        possible = {*tire.symbolic_model.effects, *library_effects()}
+        known = {*tire.symbolic_model.effects, *library_effects()}
         for name in names:
-            if name not in possible:
-                raise UnknownName(f"effect of {tire.model}", name, possible)
+            if name not in known:
+                raise UnknownName(f"effect of {tire.model}", name, known)
         base = replace(tire, effects=tire.has - set(names))
-        directed = tuple(both for a, b in pairs for both in ((a, b), (b, a)))
-        return cls(Experiment(tires_around(base)[:TIRES], bench.noise), directed, {n: _forms(base, n) for n in names})
+        return cls(
+            Experiment(tires_around(base)[:TIRES], bench.noise), tuple(pairs), {n: _forms(base, n) for n in names}
+        )
 
     @cached_property
     def columns(self) -> dict[str, npt.NDArray[np.intp]]:
-        """The columns of each effect among the products."""
-        ends = len(self.experiment.free) + np.cumsum([0, *(len(forms) for forms in self.forms.values())])
+        """The columns of each effect among the responses."""
+        ends = np.cumsum([0, *(len(forms) for forms in self.forms.values())])
         return {name: np.arange(ends[i], ends[i + 1]) for i, name in enumerate(self.forms)}
 
-    def products(self, tables: Sequence[pd.DataFrame], joined: pd.DataFrame) -> FloatArray:
-        """Return the products of maneuvers in variances of the noise, shape (m, t, q, q).
+    def information(self, tables: Sequence[pd.DataFrame]) -> FloatArray:
+        """Return the information of maneuvers, each from equilibrium, shape (m, t, q, q)."""
+        return self._information(tables, pd.concat(tables, ignore_index=True))
 
-        `joined`: the rows of the tables, with the time over which they are simulated.
-        """
+    def information_of(self, program: TestProgram) -> FloatArray:
+        """Return the information of a program that is simulated as a whole, shape (t, q, q)."""
+        tables = [step.maneuver.table(program.bench.sample_rate) for step in program.steps]
+        return np.asarray(self._information(tables, program.rows).sum(axis=0))
+
+    def _information(self, tables: Sequence[pd.DataFrame], joined: pd.DataFrame) -> FloatArray:
+        """Return the information of tables that are simulated one after another, with the time of `joined`."""
         ends, responses = np.cumsum([len(table) for table in tables])[:-1], []
         for tire in self.experiment.tires:
             parts = np.split(self._responses(tire, joined), ends)
             responses.append(np.concatenate([part[thinned(len(part), POINTS)] for part in parts]))
-        factor = self.experiment.correlation_factor(tables[0]["t"].to_numpy(float))
-        return information(self.experiment, tables, responses, POINTS).products / factor
+        return fisher(self.experiment, tables, responses, POINTS)
 
-    def criterion(self, total: FloatArray) -> float:
-        """Return minus the mean logarithm of the evidence of every form of an effect against its rival."""
-        return -float(np.mean([np.log1p(self._evidences(total, *pair)).mean() for pair in self.pairs]))
+    def value(self, total: FloatArray) -> float:
+        """Return the criterion: mean logarithm of the evidence of every form of an effect against its rival."""
+        evidences = [self._evidences(total, *pair) for a, b in self.pairs for pair in ((a, b), (b, a))]
+        return float(np.mean([np.log1p(one).mean() for one in evidences]))
 
     def separations(self, total: FloatArray) -> tuple[Separation, ...]:
         """Return the evidence of the hardest form of each effect against its rival.
 
         Forms without an influence on the measured channels of this program are not counted unless all are.
         """
-        separations = []
-        for effect, rival in self.pairs:
-            tested, evidence = self.columns[effect], self._evidences(total, effect, rival).mean(axis=0)
-            alone = 0.5 * total[:, tested, tested].mean(axis=0)
-            hardest = evidence[alone >= min(SEPARATED, alone.max())].min()
-            separations.append(Separation(effect, rival, float(hardest), float(alone.max())))
-        return tuple(separations)
+        found = []
+        for a, b in self.pairs:
+            for effect, rival in ((a, b), (b, a)):
+                evidence = self._evidences(total, effect, rival).mean(axis=0)
+                tested = len(self.experiment.free) + self.columns[effect]
+                alone = 0.5 * total[:, tested, tested].mean(axis=0)
+                hardest = evidence[alone >= min(SEPARATED, alone.max())].min()
+                found.append(Separation(effect, rival, float(hardest), float(alone.max())))
+        return tuple(found)
 
     def _evidences(self, total: FloatArray, effect: str, rival: str) -> FloatArray:
         """Return half the squared response of each form that remains after the fit of all else, shape (t, forms)."""
-        tested, n = self.columns[effect], total.shape[-1]
-        errors = np.hypot(self.experiment.deviations("offset"), self.experiment.deviations("drift"))
-        size = np.ones(n)
-        size[self.columns[rival]], size[n - len(errors) :] = LARGEST_IN_SIZES, np.maximum(errors, 1e-12)
-        untested = [column for name, columns in self.columns.items() if name != rival for column in columns]
-        fitted = np.delete(np.arange(n), untested)
-        matrix = total[:, fitted[:, None], fitted] + np.diag(size[fitted] ** -2)
+        p, e = len(self.experiment.free), sum(len(one) for one in self.columns.values())
+        fitted = np.concatenate([np.arange(p), p + self.columns[rival], np.arange(p + e, total.shape[-1])])
+        tested = p + self.columns[effect]
+        prior = np.ones(len(fitted))
+        prior[p : p + len(self.columns[rival])] = LARGEST_IN_SIZES**-2
+        matrix = total[:, fitted[:, None], fitted] + np.diag(prior)
         cross = total[:, fitted[:, None], tested]
         scale = 1.0 / np.sqrt(np.einsum("tii->ti", matrix))[:, :, None]
         with one_blas_thread():
@@ -188,47 +245,62 @@ def _forms(tire: Tire, name: str) -> list[Mapping[str, float]]:
     forms = [form for form in (detection.forms if detection else ()) if not form.given and form.free[0] in declared]
     if not forms:
         raise PlanError(f"{name} of {tire.model} has no declared size: no program can be planned for it")
+    found: list[Mapping[str, float]] = []
+    for form in forms[-1].points():
+        point = {key: value[0] for key, value in form.grid.items()}
+        for probe in form.probes:
+            found.append({**point, **{key: _value(declared[key], size) for key, size in probe.items()}})
+    return found
 
-    def value(key: str, size: float) -> float:
-        neutral = declared[key].neutral
-        inside = neutral is not None and declared[key].lower <= neutral <= declared[key].upper
-        return neutral + size if neutral is not None and inside else size
 
-    return [
-        {**{key: grid[0] for key, grid in form.grid.items()}, **{key: value(key, size) for key, size in probe.items()}}
-        for form in forms[-1].points()
-        for probe in form.probes
-    ]
+def _value(declaration: object, size: float) -> float:
+    neutral, lower, upper = (getattr(declaration, key) for key in ("neutral", "lower", "upper"))
+    return size if neutral is None or not lower <= neutral <= upper else neutral + size
 
 
 def pairs_of(answer: str | Path) -> tuple[Path, list[tuple[str, str]]]:
-    """Return the base tire of a diagnosis and the effects that it does not tell apart (`pairs_in`).
+    """Return the base tire of a diagnosis and the effects that it does not tell apart.
 
-    `answer`: the folder of ``tirefmu diagnose -o``. Raises `PlanError` if it has no diagnosis, or the diagnosis has
-    nothing that a program can separate.
+    Parameters
+    ----------
+    answer : str or Path
+        The folder of ``tirefmu diagnose -o``.
+
+    Returns
+    -------
+    tuple of Path and list of (str, str)
+        Each identified effect with an explanation that is plausible without it, or confounded with it.
+
+    Raises
+    ------
+    PlanError
+        If the folder has no diagnosis, or the diagnosis has nothing that a program can separate.
     """
     path = Path(answer) / "diagnosis.json"
     try:
         content = json.loads(text_file(path, PlanError))
-        tire = Path(answer) / content["base_tire"]
-        pairs = pairs_in(content, tire_from(tire).symbolic_model)
+        found = [one["effect"] for one in content["found"]]
+        confounded, tire = content["confounded_with"], Path(answer) / content["base_tire"]
+        explanations = [one for one in content["explanations"] if one["probability"] >= PLAUSIBLE]
+        wanted = {*found, *(name for one in explanations for name in one["effects"])}
+        model = model_named(_model_of(tire))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise PlanError(f"{path}: is not the result of a diagnosis") from None
-    if not pairs:
+    known = {*model.effects, *library_effects()}
+    pairs = {
+        tuple(sorted((name, other)))
+        for one in explanations
+        for name in wanted - set(one["effects"])
+        for other in one["effects"]
+        if any(name in b["effects"] and other not in b["effects"] for b in explanations)
+    }
+    pairs |= {tuple(sorted((name, other))) for name in found for other in confounded.get(name, ())}
+    possible = sorted((a, b) for a, b in pairs if {a, b} <= known)
+    if not possible:
         advice = "; ".join(content.get("next_measurement", ()))
         raise PlanError(f"{path}: no two effects that a program can separate" + (f": {advice}" if advice else ""))
-    return tire, pairs
+    return tire, possible
 
 
-def pairs_in(content: Mapping[str, Any], model: Model) -> list[tuple[str, str]]:
-    """Return the effects that a diagnosis does not tell apart.
-
-    `content`: of diagnosis.json. An effect of a plausible explanation has the effects of another one, which lacks it,
-    as rivals; an identified effect has those that are confounded with it.
-    """
-    plausible = [set(part["effects"]) for part in content["explanations"] if part["probability"] >= PLAUSIBLE]
-    pairs = {pair for some in plausible for rival in plausible for pair in product(some - rival, rival - some)}
-    for name in (finding["effect"] for finding in content["found"]):
-        pairs |= {(name, other) for other in content["confounded_with"].get(name, ())}
-    possible = {*model.effects, *library_effects()}
-    return sorted({(min(pair), max(pair)) for pair in pairs if possible.issuperset(pair)})
+def _model_of(tire: Path) -> str:
+    return tire_from(tire).model

@@ -83,8 +83,8 @@ class RowStates:
         if used.any():
             part = recording if used.all() else recording_from(recording, where=rows)
             reasons = exclude_rows(part).reasons
-            numbers = {reason: STATES.index(reason) for reason in EXCLUSION_REASONS}
-            codes[used] = [numbers.get(reason, 0) for reason in reasons]
+            known = {reason: STATES.index(reason) for reason in EXCLUSION_REASONS}
+            codes[used] = [known.get(reason, 0) for reason in reasons]
         codes[~used] = 1
         if fitted != rows and fitted is not None:
             codes[used & ~matching(recording, fitted)] = 2
@@ -99,20 +99,15 @@ class RowStates:
 
 def tables_view(project: Project) -> list[dict[str, Any]]:
     """Return what is shown of each table: a summary, or the error in place of it."""
-    recordings: list[Recording | str] = []
+    found: list[Recording | str] = []
     for path in project.tables:
         try:
-            recordings.append(recording_of(path, project))
+            found.append(recording_of(path, project))
         except TirefmuError as error:
-            recordings.append(excerpt(error))
+            found.append(excerpt(error))
     # An expression is applied to every table.
-    common = [
-        name for name in GRID if all(isinstance(recording, str) or name in recording.table for recording in recordings)
-    ]
-    return [
-        _table_view(path, recording, common, project)
-        for path, recording in zip(project.tables, recordings, strict=True)
-    ]
+    common = [name for name in GRID if all(isinstance(each, str) or name in each.table for each in found)]
+    return [_table_view(path, each, common, project) for path, each in zip(project.tables, found, strict=True)]
 
 
 def _table_view(path: Path, recording: Recording | str, common: Sequence[str], project: Project) -> dict[str, Any]:
@@ -121,34 +116,32 @@ def _table_view(path: Path, recording: Recording | str, common: Sequence[str], p
         return shown | {"error": recording}
     try:
         states = RowStates.of(recording, project)
-        (inspection,), _ = inspect([recording])
+        (found,), _ = inspect([recording])
     except TirefmuError as error:
         return shown | {"error": excerpt(error)}
-    header, rows = channel_table(inspection)
+    header, rows = channel_table(found)
     return shown | {
-        "title": title(inspection),
+        "title": title(found),
         "signs": recording.signs,
         "counts": states.counts,
         "columns": {"header": header, "rows": rows},
         "corrections": corrections(recording, project),
         "channels": [name for name in CHANNELS if name in recording.table and name != "t"],
         "ignored": [excerpt(name, 40) for name in map(str, recording.table.columns) if name not in CHANNELS][:50],
-        "findings": [{"text": str(finding), "serious": finding.serious} for finding in data_findings([recording])],
+        "findings": [{"text": str(each), "serious": each.serious} for each in data_findings([recording])],
         "grid": condition_grid(recording, states, common),
     }
 
 
 def _meanings(recording: Recording | str, project: Project) -> list[dict[str, Any]]:
     """Return what each column was taken for, and what the project has in its place."""
-    meanings = (
-        {} if isinstance(recording, str) else {meaning.channel: meaning for meaning in column_meanings(recording)}
-    )
+    found = {} if isinstance(recording, str) else {each.channel: each for each in column_meanings(recording)}
     columns, units = project.get("data", "columns", {}), project.get("data", "units", {})
     return [
         {
             "channel": name,
-            "taken_for": meanings[name].taken_for if name in meanings else "no column",
-            "evidence": meanings[name].evidence if name in meanings else "",
+            "taken_for": found[name].taken_for if name in found else "no column",
+            "evidence": found[name].evidence if name in found else "",
             "column": columns.get(name, ""),
             "unit": units.get(name, ""),
             "units": list(UNITS_OF_TABLES.get(channel.quantity, ())),
@@ -160,9 +153,9 @@ def _meanings(recording: Recording | str, project: Project) -> list[dict[str, An
 def corrections(recording: Recording, project: Project) -> list[dict[str, Any]]:
     """Return the readings that explain a refused table: each in words, with the keys of ``[data]`` that apply it."""
     columns, units = project.get("data", "columns", {}), project.get("data", "units", {})
-    readings = []
-    for hypothesis in explanation(recording).better[:MAX_READINGS]:
-        reading = hypothesis.hypothesis
+    found = []
+    for each in explanation(recording).better[:MAX_READINGS]:
+        reading = each.hypothesis
         keys: dict[str, Any] = {"signs": reading.signs} if reading.signs != recording.signs else {}
         if reading.interpretation.columns:
             keys["columns"] = columns | {
@@ -170,8 +163,8 @@ def corrections(recording: Recording, project: Project) -> list[dict[str, Any]]:
             }
         if reading.interpretation.units:
             keys["units"] = units | dict(reading.interpretation.units)
-        readings.append({"text": reading.described(recording.signs), "keys": keys})
-    return readings
+        found.append({"text": reading.described(recording.signs), "keys": keys})
+    return found
 
 
 def _composed(columns: Mapping[str, str], source: str) -> str:
@@ -196,7 +189,7 @@ def series(recording: Recording, channel: str, project: Project) -> dict[str, An
     step = -(-len(recording) // MAX_SHOWN)
     values = recording.table[channel].to_numpy(dtype=np.float64)[::step] * per_si(channel)
     codes = RowStates.of(recording, project).codes[::step]
-    (inspection,), _ = inspect([recording])
+    (found,), _ = inspect([recording])
     clock = recording.table["t"].to_numpy(dtype=np.float64)[::step] if "t" in recording.table else None
     return {
         "step": step,
@@ -204,7 +197,7 @@ def series(recording: Recording, channel: str, project: Project) -> dict[str, An
         "values": _encoded(values, "<f4"),
         "t": None if clock is None else _encoded(clock, "<f4"),
         "codes": _encoded(codes, "<u1"),
-        "sweeps": [[sweep.first, sweep.last, " and ".join(sweep.moving)] for sweep in inspection.sweeps],
+        "sweeps": [[each.first, each.last, " and ".join(each.moving)] for each in found.sweeps],
     }
 
 
@@ -238,9 +231,9 @@ def condition_grid(recording: Recording, states: RowStates, inputs: Sequence[str
         numbers.append(np.clip(np.searchsorted(edges[name][0], values, side="right") - 1, 0, None))
     if not numbers:
         return []
-    combinations, cell_of = np.unique(np.stack(numbers), axis=1, return_inverse=True)
+    found, cell_of = np.unique(np.stack(numbers), axis=1, return_inverse=True)
     cells = []
-    for index, place in enumerate(combinations.T):
+    for index, place in enumerate(found.T):
         codes = states.codes[cell_of.ravel() == index]
         parts = [f"file == {toml_string(recording.source)}"] + [
             _between(name, edges[name][0][at], edges[name][0][at + 1]) for name, at in zip(inputs, place, strict=True)
@@ -260,11 +253,11 @@ def condition_grid(recording: Recording, states: RowStates, inputs: Sequence[str
     return cells
 
 
-def _edges(levels: Sequence[float]) -> tuple[list[float], list[float]]:
+def _edges(found: Sequence[float]) -> tuple[list[float], list[float]]:
     """Return the edges between levels, and the levels; a channel without levels is one cell."""
-    if not len(levels):
+    if not len(found):
         return [-inf, inf], [float("nan")]
-    ordered = sorted(levels)
+    ordered = sorted(found)
     middles = [0.5 * (a + b) for a, b in pairwise(ordered)]
     return [-inf, *middles, inf], list(ordered)
 

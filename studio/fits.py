@@ -29,8 +29,8 @@ class Fits:
 
     def numbers(self) -> list[int]:
         """Return the numbers of the complete fits in their order."""
-        folders = (path.parent for path in self.folder.glob(f"*/{RESULT}"))
-        return sorted(int(path.name) for path in folders if path.name.isdecimal())
+        found = (path.parent for path in self.folder.glob(f"*/{RESULT}"))
+        return sorted(int(path.name) for path in found if path.name.isdecimal())
 
     def of(self, number: int) -> Path:
         """Return the folder of a fit. Raises `TirefmuError` if it does not exist."""
@@ -73,8 +73,8 @@ class Fits:
                 shown["note"] = (folder / NOTE).read_text(encoding="utf-8")[:LONGEST_NOTE]
             result = json.loads(read_bounded(folder / RESULT, LARGEST))
             channels = [
-                {key: channel[key] for key in ("recording", "channel", "unit", "fitted_rmse", "fitted_r2")}
-                for channel in result["channels"]
+                {key: each[key] for key in ("recording", "channel", "unit", "fitted_rmse", "fitted_r2")}
+                for each in result["channels"]
             ]
             return shown | {
                 "model": result["model"], "verdict": result["verdict"]["word"], "channels": channels,

@@ -69,7 +69,7 @@ class Guard:
     async def _with_headers(self, message: Message, send: Send) -> None:
         if message["type"] == "http.response.start":
             given = {name.lower() for name, _ in message["headers"]}
-            message["headers"] = [*message["headers"], *(header for header in self._headers if header[0] not in given)]
+            message["headers"] = [*message["headers"], *(each for each in self._headers if each[0] not in given)]
         await send(message)
 
 

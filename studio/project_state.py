@@ -108,22 +108,22 @@ class ProjectState:
         if (section, key) in FIXED:
             raise TirefmuError(f"[{section}] {key} is changed in the project file only")
         if (section, key) in EXPRESSIONS:
-            for expression in value:
-                parse_selection(expression)
+            for each in value:
+                parse_selection(each)
         kind = SECTIONS[section][key].kind
         if kind == "name or file":
             self.check_inside(value)
         if kind == "texts":
             Interpretation(**{key: value})  # raises for an unknown channel or unit
-            if wrong := [text for text in value.values() if not text.strip("- ") or "," in text]:
+            if wrong := [each for each in value.values() if not each.strip("- ") or "," in each]:
                 raise TirefmuError(f"[{section}] {key}: {quoted(wrong[0])} is empty or has a comma")
 
     def set_tables(self, version: str, tables: Sequence[str]) -> None:
         """Set the tables: those of the project in another order, fewer, or files in its folder."""
-        present = self.project().get("data", "tables", ())
-        for table in tables:
-            if table not in present:
-                self.check_inside(table)
+        known = self.project().get("data", "tables", ())
+        for each in tables:
+            if each not in known:
+                self.check_inside(each)
         self.change(version, lambda document: _set(document, "data", "tables", list(tables)))
 
     def restore_section(self, version: str, section: str, path: Path) -> None:
@@ -138,10 +138,10 @@ class ProjectState:
 
     def add_named(self, tables: Sequence[str]) -> None:
         """Add tables that the user has named, wherever they are."""
-        present = self.project().get("data", "tables", [])
-        added = [table for table in dict.fromkeys(tables) if table not in present]
+        known = self.project().get("data", "tables", [])
+        added = [each for each in dict.fromkeys(tables) if each not in known]
         if added:
-            self.change(self.version(), lambda document: _set(document, "data", "tables", [*present, *added]))
+            self.change(self.version(), lambda document: _set(document, "data", "tables", [*known, *added]))
 
     def undo(self, version: str) -> None:
         """Restore the text before the latest change. Raises `Stale`, or `TirefmuError` if there is none."""

@@ -72,11 +72,11 @@ class Server:
 
     async def _send(self, event: dict[str, Any]) -> None:
         text = json.dumps(event, allow_nan=False)
-        for connection in list(self._sockets):
+        for each in list(self._sockets):
             try:
-                await connection.send_text(text)
+                await each.send_text(text)
             except (RuntimeError, WebSocketDisconnect):  # closed meanwhile
-                self._sockets.discard(connection)
+                self._sockets.discard(each)
 
     async def _socket(self, websocket: WebSocket) -> None:
         await websocket.accept()

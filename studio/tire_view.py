@@ -66,7 +66,7 @@ def initial_tire(project: Project) -> Tire:
     if given is not None:
         return given
     effects = model.default_effects if options.effects is None else model.known_effects(options.effects)
-    values = {name: generic(declaration) for name, declaration in model.coefficients.items() if declaration.fitted}
+    values = {name: generic(each) for name, each in model.coefficients.items() if each.fitted}
     standard = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3}
     return Tire(
         model.name, standard | values | nominal, effects=effects - model.known_effects(options.without),
@@ -79,7 +79,7 @@ def tire_of_progress(path: Path, project: Project) -> Tire | None:
     try:
         content = json.loads(path.read_bytes())
         initial = initial_tire(project)
-        effects = [effect for effect in content["identity"]["effects"].split(",") if effect]
+        effects = [each for each in content["identity"]["effects"].split(",") if each]
         values = {str(name): float(value) for name, value in content["values"].items()}
         return Tire(initial.model, values, effects=effects, signs="adapted-sae", added=initial.added)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, TirefmuError):
@@ -97,10 +97,10 @@ class Measured:
     @classmethod
     def of(cls, project: Project, inputs: Collection[str]) -> Measured:
         """Return the rows of a project's tables. Raises `TirefmuError`."""
-        rows = measured_rows(selected_recordings(project, fitted=False), inputs)
-        shown = sampled(rows, MAX_ROWS)
-        table = pd.concat([condition.table for condition in shown], ignore_index=True) if shown else pd.DataFrame()
-        return cls(tuple(shown), sum(len(part.table) for part in rows), table)
+        found = measured_rows(selected_recordings(project, fitted=False), inputs)
+        shown = sampled(found, MAX_ROWS)
+        table = pd.concat([each.table for each in shown], ignore_index=True) if shown else pd.DataFrame()
+        return cls(tuple(shown), sum(len(each.table) for each in found), table)
 
     def data(self) -> dict[str, Any]:
         """Return them as JSON values for the page."""
@@ -116,7 +116,7 @@ class Measured:
         present = [name for name in tire.inputs if name in self.table]
         inputs: dict[str, Any] = {name: self.table[name].to_numpy(dtype=np.float64) for name in present}
         forces = tire.forces(**inputs)
-        ends = np.cumsum([0, *(len(condition.table) for condition in self.conditions)])
+        ends = np.cumsum([0, *(len(each.table) for each in self.conditions)])
         selected = slice(*map(int, ends[condition : condition + 2])) if 0 <= condition < len(ends) - 1 else slice(0, 0)
         channels: dict[str, Any] = {}
         for name in (name for name in OUTPUTS if name in self.table and name in tire.outputs):

@@ -95,13 +95,13 @@ class Window:
     async def do_choices(self, message: Event) -> Event:
         """Return the models, and the effects and recipes of the project's model."""
         chosen = self.state.project().get("fit", "model", "mf61")
-        available = await asyncio.to_thread(effects, None, chosen)
+        found = await asyncio.to_thread(effects, None, chosen)
         model = model_named(chosen)
         return {
-            "models": {name: declaration.title for name, declaration in MODELS.items()},
-            "effects": [{key: effect[key] for key in ("name", "kind", "physics")} for effect in available],
+            "models": {name: each.title for name, each in MODELS.items()},
+            "effects": [{key: each[key] for key in ("name", "kind", "physics")} for each in found],
             "default": sorted(model.default_effects),
-            "exports": {name: SECTIONS["export"][name].schema["items"]["enum"] for name in ("convert", "generate")},
+            "exports": {name: list(SECTIONS["export"][name].names) for name in ("convert", "generate")},
             "recipes": sorted({*RECIPES, *model.fit.recipes} - {"family"}),
         }
 
@@ -151,8 +151,8 @@ class Window:
 
     async def do_measured(self, message: Event) -> Event:
         """Return the measured rows under the curves."""
-        measured = await asyncio.to_thread(self._measured_rows)
-        return measured.data()
+        found = await asyncio.to_thread(self._measured_rows)
+        return found.data()
 
     async def do_tire(self, message: Event) -> Event:
         """Return a tire: "live", "result", or the number of a fit."""
@@ -174,9 +174,9 @@ class Window:
     async def do_run(self, message: Event) -> None:
         """Run steps of the project, and those whose results they read."""
         only = texts(message, "steps")
-        for name in only:
-            if name not in STEPS:
-                raise UnknownName("step", name, STEPS)
+        for each in only:
+            if each not in STEPS:
+                raise UnknownName("step", each, STEPS)
         project = self.state.project()
         if not project.tables:
             raise TirefmuError("the project has no table: add one first")
@@ -206,19 +206,19 @@ class Window:
         """Exclude an effect from the candidates of the diagnosis."""
         effect = given(message, "effect", str)
         tire = await asyncio.to_thread(self._tire, "result")
-        candidates = candidates_for(with_library(tire))
-        if effect not in candidates:
-            raise UnknownName("candidate", effect, candidates)
-        tested = self.state.project().get("diagnose", "candidates", sorted(candidates))
-        others = [other for other in tested if other != effect]
+        known = candidates_for(with_library(tire))
+        if effect not in known:
+            raise UnknownName("candidate", effect, known)
+        tested = self.state.project().get("diagnose", "candidates", sorted(known))
+        others = [each for each in tested if each != effect]
         await self._changed(self.state.set_value, given(message, "version", str), "diagnose", "candidates", others)
 
     async def add_table(self, name: str, content: Path) -> str:
         """Move an uploaded file into the folder of the project and add it to the tables; return its name."""
         path = self.state.folder / file_name(name)
         if path.suffix.lower() not in READERS:
-            readers = ", ".join(sorted(READERS))
-            raise TirefmuError(f"{file_name(name)}: not a kind of recording that is read: {readers}")
+            known = ", ".join(sorted(READERS))
+            raise TirefmuError(f"{file_name(name)}: not a kind of recording that is read: {known}")
         async with self._edit:
             if path.exists():
                 raise TirefmuError(f"{path.name} exists already in the folder of the project: rename the file")
@@ -310,12 +310,12 @@ class Window:
         key = self.state.version(), tuple(path.stat().st_mtime_ns for path in project.tables if path.exists())
         if self._measured is None or self._measured[0] != key:
             inputs = model_named(project.get("fit", "model", "mf61")).inputs
-            self._measured = key, Measured.of(project, [quantity.name for quantity in inputs])
+            self._measured = key, Measured.of(project, [each.name for each in inputs])
         return self._measured[1]
 
     async def _tire_of_page(self, message: Event) -> Tire:
         values = given(message, "values", dict)
-        if not all(isinstance(number, (int, float)) and not isinstance(number, bool) for number in values.values()):
+        if not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in values.values()):
             raise TirefmuError("values of coefficients are numbers")
         base = await asyncio.to_thread(self._tire, given(message, "tire", str))
         return changed_tire(given(message, "model", str), texts(message, "effects"), values, base)
@@ -350,11 +350,11 @@ def _step(step: Step, status: int | None, folder: Path) -> Event:
             "summary": list(summary_of(step.command, result)),
         }
         if step.command == "diagnose":
-            shown["found"] = [str(finding["effect"]) for finding in result["found"]]
+            shown["found"] = [str(each["effect"]) for each in result["found"]]
     except (OSError, ValueError, KeyError, TypeError) as error:
         shown |= {"headline": f"result cannot be read: {excerpt(error)}", "rating": "bad", "summary": []}
     files = [step.page, *step.outputs] if step.page else step.outputs
-    named = [path for name in files for path in files_of(name) if path.is_file() and path.is_relative_to(folder)]
+    named = [path for each in files for path in files_of(each) if path.is_file() and path.is_relative_to(folder)]
     shown["files"] = list(dict.fromkeys(path.relative_to(folder).as_posix() for path in named))
     return shown
 
@@ -371,6 +371,6 @@ def given(message: Mapping[str, Any], name: str, kind: type[T]) -> T:
 def texts(message: Mapping[str, Any], name: str) -> Sequence[str]:
     """Return an entry of a message that is a list of texts. Raises `TirefmuError`."""
     value: list[Any] = given(message, name, list)
-    if not all(isinstance(item, str) for item in value):
+    if not all(isinstance(each, str) for each in value):
         raise TirefmuError(f"{name} of a message is a list of texts")
     return value

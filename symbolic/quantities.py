@@ -28,8 +28,6 @@ OWN_SPEED = replace(V, nominal=V.typical)
 AMBIENT = Quantity("T_ambient", "K", "temperature of the air around the tire", 293.15, 300.0)
 ROAD = Quantity("T_road", "K", "temperature of the surface of the road", 293.15, 300.0)
 BEYOND = {quantity.name: quantity for quantity in (TEMPERATURE, DISTANCE, AMBIENT, ROAD)}
-#: Inputs on which added effects may act; the pressure is one of the model's own, or has no influence.
-ACTED_ON = {**BEYOND, "p": replace(P, nominal=P.typical)}
 
 FX = Quantity("Fx", "N", "longitudinal force", typical=1000.0)
 FY = Quantity("Fy", "N", "side force", typical=1000.0)

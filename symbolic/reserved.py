@@ -41,7 +41,7 @@ _MACROS = re.compile(
 )
 _GENERATED = re.compile(
     "(N|TIREFMU|MF[0-9]+)_.*|MF[0-9]+|LANES|LANES_.*|BLOCK|STRIDE|ROUNDING|LARGEST_[A-Z]+|REDUCTION_IS_EXACT|INPUTS|PARAMETERS"
-    "|EXPANDED|CALLED|VECTORS|WIDE|(PAIR|NUMBER)(_.*)?|PANEL|STEP|TILE_[A-Z]+"
+    "|EXPANDED|CALLED|VECTORS|(PAIR|NUMBER)(_.*)?|PANEL|STEP|TILE_[A-Z]+"
     "|COEFFICIENTS|OPTIONS|STRAIGHT_OPTIONS|QUANTITIES|FORCES|REACH|CONSTANTS|OPERATIONS|[A-Z]+_SLOTS"
     "|ROLLING_RADIUS|LOW_SPEED(_DAMPING)?"
 )
@@ -58,10 +58,6 @@ _TIR_SECTIONS = frozenset(["added", "about", "ranges", "assumed", "kept_units"])
 COEFFICIENT_NAME = re.compile("[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
 EFFECT_NAME = re.compile("[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 STATE_NAME = re.compile("([A-Z]_)?[a-z][a-z0-9]*(_[a-z0-9]+)*")
-#: The same in words.
-COEFFICIENT_FORM = "a word of capital letters A-Z, digits and single _"
-EFFECT_FORM = "a word of letters A-Z, digits and single _"
-STATE_FORM = "a word of small letters a-z, digits and single _, such as T_gas"
 #: Names in generated code that a state would hide: functions of C and NumPy in lower case, arguments, results.
 _HIDDEN = re.compile(
     "(a|f|l|ll)?(abs|sin|cos|tan|exp|log|sqrt|pow)[0-9a-z]*|(sin|cos|tan)h|j[01n]|y[01n]|(l|t)?gamma|erfc?|hypot|cbrt"
@@ -83,7 +79,7 @@ def no_coefficient(name: str) -> str:
     'is not a word of capital letters A-Z, digits and single _'
     """
     if not COEFFICIENT_NAME.fullmatch(name):
-        return f"is not {COEFFICIENT_FORM}"
+        return "is not a word of capital letters A-Z, digits and single _"
     if _MACROS.fullmatch(name):
         return "is a macro of C"
     if _GENERATED.fullmatch(name):
@@ -98,7 +94,7 @@ def no_effect(name: str) -> str:
     ('', 'is a device of Windows', 'is a section of .tir files', 'is not a word of letters A-Z, digits and single _')
     """
     if not EFFECT_NAME.fullmatch(name):
-        return f"is not {EFFECT_FORM}"
+        return "is not a word of letters A-Z, digits and single _"
     return "is a section of .tir files" if name.lower() in _TIR_SECTIONS else _in_general(name)
 
 
@@ -109,7 +105,7 @@ def no_state(name: str) -> str:
     ('', 'is a name of the generated code', 'is not a word of small letters a-z, digits and single _, such as T_gas')
     """
     if not STATE_NAME.fullmatch(name):
-        return f"is not {STATE_FORM}"
+        return "is not a word of small letters a-z, digits and single _, such as T_gas"
     if _PROGRAM.fullmatch(name):
         return "is a name of the program"
     return "is a name of the generated code" if _HIDDEN.fullmatch(name) else _in_general(name)

@@ -216,7 +216,7 @@ def check_input_paths(*paths: Path) -> None:
 def _neighbors(path: Path) -> list[str]:
     """Return the names of the files in the folder of a path; none if it cannot be read."""
     try:
-        return sorted(entry.name for entry in path.absolute().parent.iterdir())
+        return sorted(each.name for each in path.absolute().parent.iterdir())
     except OSError:
         return []
 

@@ -49,14 +49,14 @@ def effects(name: str | None = None, only_model: str | None = None) -> list[dict
     """
     if only_model is not None:
         model_named(only_model)  # raises for an unknown one
-    available: dict[str, Effect | AddedEffect] = {**EFFECTS, **library()}
+    known: dict[str, Effect | AddedEffect] = {**EFFECTS, **library()}
     for model in MODELS.values():
-        available |= {effect.name: effect for effect in model.source.own_effects}
-    if name is not None and name not in available:
-        raise UnknownName("effect", name, available)
-    effects = [_effect(effect) for effect in available.values() if name in (None, effect.name)]
-    effects = [effect for effect in effects if only_model is None or only_model in effect["models"]]
-    return sorted(effects, key=lambda effect: (KINDS.index(effect["kind"]), effect["name"]))
+        known |= {effect.name: effect for effect in model.source.own_effects}
+    if name is not None and name not in known:
+        raise UnknownName("effect", name, known)
+    found = [_effect(effect) for effect in known.values() if name in (None, effect.name)]
+    found = [each for each in found if only_model is None or only_model in each["models"]]
+    return sorted(found, key=lambda each: (KINDS.index(each["kind"]), each["name"]))
 
 
 def _effect(effect: Effect | AddedEffect) -> dict[str, Any]:
@@ -81,7 +81,7 @@ def _effect(effect: Effect | AddedEffect) -> dict[str, Any]:
         "states": [state.name for state in getattr(effect, "states", ())],
         "needs": list(detection.requires) if detection else [],
         "channels": list(detection.channels) if detection else [],
-        "confounded_with": [pair.other for pair in detection.confounded] if detection else [],
+        "confounded_with": [each.other for each in detection.confounded] if detection else [],
         "separate_by": detection.separate_by if detection else "",
     }
 
@@ -119,10 +119,10 @@ def published_tires() -> list[dict[str, Any]]:
     >>> [(found["name"], found["model"]) for found in published_tires()]
     [('trento_hoosier', 'mf96'), ('unicamp_small_tire', 'mf61')]
     """
-    tires = []
+    found = []
     for name in published():
         tire = published(name)
-        tires.append(
+        found.append(
             {
                 "name": name,
                 "tire": tire.name,
@@ -134,4 +134,4 @@ def published_tires() -> list[dict[str, Any]]:
                 "about": dict(tire.about),
             }
         )
-    return tires
+    return found

@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.boundary.escaping import command_text, excerpt, file_name, visible
+from tirefmu.boundary.escaping import excerpt, visible
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from .arguments import (
@@ -138,7 +138,7 @@ def evaluate(
     terminal.print(f"{rows} rows, {len(columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
-    terminal.print(*(f"warning: {warning}" for warning in warnings))
+    terminal.print(*(f"warning: {each}" for each in warnings))
     return 0
 
 
@@ -206,9 +206,6 @@ def check(
         with terminal.working("writing the report"):
             write_check(result, report, command=command_line())
         terminal.print(f"report: {report}")
-    else:
-        page = ("--report", fmu.with_name(f"{file_name(fmu.stem)}_check.html"))
-        terminal.print(f"next: {command_text('check', fmu, table, *selection.arguments, *page)}")
     return 0 if result.ok else 1
 
 
@@ -292,7 +289,7 @@ def draw(
         terminal.selection(*recordings)
         for recording in recordings:
             check_columns(recording, fitted=False)
-        parts = [recording.with_signs("iso").table for recording in recordings]
+        parts = [each.with_signs("iso").table for each in recordings]
         nominal = loaded.in_signs("iso").nominal("Fz")
         points = pd.concat([part.assign(Fz=part.get("Fz", nominal)) for part in parts], ignore_index=True)
         measured = dict.fromkeys(float(f"{level:.2g}") for level in levels(points["Fz"]))

@@ -6,7 +6,6 @@ import signal
 import time
 from collections.abc import Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -27,12 +26,12 @@ from tirefmu.fmu import check, export
 from tirefmu.fmu.comparison.figures import check_figures
 from tirefmu.fmu.comparison.report import write_check
 from tirefmu.measurements import Noise, Recording, VirtualBench, trento_program, write_table
+from tirefmu.measurements.inspection.figures import inspection_figures
 from tirefmu.measurements.inspection.inspection import inspect
 from tirefmu.measurements.inspection.report import write_inspection
 from tirefmu.tires import Tire, published
 from tirefmu.tires.code import chosen_derivatives, fastest_code
 from tirefmu.tires.drawing.labels import drawn_unit
-from tirefmu.tires.drawing.picture import write_figures
 
 from .arguments import write_json
 from .demo_page import Chapter, write_demo_page
@@ -94,9 +93,6 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
         with terminal.working("drawing figures"):
             drawn = figures.result()
     terminal.print(f"  {len(drawn)} figures of both fits: {folder / 'figures'}")
-    shown = {"fit": chapters[1], "fmu_check": chapters[2], "diagnosis": chapters[4]}
-    pictures = write_figures([replace(each.figures[0], name=name) for name, each in shown.items()], folder)
-    terminal.print(f"  the results in three pictures: {', '.join(map(str, pictures))}")
     seconds = time.perf_counter() - began
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
     start = write_demo_page(chapters, folder, ok, seconds)
@@ -141,7 +137,7 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")
     files = (folder / "inspection.html", folder / "bench.csv", folder / "truth.tir")
-    chapters.append(Chapter("The data", (f"{text}.",), (), files))
+    chapters.append(Chapter("The data", (f"{text}.",), tuple(inspection_figures(inspections[0])[:1]), files))
     return recording
 
 
@@ -165,9 +161,7 @@ def _fits(
     tires = {recipe: result.tire for recipe, result in results.items()}
     figures = second.submit(_drawn_fits, tires, truth, recording, folder)
     shown = [
-        figure
-        for figure in figures_of(tires["joint"], [recording], truth=truth)
-        if figure.name in ("pure_Fy", "stiffness")
+        each for each in figures_of(tires["joint"], [recording], truth=truth) if each.name in ("pure_Fy", "stiffness")
     ]
     files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
     chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), tuple(shown), files))
@@ -224,7 +218,7 @@ def _fmus(
         terminal.print(f"  {lines[-1]}: {path}")
     with terminal.working("writing the report"):
         write_check(result, page := folder / "check.html")
-    shown = tuple(figure for figure in check_figures(result) if figure.name == "Fy")
+    shown = tuple(each for each in check_figures(result) if each.name == "Fy")
     chapters.append(Chapter("The FMU over the data", tuple(f"{line}." for line in lines), shown, (page, *files)))
     return checks
 
@@ -278,13 +272,9 @@ def _diagnosis(
     written = {"tire": "improved.tir", "base_tire": "base.tir", "fmu": "improved.fmu", "base_fmu": "base.fmu"}
     write_json(path, {**result.to_json(**written), "simulated": simulated})
     terminal.print(f"  {result.verdict}")
-    for finding in result.found:
-        values = ", ".join(
-            f"{n} {c.value:.3g} ({c.lower:.3g} to {c.upper:.3g})" for n, c in finding.coefficients.items()
-        )
-        terminal.print(
-            f"  Identified effect: {finding.effect} in {', '.join(finding.channels)}; {values or 'no coefficients'}"
-        )
+    for one in result.found:
+        values = ", ".join(f"{n} {c.value:.3g} ({c.lower:.3g} to {c.upper:.3g})" for n, c in one.coefficients.items())
+        terminal.print(f"  Identified effect: {one.effect} in {', '.join(one.channels)}; {values or 'no coefficients'}")
     for seen in result.where:
         if seen["channel"] == "Fy" and seen["over"] == ["Fz", "gamma"]:
             terminal.print(f"  Largest residual: {_cell(seen['worst'])}")
@@ -293,12 +283,12 @@ def _diagnosis(
         f"  Error of Fy on the hold-out set: {gap['before']:.3g} N before, {gap['after']:.3g} N after, noise floor "
         f"{gap['floor']:.3g} N; report with both simulated FMUs: {folder / 'report.html'}"
     )
-    names = [finding.effect for finding in result.found]
+    found = [one.effect for one in result.found]
     written_files = [folder / name for name in ("report.html", "improved.tir", "improved.fmu", "base.tir", "base.fmu")]
     texts = (
         "The diagnosis tests all known effects without information about the removed one.",
         result.verdict,
-        f"Identified: {', '.join(names) or 'nothing'}.",
+        f"Identified: {', '.join(found) or 'nothing'}.",
         *(
             f"Error of {channel} on the hold-out set: {error['before']:.3g} {drawn_unit(channel)} before, "
             f"{error['after']:.3g} after, noise floor {error['floor']:.3g}."
@@ -307,7 +297,7 @@ def _diagnosis(
     )
     files = tuple(path for path in written_files if path.is_file())
     chapters.append(Chapter("The missing effect, found", texts, (curves_figure(result, "Fy"),), files))
-    return {"ok": names == ["camber_thrust"] and simulated["ok"], "found": names, "gap": gap, "simulated": simulated}
+    return {"ok": found == ["camber_thrust"] and simulated["ok"], "found": found, "gap": gap, "simulated": simulated}
 
 
 def _cell(worst: dict[str, Any]) -> str:

@@ -35,9 +35,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
     model, plain = tire.symbolic_model, tire.in_signs("adapted-sae")
     declared = model.coefficients
     at_neutral = [
-        name
-        for name, declaration in declared.items()
-        if declaration.neutral is not None and plain.values[name] == declaration.neutral
+        name for name, one in declared.items() if one.neutral is not None and plain.values[name] == one.neutral
     ]
     idle = [name for name in model.effects if name in tire.has and model.owned(name) <= set(at_neutral)]
     stored = tire.other_entries
@@ -87,4 +85,4 @@ def _is_influential(key: str, value: str) -> bool:
     """Return whether a key is a fitted coefficient of some model with a value other than zero."""
     declared = [model.coefficients[key] for model in MODELS.values() if key in model.coefficients]
     number, _ = number_and_rest(value)
-    return any(declaration.fitted for declaration in declared) and isfinite(number) and number != 0.0
+    return any(one.fitted for one in declared) and isfinite(number) and number != 0.0

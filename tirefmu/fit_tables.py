@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from rich.console import JustifyMethod, RenderableType
+from rich.console import RenderableType
 from rich.style import StyleType
 from rich.table import Table
 
@@ -28,19 +29,16 @@ WORDS = {
 FEW = 3
 #: The longest text in a cell, in characters.
 LONGEST_CELL = 200
-#: Lengths of an interval and of a name up to which they do not fold.
-NUMBER, NAME = 20, 8
+#: Columns of a line of the verdict.
+LINE = 100
 
 
 class PlainTable(Table):
     """A table whose cells are printable text of limited length."""
 
     def add_row(self, *cells: RenderableType | None, style: StyleType | None = None, end_section: bool = False) -> None:
-        """Add a row; see rich. Numbers and short names remain on one line; longer texts fold."""
-        shown = [excerpt(cell, LONGEST_CELL) if isinstance(cell, str) else cell for cell in cells]
-        for column, cell in zip(self.columns, shown, strict=False):
-            most = NUMBER if column.justify == "right" else NAME
-            column.min_width = max(column.min_width or 0, min(len(str(cell)), most))
+        """Add a row; see rich."""
+        shown = (excerpt(cell, LONGEST_CELL) if isinstance(cell, str) else cell for cell in cells)
         super().add_row(*shown, style=style, end_section=end_section)
 
 
@@ -49,9 +47,7 @@ def plain_table(*columns: str, title: str = "") -> Table:
     title = visible(title)
     table = PlainTable(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for column in columns:
-        longest = max(map(len, column.split()), default=0)
-        justify: JustifyMethod = "left" if column in WORDS else "right"
-        table.add_column(column, justify=justify, overflow="fold", min_width=longest)
+        table.add_column(column, justify="left" if column in WORDS else "right")
     return table
 
 
@@ -59,7 +55,7 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
     """Yield the verdict of a fit and its reasons, a line each."""
     yield f"verdict: {verdict.word}"
     for reason in verdict.reasons:
-        yield f"  - {reason}"
+        yield from wrap(visible(f"- {reason}"), LINE, initial_indent="  ", subsequent_indent="    ")
 
 
 def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
@@ -83,8 +79,8 @@ def fit_lines(result: FitResult, every: bool = True) -> Iterator[Table | str]:
         yield extrapolation_text(result)
     yield from _differences(result, every)
     yield from ripple_texts(result.findings.ripples)
-    for direction in result.findings.undetermined:
-        yield f"not identifiable: {', '.join(direction.coefficients)}: {direction.reason}"
+    for each in result.findings.undetermined:
+        yield f"not identifiable: {', '.join(each.coefficients)}: {each.reason}"
     for rows in result.excluded_rows:
         yield f"note: {rows}"
     for note in result.notes:
@@ -103,9 +99,9 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
         "coefficient", "initial", "lower", "upper", "value", "+- (95 %)", *further, "unit", "",
         title=f"Coefficients ({result.signs} signs)",
     )  # fmt: skip
-    remarkable = {name for direction in result.findings.undetermined for name in direction.coefficients}
+    remarkable = {name for each in result.findings.undetermined for name in each.coefficients}
     remarkable |= {profile.name for profile in result.profiles}
-    consequences = {consequence.name: consequence.text() for consequence in result.bounds}
+    consequences = {each.name: each.text() for each in result.bounds}
     every = every or bool(result.bootstrap)
     for c in result.coefficients:
         if not (every or c.at_bound or c.from_family or not c.determined or c.name in remarkable):

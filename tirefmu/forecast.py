@@ -35,9 +35,9 @@ class Forecast:
     def begin(self, stage: str) -> None:
         """Begin the next stage with a name; a name that does not follow belongs to the current stage."""
         following = range(self._at + 1, len(self._stages))
-        position = next((number for number in following if self._stages[number][0] == stage), None)
-        if position is not None:
-            self._at, self._running = position, True
+        found = next((number for number in following if self._stages[number][0] == stage), None)
+        if found is not None:
+            self._at, self._running = found, True
 
     def end(self, seconds: float) -> None:
         """End the current stage, or a part of it, which took so many seconds."""

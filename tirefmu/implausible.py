@@ -82,7 +82,7 @@ def _beyond_bounds(tire: Tire) -> Iterator[Doubt]:
     for name, declared in tire.symbolic_model.coefficients.items():
         if name in ends or plain[name] == declared.neutral or declared.lower <= plain[name] <= declared.upper:
             continue
-        hints = [hint for mistaken, low, high, hint in MISTAKEN if mistaken == name and low <= abs(plain[name]) < high]
+        hints = [hint for known, low, high, hint in MISTAKEN if known == name and low <= abs(plain[name]) < high]
         hints += ["wrong sign?"] if declared.lower <= -plain[name] <= declared.upper else []
         converted = "" if plain[name] == tire.values[name] else " with the sign of adapted SAE"
         reason = f"outside {declared.lower:g} .. {declared.upper:g}{converted}"
@@ -104,18 +104,18 @@ def _behaviour(tire: Tire) -> Iterator[Doubt]:
     points = [(Fz, side * 0.5 * _end(tire, "kappa", 0.2), side * 0.5 * _end(tire, "alpha", 0.2))
               for Fz in loads(tire) for side in (-1.0, 1.0)]  # fmt: skip
     inputs = dict(zip(("Fz", "kappa", "alpha"), np.array(points).T, strict=True))
-    computed, load = quantities(tire.in_signs("adapted-sae"), inputs), inputs["Fz"]
+    found, load = quantities(tire.in_signs("adapted-sae"), inputs), inputs["Fz"]
     model = tire.symbolic_model
     for axis in ("x", "y"):
         friction, stiffness = model.quantity(f"friction_{axis}"), model.quantity(f"stiffness_{axis}")
-        yield from _sign(friction, computed[friction], load)
+        yield from _sign(friction, found[friction], load)
         if stiffness:
-            yield from _sign(stiffness, computed[stiffness], load)
-        first, last = computed[friction][0], computed[friction][-1]
-        if computed[friction].min() > 0 and last > first * (1 + 1e-9):
+            yield from _sign(stiffness, found[stiffness], load)
+        first, last = found[friction][0], found[friction][-1]
+        if found[friction].min() > 0 and last > first * (1 + 1e-9):
             yield Doubt(friction, float(last), f"increases with load, from {first:.3g} at {load[0]:g} N")
     for name in filter(None, map(model.quantity, CURVATURES)):
-        curvature = np.nan_to_num(computed[name], nan=-np.inf)
+        curvature = np.nan_to_num(found[name], nan=-np.inf)
         row = int(curvature.argmax())
         if curvature[row] > 1:
             at = ", ".join(f"{key} = {values[row]:.3g}" for key, values in inputs.items())

@@ -38,10 +38,10 @@ class Stages:
         self,
         ended: Callable[[str], None],
         update: Callable[[str], None],
-        on_change: Callable[[str], None],
+        found: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
-        self._ended, self._update, self._found, self._clock = ended, update, on_change, clock
+        self._ended, self._update, self._found, self._clock = ended, update, found, clock
         self._forecast = Forecast(())
         self._stage, self._detail = "", ""
         self._began = self._latest = 0.0
@@ -128,7 +128,7 @@ class FitProgress:
         if stage != self._stage:
             self._stage = stage
             self._stages.begin(stage)
-        self._stages.report(f"iteration {iteration}, cost {cost:.4g}")
+        self._stages.report(f"iteration {iteration}, cost {cost:.6g}")
 
     def finish(self) -> None:
         """Begin what follows the last stage, since its latest report."""

@@ -22,7 +22,7 @@ KINDS: Mapping[str, tuple[str, str]] = {
     "fit": ("fit.json, the result of a fit", "tirefmu.fitting.results.fit_content:fit_schema"),
     "diagnosis": ("diagnosis.json, the result of a diagnosis", "tirefmu.diagnosis.verdict.content:diagnosis_schema"),
     "drive": ("drive.json, the answer of the command drive", "tirefmu.driving.drive_content:drive_schema"),
-    "plan": ("plan.json, the program of the command plan", "tirefmu.planning.plan:plan_schema"),
+    "plan": ("plan.json, the program of the command plan", "tirefmu.planning.plan_content:plan_schema"),
     "proof": ("proof.json, the proof inside an FMU", "tirefmu.fmu.proof.proof_content:proof_schema"),
     "run": ("run.json, the records of the command run", "tirefmu.project.records:records_schema"),
 }
@@ -43,8 +43,6 @@ def schema(kind: str, commands: click.Group) -> dict[str, Any]:
 def _option(commands: click.Group, section: str, option: str) -> dict[str, Any]:
     """Return help and choices of an option of the command of a section; options of [data] are those of fit."""
     command = commands.commands["fit" if section == "data" else section]
-    (parameter,) = (
-        option_of for option_of in command.params if isinstance(option_of, click.Option) and option in option_of.opts
-    )
+    (parameter,) = (one for one in command.params if isinstance(one, click.Option) and option in one.opts)
     choices = {"enum": list(parameter.type.choices)} if isinstance(parameter.type, click.Choice) else {}
     return {"description": parameter.help, **choices}

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
-from shutil import get_terminal_size
-from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -25,26 +22,6 @@ if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
     from tirefmu.measurements import Finding, Recording
 
-#: Columns of the output.
-LINE = 100
-#: A command to enter, with the words that introduce it.
-COMMAND = re.compile(r"(?:[\w ]{1,40}: |\()?tirefmu [a-z-]+ .*")
-
-
-def wrapped(text: str) -> list[str]:
-    """Return the lines of a printable text, of at most `LINE` columns; a word and a command to enter remain whole.
-
-    >>> [len(line) for line in wrapped("  - " + 40 * "word ")]
-    [98, 98, 13]
-    """
-    if len(text) <= LINE:
-        return [text]
-    command = COMMAND.search(text)
-    begin, end = (text[: command.start()], [command[0].lstrip()]) if command else (text, [])
-    later = " " * (len(text) - len(text.lstrip()) + 2)
-    lines = wrap(begin, LINE, subsequent_indent=later, break_long_words=False, break_on_hyphens=False)
-    return lines + [later * bool(lines) + line for line in end]
-
 
 class Terminal:
     r"""Standard output for results, standard error for progress; both silent when quiet.
@@ -58,7 +35,8 @@ class Terminal:
     """
 
     def __init__(self, quiet: bool = False) -> None:
-        width = min(get_terminal_size().columns, LINE) if sys.stdout.isatty() else LINE
+        # Tables in a file or a pipe are not limited to a terminal's 80 columns.
+        width = None if sys.stdout.isatty() else 140
         console = partial(Console, quiet=quiet, highlight=False, markup=False, emoji=False)
         self._out = console(soft_wrap=True, width=width)
         self._status = console(stderr=True, soft_wrap=True)
@@ -66,16 +44,11 @@ class Terminal:
     def print(self, *lines: str) -> None:
         """Print lines literally."""
         for line in lines:
-            self._styled("", line)
+            self._out.print(visible(line))
 
     def heading(self, title: str, text: str) -> None:
         """Print the heading of a part of the output."""
-        self._styled(visible(title), f" {text}", "bold")
-
-    def _styled(self, begin: str, text: str, style: str = "") -> None:
-        """Print a wrapped text; its printable begin has a style."""
-        for number, line in enumerate(wrapped(begin + visible(text))):
-            self._out.print(Text.assemble((line[: len(begin)], style), line[len(begin) :]) if number == 0 else line)
+        self._out.print(Text.assemble((visible(title), "bold"), " ", visible(text)))
 
     def working(self, what: str) -> AbstractContextManager[object]:
         """Show the current activity until it ends."""
@@ -121,7 +94,7 @@ class Terminal:
         """Print findings about the data: a serious one as a warning, any other as a note."""
         for finding in findings:
             if finding.serious:
-                self._styled("warning: ", str(finding), "bold red")
+                self._out.print(Text.assemble(("warning: ", "bold red"), visible(str(finding))))
             else:
                 self.print(f"note: {finding}")
 

@@ -179,7 +179,7 @@ def _acting(
         return rows, ()
     t, hold = _finite(table["t"], "t"), conventions.hold
     given = np.arange(len(t))
-    if not hold and any(tire.symbolic_model.states[name].is_temperature for name in tire.states):
+    if not hold and any(tire.symbolic_model.states[name].observed for name in tire.states):
         t, rows, given = with_pauses(t, rows, [tire.inputs.index(name) for name in ("kappa", "alpha")])
     slips = {}
     if tire.lags:

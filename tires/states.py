@@ -3,9 +3,7 @@
 States that follow only inputs, and hystereses along lagged slips, have exact updates. A state driven by forces that
 depend on it is integrated in steps that grow with the time since the last change of the inputs. In each step the drive
 is a parabola through start, middle and end (a Lobatto collocation of fourth order, exact for the lag itself); the
-values at the middle and the end are found by iteration, for many steps at once. Temperatures change slowly: forces at
-the middle of a step, with the temperatures of its start, heat the tire over the whole step, in which the nodes exchange
-heat exactly.
+values at the middle and the end are found by iteration, for many steps at once.
 
 References
 ----------
@@ -29,16 +27,7 @@ from .code import Code
 from .code.modules import state_laws
 from .oscillator import Oscillation, Part
 from .path import PathCourse
-from .transient import (
-    Accumulation,
-    Course,
-    exchange,
-    followed,
-    held_system,
-    recursion,
-    segment_starts,
-    vector_recursion,
-)
+from .transient import Course, followed, recursion, segment_starts
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -51,8 +40,8 @@ FIRST_STEP, GROWTH = 0.3, 1.2
 MAX_ITERATIONS, ACCEPTED, MAX_HALVINGS = 50, 1e-9, 10
 #: Iterations end when no value changes by more than this share.
 CONVERGED = 1e-13
-#: Steps that are solved together at first; rows over which temperatures and forces are iterated together.
-WINDOW, WARM_WINDOW = 4096, 512
+#: Steps that are solved together at first.
+WINDOW = 4096
 
 
 @dataclass
@@ -105,11 +94,7 @@ class StateSimulation:
         for name, course in self._courses.items():
             rows[self.index[name]] = course.value
         driven = [state for state in self.states if state.name not in self._courses]
-        nodes = [self.index[state.name] for state in driven if state.is_temperature]
-        driven = [state for state in driven if not state.is_temperature]
-        if nodes:
-            self._warm(rows, np.array(nodes), driven)
-        elif driven:
+        if driven:
             self._drive(rows, driven)
         return rows
 
@@ -153,7 +138,7 @@ class StateSimulation:
         target, rate, start, _ = state.line_names
         return self._given[target], self._given[rate], self._given[start]
 
-    def _course(self, state: State, lines: Mapping[str, FloatArray]) -> Course | Accumulation:
+    def _course(self, state: State, lines: Mapping[str, FloatArray]) -> Course | _Sum:
         """Return the time history of a state that changes with time, for its lines at each row."""
         target, rate, start = (lines[name] for name in state.line_names[:3])
         begins = None
@@ -163,7 +148,7 @@ class StateSimulation:
             start = target
         if state.settles:
             return followed(self.t, target, rate, start, hold=self.hold, begins=begins)
-        return Accumulation(target, self.h, start, self.hold, self.h < 0.0 if begins is None else begins[1:])
+        return _Sum(target, self.h, start, self.hold, self.h < 0.0 if begins is None else begins[1:])
 
     def _oscillation(self, state: State) -> dict[str, Part]:
         """Return the time histories of position and speed of an oscillator."""
@@ -179,72 +164,15 @@ class StateSimulation:
         lags = [self._courses[name] for name in state.drive]
         return PathCourse(lags, rate, start, np.flatnonzero(self.h < 0.0), state.kind)
 
-    # ------------------------------------------------------------ temperatures
-
-    def _warm(self, rows: FloatArray, nodes: IntArray, driven: list[State]) -> None:
-        """Simulate temperatures, and states that forces at these temperatures drive; write them into the acting rows.
-
-        `nodes`: indices of the temperatures.
-        """
-        starts = self._recordings()
-        rows[nodes] = np.repeat(self._at_start(rows, starts)[nodes], np.diff(starts), axis=1)
-        others = [self.index[state.name] for state in driven]
-        for _ in range(MAX_ITERATIONS):
-            if driven:
-                self._drive(rows, driven)
-            before = rows[nodes]
-            for first, end in pairwise(starts):
-                for begin in range(first, end - 1, WARM_WINDOW):
-                    interval = np.arange(begin, min(begin + WARM_WINDOW, end - 1))
-                    self._warm_window(rows, nodes, others, interval)
-            if not driven or (np.abs(rows[nodes] - before) <= CONVERGED * np.abs(rows[nodes])).all():
-                break
-
-    @np.errstate(over="ignore", invalid="ignore")  # of values that are not accepted
-    def _warm_window(self, rows: FloatArray, nodes: IntArray, others: list[int], interval: IntArray) -> None:
-        """Iterate temperatures and the forces that heat the tire over the intervals that begin at some rows."""
-        middle = self._nodes(interval, np.full(len(interval), 0.5), rows)
-        middle[others] = rows[others][:, interval]
-        names = [self.symbolic_model.inputs[i].name for i in nodes]
-        x, decay, gain, matrix = rows[np.ix_(nodes, interval)].T, *[np.empty(0)] * 3
-        x[:] = x[0]
-        for k in range(MAX_ITERATIONS):
-            middle[nodes] = x.T
-            lines = self._lines(middle)
-            if k == 0:
-                matrix = exchange(lines, names)
-                decay, gain = held_system(matrix, self.h[interval])
-            flow = np.stack([lines[f"{name}_rate"] * (lines[f"{name}_target"] - x[:, i])
-                             for i, name in enumerate(names)], axis=1)  # fmt: skip
-            held = flow - (matrix @ x[:, :, None])[:, :, 0]
-            course = vector_recursion(x[0], decay, (gain @ held[:, :, None])[:, :, 0])
-            change, x = np.abs(course[:-1] - x).max(), course[:-1]
-            if change <= CONVERGED * np.abs(course).max():
-                break
-        else:
-            if len(interval) > 1:  # a single step converges at once
-                for part in np.array_split(interval, 2):
-                    self._warm_window(rows, nodes, others, part)
-                return
-        rows[np.ix_(nodes, interval + 1)] = course[1:].T
-
     # ------------------------------------------------------------ states that forces drive
-
-    def _recordings(self) -> list[int]:
-        """Return the rows at which recordings begin, and the number of rows."""
-        return [0, *(np.flatnonzero(self.h < 0.0) + 1).tolist(), len(self.t)]
-
-    def _at_start(self, rows: FloatArray, starts: list[int]) -> FloatArray:
-        """Return the acting inputs at the start of recordings, shape (n_inputs, n_recordings)."""
-        given = {name: values[starts[:-1]] for name, values in self.starts.items()}
-        return equilibrium(
-            self.symbolic_model, self.code, rows[:, starts[:-1]], self.parameters, self.names, given, start=True
-        )
 
     def _drive(self, rows: FloatArray, driven: list[State]) -> None:
         """Simulate states that are driven by forces, and write them into the acting rows."""
-        starts = self._recordings()
-        at_start = self._at_start(rows, starts)
+        starts = [0, *(np.flatnonzero(self.h < 0.0) + 1).tolist(), len(self.t)]
+        given = {name: values[starts[:-1]] for name, values in self.starts.items()}
+        at_start = equilibrium(
+            self.symbolic_model, self.code, rows[:, starts[:-1]], self.parameters, self.names, given, start=True
+        )
         indices = [self.index[state.name] for state in driven]
         for k, (first, end) in enumerate(pairwise(starts)):
             x = at_start[indices, k]
@@ -286,8 +214,7 @@ class StateSimulation:
         """Solve steps, write the values at rows into the acting rows, and return the values at the end."""
         if not len(steps.h):
             return x
-        interval, share = np.tile(steps.interval, 3), [steps.begin, (steps.begin + steps.end) / 2, steps.end]
-        nodes = self._nodes(interval, np.concatenate(share), rows)
+        nodes = self._nodes(steps)
         indices, m = [self.index[state.name] for state in driven], len(steps.h)
         values = np.repeat(x[:, None], 3 * m, axis=1)
         for _ in range(MAX_ITERATIONS):
@@ -317,19 +244,16 @@ class StateSimulation:
         target, rate, *_ = state.line_names
         return _integrated(state, lines[target].reshape(3, -1), lines[rate].reshape(3, -1), h, x)
 
-    def _nodes(self, interval: IntArray, share: FloatArray, rows: FloatArray) -> FloatArray:
-        """Return the acting inputs at shares of the intervals that begin at some rows, shape (n_inputs, m).
-
-        Temperatures are held over an interval; `rows` has them.
-        """
+    def _nodes(self, steps: _Steps) -> FloatArray:
+        """Return the acting inputs at start, middle and end of all steps, shape (n_inputs, 3 m)."""
+        interval = np.tile(steps.interval, 3)
+        share = np.concatenate([steps.begin, (steps.begin + steps.end) / 2, steps.end])
         given = self.rows[:, interval]
         if not self.hold:
             given = given + (self.rows[:, interval + 1] - given) * share
         nodes = self._with_slips(given, {name: course.between(interval, share) for name, course in self.slips.items()})
         for name, course in self._courses.items():
             nodes[self.index[name]] = course.between(interval, share)
-        for state in (state for state in self.states if state.is_temperature):
-            nodes[self.index[state.name]] = rows[self.index[state.name], interval]
         return nodes
 
 
@@ -361,7 +285,29 @@ class _Steps:
         )
 
 
-_Course = Course | Accumulation | PathCourse | Part
+@dataclass(frozen=True)
+class _Sum:
+    """The time history of an accumulation whose flow follows the inputs."""
+
+    flow: FloatArray
+    h: FloatArray
+    start: FloatArray
+    hold: bool
+    again: npt.NDArray[np.bool_]
+
+    @cached_property
+    def value(self) -> FloatArray:
+        last = self.flow[:-1] if self.hold else self.flow[1:]
+        gained = state_laws.sum_linear(0.0, self.flow[:-1], last, self.h)
+        return recursion(self.start[0], np.where(self.again, 0.0, 1.0), np.where(self.again, self.start[1:], gained))
+
+    def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
+        first = self.flow[interval]
+        last = first if self.hold else first + (self.flow[interval + 1] - first) * share
+        return np.asarray(state_laws.sum_linear(self.value[interval], first, last, self.h[interval] * share))
+
+
+_Course = Course | _Sum | PathCourse | Part
 
 
 def _integrated(state: State, drive: FloatArray, rate: FloatArray, h: FloatArray, x: float) -> FloatArray:
@@ -396,7 +342,7 @@ def equilibrium(
 ) -> FloatArray:
     """Return inputs with every state in equilibrium at constant inputs; a state that has none is at its start value.
 
-    So is a temperature: a wheel in steady slip would heat far beyond any use of a tire.
+    So is an observed state with a start value: a wheel in steady slip would heat far beyond any use of a tire.
 
     `rows`, shape (n_inputs, n). `parameters`, shape (n_parameters,). `names`: the states of the tire; the others are 0.
     `given`, shape (n,): values of states that are not computed. `start`: whether a state that declares a start value
@@ -419,7 +365,7 @@ def equilibrium(
             target, _, first, _ = state.line_names
             if given and state.name in given:
                 after[k] = given[state.name][moving]
-            elif state.settles and not (state.has_start_value and (start or state.is_temperature)):
+            elif state.settles and not (state.has_start_value and (start or state.observed)):
                 after[k] = lines[target] if i == 0 else (before[k] + lines[target]) / 2.0
             else:
                 after[k] = lines[first]

@@ -7,9 +7,7 @@ model; here the lag acts on the slip itself.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -47,32 +45,6 @@ class Course:
         return np.asarray(state_laws.lag(self.value[interval], first, last, way))
 
 
-@dataclass(frozen=True)
-class Accumulation:
-    """The time history of an accumulation whose flow follows the inputs."""
-
-    flow: FloatArray
-    h: FloatArray
-    start: FloatArray
-    hold: bool
-    again: npt.NDArray[np.bool_]
-
-    @cached_property
-    def value(self) -> FloatArray:
-        """The values at the rows, shape (n,)."""
-        last = self.flow[:-1] if self.hold else self.flow[1:]
-        gained = state_laws.sum_linear(0.0, self.flow[:-1], last, self.h)
-        return recursion(self.start[0], np.where(self.again, 0.0, 1.0), np.where(self.again, self.start[1:], gained))
-
-    def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
-        """Return the values at shares (0 to 1) of the intervals that begin at the rows `interval`."""
-        first = self.flow[interval]
-        last = first if self.hold else first + (self.flow[interval + 1] - first) * share
-        return np.asarray(state_laws.sum_linear(self.value[interval], first, last, self.h[interval] * share))
-
-
-#: Terms of the series of an exponential, whose argument is at most 1/2: a remainder below 1e-17.
-SERIES = 14
 #: A longer step in time is a gap, in median steps.
 GAP = 5.0
 
@@ -156,50 +128,6 @@ def recursion(start: float, decay: FloatArray, gained: FloatArray) -> FloatArray
     bidiagonal = np.ones((2, len(decay) + 1), order="F")
     bidiagonal[1, :-1] = -decay
     return np.asarray(dtbsv(1, bidiagonal, np.concatenate([[start], gained]), lower=1, diag=1))
-
-
-def exchange(lines: Mapping[str, FloatArray], names: Sequence[str]) -> FloatArray:
-    """Return the matrix A of x' = A x + b for temperatures, shape (n, m, m), 1/s, from their lines, shape (n,)."""
-    columns = [[-lines[f"{a}_rate"] if a == b else lines.get(f"{a}_by_{b}", 0.0 * lines[f"{a}_rate"]) for b in names]
-               for a in names]  # fmt: skip
-    return np.asarray(columns).transpose(2, 0, 1)
-
-
-def held_system(matrix: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return E = exp(A h) and G, the integral of exp(A s) over a step: x' = A x + b has the end E x + G b.
-
-    `matrix`, shape (n, m, m): A of each step, 1/s. `h`, shape (n,): steps, s. Returns two arrays of shape (n, m, m).
-
-    >>> decay, gain = held_system(-np.ones((1, 1, 1)), np.ones(1))
-    >>> round(float(decay[0, 0, 0]), 12), round(float(gain[0, 0, 0]), 12)
-    (0.367879441171, 0.632120558829)
-    """
-    size = float(np.max(np.abs(matrix).sum(axis=2).max(axis=1, initial=0.0) * h, initial=0.0))
-    halvings = max(0, int(np.ceil(np.log2(size * 2.0)))) if 0.5 < size < np.inf else 0
-    part, unit = matrix * (h * 0.5**halvings)[:, None, None], np.eye(matrix.shape[1])
-    share = np.zeros_like(part) + unit
-    for k in range(SERIES, 1, -1):  # (exp(A h) - 1)/(A h), by its series in a part of the step
-        share = unit + part @ share / k
-    for _ in range(halvings):
-        share = share + part @ share @ share / 2.0
-        part = part * 2.0
-    return unit + part @ share, share * h[:, None, None]
-
-
-def vector_recursion(start: FloatArray, matrix: FloatArray, gained: FloatArray) -> FloatArray:
-    """Return x(0) = start, shape (m,), x(i + 1) = matrix(i) x(i) + gained(i), shape (n + 1, m).
-
-    `matrix`, shape (n, m, m). `gained`, shape (n, m).
-    """
-    from scipy.linalg.blas import dtbsv
-
-    n, m = gained.shape
-    band = np.zeros((2 * m, (n + 1) * m), order="F")
-    band[0] = 1.0
-    for i, j in np.ndindex(m, m):
-        band[m + i - j, j : n * m : m] = -matrix[:, i, j]
-    right = np.concatenate([start, gained.ravel()])
-    return np.asarray(dtbsv(2 * m - 1, band, right, lower=1, diag=1)).reshape(-1, m)
 
 
 def lagged_course(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> Course:

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.estimation.periodic_lines import PeriodicLine
-from tirefmu.measurements.virtual_bench.bench_errors import cross_talk, half_waves
 
 from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, MAX_CROSS_TALK, OFFSET_PRIOR
 from .signals import Signals
@@ -125,7 +124,7 @@ def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Distu
     Disturbances
     """
     n_channels, n = signals.measured.shape
-    waves = half_waves(passed(signals, signals.t[signals.rows]), DRIFT_WAVES if signals.timed else 0)
+    waves = _slow_waves(signals, signals.t[signals.rows])
     names, columns, deviation = [], [], []
     for i, channel in enumerate(signals.channels):
         for k, wave in enumerate(waves):
@@ -134,12 +133,15 @@ def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Distu
             names.append(f"{_slow_name(k)}_{channel}")
             columns.append(column)
             deviation.append(noise[i] * (OFFSET_PRIOR if k == 0 else DRIFT_PRIOR))
-    for pair, target, change in cross_talk(signals.channels, signals.measured, radius):
-        column = np.zeros((n_channels, n))
-        column[target] = change
-        names.append(f"{CROSS_TALK}{pair}")
-        columns.append(column)
-        deviation.append(CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[pair])
+    for pair, limit in MAX_CROSS_TALK.items():
+        source, target = pair.split("_in_")
+        if {source, target} <= set(signals.channels):
+            column = np.zeros((n_channels, n))
+            length = radius if target == "Mz" else 1.0
+            column[signals.channels.index(target)] = length * signals.measured[signals.channels.index(source)]
+            names.append(f"{CROSS_TALK}{pair}")
+            columns.append(column)
+            deviation.append(CROSS_TALK_PRIOR_SHARE * limit)
     return Disturbances(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
 
 
@@ -147,10 +149,15 @@ def _slow_name(k: int) -> str:
     return "offset" if k == 0 else f"drift{k}"
 
 
-def passed(signals: Signals, t: FloatArray) -> FloatArray:
-    """Return the share of the recording that has passed at any times t, shape (n,), in s."""
+def _slow_waves(signals: Signals, t: FloatArray) -> list[FloatArray]:
+    """Return a constant and half waves of drift over the recording, at any times."""
+    return [np.ones(len(t)), *(half_wave(k, signals, t) for k in range(1, 1 + DRIFT_WAVES if signals.timed else 1))]
+
+
+def half_wave(k: int, signals: Signals, t: FloatArray) -> FloatArray:
+    """Return a cosine of k half waves over the recording, at any times t, shape (n,), in s."""
     first, last = (float(signals.t[signals.rows[i]]) for i in (0, -1))
-    return np.asarray((t - first) / max(last - first, 1e-9))
+    return np.asarray(np.cos(k * np.pi * (t - first) / max(last - first, 1e-9)))
 
 
 def reported_disturbances(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, Any]:

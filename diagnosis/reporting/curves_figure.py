@@ -1,4 +1,4 @@
-"""Figure of force over slip in the blocks with most evidence: measured points, both tires, and what each tire lacks."""
+"""Figure of force over slip: measured points, baseline tire and improved tire, in the blocks with most evidence."""
 
 from __future__ import annotations
 
@@ -24,8 +24,6 @@ FloatArray = npt.NDArray[np.float64]
 BLOCKS = 4
 #: Largest number of measured points of a block that are drawn.
 POINTS = 400
-#: Parts of the slip in which residuals are averaged.
-PARTS = 20
 #: Distance of two lines, as a share of the range of their panel, that is seen. A line is 0.7 % wide. Convention.
 VISIBLE = 0.02
 #: Inputs in the title of a block, and their decimals.
@@ -57,13 +55,12 @@ def curves_figure(diagnosis: Diagnosis, channel: str) -> Figure:
     ]
     names = ("baseline tire", "improved tire") if different else ("baseline tire and delivered tire",)
     chosen = sorted((different or sweeps)[:BLOCKS], key=lambda sweep: int(sweep[0][0]))
-    panels, residuals = [], []
-    for block, slip, drawn in chosen:
-        computed = dict(zip(names, (force[block] for force in both), strict=False))
-        panels.append(_panel(table.iloc[block], measured[block], computed, channel, slip, drawn))
-        residuals.append(_residual_panel(table.iloc[block][slip], measured[block], computed, channel, slip, drawn))
-    rows = (tuple(panels), tuple(residuals)) if panels else ((),)
-    return Figure(f"diagnosis_curves_{channel}", f"{channel} over slip, measured and computed", rows)
+    panels = [
+        _panel(table.iloc[block], measured[block], dict(zip(names, (force[block] for force in both), strict=False)),
+               channel, slip, drawn)
+        for block, slip, drawn in chosen
+    ]  # fmt: skip
+    return Figure(f"diagnosis_curves_{channel}", f"{channel} over slip, measured and computed", (tuple(panels),))
 
 
 def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
@@ -128,27 +125,6 @@ def _panel(
     ]
     title = "\n".join([", ".join(conditions[:3]), ", ".join(conditions[3:])]).strip()
     return Panel(axis_label(slip), axis_label(channel), tuple(series), title, y_axis="force", width=3.4, height=3.0)
-
-
-def _residual_panel(
-    slips: pd.Series, measured: FloatArray, computed: Mapping[str, FloatArray], channel: str, slip: str,
-    drawn: npt.NDArray[np.bool_],
-) -> Panel:  # fmt: skip
-    """Return the mean residual (measured minus computed) in parts of the slip, for each tire."""
-    x = slips.to_numpy()[drawn] * per_si(slip)
-    part = np.minimum(((x - x.min()) / max(float(np.ptp(x)), 1e-9) * PARTS).astype(np.int64), PARTS - 1)
-    count = np.bincount(part, minlength=PARTS)
-    filled = count > 0
-
-    def mean(values: FloatArray) -> FloatArray:
-        return np.asarray(np.bincount(part, np.nan_to_num(values), PARTS)[filled] / count[filled])
-
-    series = [
-        Series("line", mean(x), mean((measured - force)[drawn]), color, name, dashes, size=1.4)
-        for (name, force), color, dashes in zip(computed.items(), (RED, BLUE), (DASHED, SOLID), strict=False)
-    ]
-    title = f"mean residual of {channel}"
-    return Panel(axis_label(slip), axis_label(channel), tuple(series), title, y_axis="residual", width=3.4, height=1.8)
 
 
 def _level_text(column: pd.Series, name: str, decimals: int) -> str:

@@ -1,4 +1,4 @@
-"""The diagnosis as one HTML page: verdict, next measurement, curves, residuals, effects, fit error, equations."""
+"""The diagnosis as one HTML page: verdict, residuals, effects, alternatives, fit error, next measurement, equations."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def report_page(
         },
         diagnosis=diagnosis,
         maps=_maps(diagnosis),
-        curves=[shown for name in _by_reduction(diagnosis) if (shown := curves_figure(diagnosis, name)).panels],
+        curves=[shown for name in diagnosis.time_course if (shown := curves_figure(diagnosis, name)).panels],
         memory=[memory_figure(diagnosis, name) for name in _with_memory(diagnosis)],
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
@@ -156,12 +156,6 @@ def _with_memory(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.tire.states or "t" not in diagnosis.rows or not channels:
         return []
     return list(dict.fromkeys(channels))
-
-
-def _by_reduction(diagnosis: Diagnosis) -> list[str]:
-    """Return the channels, those first whose residual the improved tire reduces by the largest share."""
-    error = diagnosis.gap["train"]
-    return sorted(error, key=lambda name: error[name]["after"] / max(error[name]["before"], 1e-300))
 
 
 def _maps(diagnosis: Diagnosis) -> list[Figure]:

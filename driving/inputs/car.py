@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.bounded_file import toml_file
-from tirefmu.boundary.errors import TirefmuError, path_from
-from tirefmu.boundary.schema_check import check_content
+from tirefmu.boundary.errors import TirefmuError, UnknownName, path_from
+from tirefmu.boundary.escaping import quoted
 from tirefmu.measurements.units import GRAVITY
 
-from .car_entries import ENTRIES, car_schema
+from .car_entries import ENTRIES, LAYOUTS, SECTIONS, Entry
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -51,11 +51,12 @@ class Car:
     def from_content(cls, content: Mapping[str, Any], source: str) -> Car:
         """Return the car of the content of a car file.
 
-        Raises `CarError` if an entry is missing, unknown, no number or outside its limits.
+        Raises `CarError` if an entry is missing, no number or outside its limits, and `UnknownName` for an unknown
+        section or key.
         """
-        check_content(content, car_schema(), source, CarError)
+        _check_names(content, source)
         given = {
-            entry.name: _pair(content[entry.section][entry.name])
+            entry.name: _pair(content[entry.section][entry.name], entry, source)
             for entry in ENTRIES.values()
             if entry.name in content.get(entry.section, {})
         }
@@ -71,7 +72,9 @@ class Car:
         if not values["cg_to_front"] < values["wheelbase"]:
             raise CarError(f"{source}: [body] cg_to_front is not less than wheelbase: the load of an axle is negative")
         driven = content.get("wheels", {}).get("driven", "rear")
-        return cls(values, uncertainties, driven, _map(content, source), content.get("columns", {}), source)
+        if driven not in LAYOUTS:
+            raise UnknownName(f"driven axle of {source}", str(driven), LAYOUTS)
+        return cls(values, uncertainties, driven, _map(content, source), _columns(content, source), source)
 
     @property
     def axle_loads(self) -> tuple[float, float]:
@@ -97,16 +100,41 @@ def read_car(path: str | Path) -> Car:
     Raises
     ------
     CarError
-        If the file cannot be read, is not TOML, or an entry is missing, unknown or invalid.
+        If the file cannot be read, is not TOML, or an entry is missing or invalid.
+    UnknownName
+        If a section or a key does not exist.
     """
     path = path_from(path)
     return Car.from_content(toml_file(path, CarError), str(path))
 
 
-def _pair(given: float | Mapping[str, float]) -> tuple[float, float | None]:
+def _check_names(content: Mapping[str, Any], source: str) -> None:
+    for section, keys in content.items():
+        if section not in SECTIONS:
+            raise UnknownName(f"section of {source}", section, SECTIONS)
+        if not isinstance(keys, Mapping):
+            raise CarError(f"{source}: {section} is a section: [{section}]")
+        for key in keys:
+            if section != "columns" and key not in SECTIONS[section]:
+                raise UnknownName(f"key of [{section}] of {source}", key, SECTIONS[section])
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and bool(np.isfinite(value))
+
+
+def _pair(given: Any, entry: Entry, source: str) -> tuple[float, float | None]:
     """Return value and uncertainty of an entry: a number, or ``{value = ..., uncertainty = ...}``."""
+    place = f"{source}: [{entry.section}] {entry.name}"
     pair = given if isinstance(given, Mapping) else {"value": given}
-    return float(pair["value"]), pair.get("uncertainty")
+    if set(pair) - {"value", "uncertainty"} or "value" not in pair or not all(map(_is_number, pair.values())):
+        raise CarError(f"{place} is {quoted(given)}: expected a number or {{value = ..., uncertainty = ...}}")
+    value, uncertainty = float(pair["value"]), pair.get("uncertainty")
+    if not entry.lower <= value <= entry.upper:
+        raise CarError(f"{place} is {value:g} {entry.unit}: {entry.meaning} is {entry.lower:g} to {entry.upper:g}")
+    if uncertainty is not None and uncertainty < 0.0:
+        raise CarError(f"{place}: uncertainty is {uncertainty:g}: it is not negative")
+    return value, None if uncertainty is None else float(uncertainty)
 
 
 def _from_axle_masses(
@@ -116,8 +144,8 @@ def _from_axle_masses(
     if not {"front_mass", "rear_mass"} & body.keys():
         return {}
     front, rear = (body.get(name, 0.0) for name in ("front_mass", "rear_mass"))
-    if not (front and rear):
-        raise CarError(f"{source}: [body] front_mass and rear_mass are two numbers, kg")
+    if not all(_is_number(mass) and mass > 0.0 for mass in (front, rear)):
+        raise CarError(f"{source}: [body] front_mass and rear_mass are two positive numbers, kg")
     if {"mass", "cg_to_front"} & given.keys() or "wheelbase" not in given:
         raise CarError(f"{source}: [body] front_mass and rear_mass replace mass and cg_to_front, and need wheelbase")
     return {
@@ -131,7 +159,18 @@ def _map(content: Mapping[str, Any], source: str) -> FloatArray | None:
     pairs = content.get("steering", {}).get("map")
     if pairs is None:
         return None
-    table = np.array(pairs, dtype=np.float64)
-    if not (np.diff(table[:, 0]) > 0.0).all():
+    try:
+        table = np.array(pairs, dtype=np.float64)
+    except (TypeError, ValueError):
+        table = np.empty(0)
+    if table.ndim != 2 or table.shape[1:] != (2,) or len(table) < 2 or not (np.diff(table[:, 0]) > 0.0).all():
         raise CarError(f"{source}: [steering] map is not a list of pairs [channel, angle in rad] with rising channel")
     return table
+
+
+def _columns(content: Mapping[str, Any], source: str) -> dict[str, str]:
+    columns = content.get("columns", {})
+    for name, header in columns.items():
+        if not isinstance(header, str):
+            raise CarError(f"{source}: [columns] {name} is {quoted(header)}: expected the header of a column")
+    return dict(columns)

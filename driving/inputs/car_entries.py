@@ -93,6 +93,11 @@ OTHERS: dict[str, dict[str, tuple[str, str]]] = {
     "sensors": {},
     "columns": {"yaw_rate": (toml_string("W (IMU) [deg/s]"), "header of a channel that has another name in the log")},
 }
+#: The keys of each section.
+SECTIONS: dict[str, tuple[str, ...]] = {
+    section: (*(entry.name for entry in _ENTRIES if entry.section == section), *others)
+    for section, others in OTHERS.items()
+}
 _UNCERTAIN = {"relative": " of the value", "wheelbase": " of the wheelbase", "absolute": ""}
 
 

@@ -26,7 +26,7 @@ SHORTEST_CHAIN, LONGEST_GAP = 1.0, 0.25
 #: Time at both ends of a log within which a delayed steering is unknown, s.
 MARGIN = 0.2
 #: Times over which the steering and the spins are averaged, s: their noise is not a motion.
-STEERING_WINDOW, SPIN_WINDOW = 0.02, 0.1
+STEERING_WINDOW, SPIN_WINDOW = 0.04, 0.1
 #: Accelerations below which a wheel rolls freely, m/s^2: there its rolling radius is calibrated.
 FREE_ROLLING = 0.5
 #: The channels of a grid, in the order of the residuals of the estimate.
@@ -113,7 +113,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     channels = wheel_means(log)
     start = max(channels[name][0][0] for name in ("steer",))
     end = channels["steer"][0][-1]
-    step = max(SHORTEST, (end - start) / MOST)
+    step = max(SHORTEST, float(np.median(np.diff(channels["steer"][0]))), (end - start) / MOST)
     edges = start + step * np.arange(int((end - start) / step) + 1)
     middle = (edges[:-1] + edges[1:]) / 2
     v = np.interp(middle, *speed)

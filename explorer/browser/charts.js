@@ -6,7 +6,6 @@ const STYLES = {
   other: { stroke: "#a33b00", width: 2, dash: [10, 4] },
   family: { stroke: "#4a6fa5", width: 1, dash: [] },
   now: { stroke: "#0b4f9c", width: 2.5, dash: [] },
-  beyond: { stroke: "#0b4f9c", width: 2.5, dash: [2, 4] },
 };
 /** Measured points: bytes alpha, blue, green, red, and the side of a square in pixels of the page. */
 const POINT_COLOR = 0xa05f7800;

@@ -7,23 +7,6 @@ class MeasuredRows {
     this.conditions = data.conditions.map((each) => ({ ...each, columns: decodedColumns(each.columns) }));
   }
 
-  /** The measured loads, from the smallest: levels within 3 % are one load. */
-  get loads() {
-    const found = this.conditions.map((each) => each.levels.Fz).filter((load) => load > 0).sort((a, b) => a - b);
-    return found.filter((load, i) => !i || load > 1.03 * found[i - 1]);
-  }
-
-  /** The axes of a grid of conditions: the sweep and each held input with several levels, with their texts. */
-  get axes() {
-    const names = new Set(this.conditions.flatMap((each) => Object.keys(each.texts)));
-    const order = (a, b) => parseFloat(a) - parseFloat(b) || 0;
-    const axes = [...names].map((name) => {
-      const texts = this.conditions.map((each) => each.texts[name] ?? "swept");
-      return { name, texts, choices: [...new Set(texts)].sort(order) };
-    });
-    return axes.filter((each) => each.choices.length > 1);
-  }
-
   get rows() {
     return this.conditions.reduce((sum, each) => sum + each.rows, 0);
   }

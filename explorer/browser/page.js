@@ -13,8 +13,6 @@ const find = (id) => document.getElementById(id);
 let panel = null;
 let timePanel = null;
 let charts = [];
-let conditionAxes = [];
-let drawn = 0;
 let seen = null;
 let pending = 0;
 let delayed = 0;
@@ -26,38 +24,21 @@ const range = (name) => {
   return name === "Fz" ? { low: Math.max(low, 0.01 * high), high } : { low, high };
 };
 
-/** Return the curves of each chart: which tire, at which load, in which style. */
+/** Return the curves of each chart: which tire, at which share of the load, in which style. */
 function sources() {
-  const load = view.inputs.Fz;
-  const found = [{ label: "as loaded", tire: loaded, load, style: "loaded" }];
-  if (other) found.push({ label: other.data.name, tire: other, load, style: "other" });
-  for (const each of view.family ? familyLoads() : []) {
-    found.push({ label: `${shortNumber(Math.round(each))} N`, tire: now, load: each, style: "family" });
+  const found = [{ label: "as loaded", tire: loaded, share: 1, style: "loaded" }];
+  if (other) found.push({ label: other.data.name, tire: other, share: 1, style: "other" });
+  for (const share of view.family ? FAMILY.filter((each) => each !== 1) : []) {
+    found.push({ label: `${share} Fz`, tire: now, share, style: "family" });
   }
-  return [...found, { label: "this tire", tire: now, load, style: extrapolated().length ? "beyond" : "now" }];
+  return [...found, { label: "this tire", tire: now, share: 1, style: "now" }];
 }
-
-/** Return the measured loads, or shares of the selected one within the range of the tire, without the selected one. */
-function familyLoads() {
-  const { low, high } = range("Fz");
-  const loads = measured.loads.length > 1 ? measured.loads : FAMILY.map((share) => share * view.inputs.Fz);
-  return loads.filter((load) => load >= 0.99 * low && load <= 1.01 * high && Math.abs(load / view.inputs.Fz - 1) > 0.03);
-}
-
-/** Return the selected inputs that are beyond the range of the tire. */
-function extrapolated() {
-  const outside = ({ name, low, high }) => Math.max(low - view.inputs[name], view.inputs[name] - high) > 0.01 * (high - low);
-  return now.data.inputs.filter(outside).map((each) => each.name);
-}
-
-/** Whether several loads are shown unless the user chooses otherwise. */
-const familyAtFirst = () => measured.loads.length > 1;
 
 /** Return the charts for the selected slip: an output or a quantity with a role, over an input. */
 function chartSpecs() {
   const first = view.over === "alpha" ? ["Fy", "Mz"] : ["Fx", "Fy"];
   const place = (each) => (first.includes(each.name) ? first.indexOf(each.name) : first.length);
-  const outputs = now.data.outputs.filter((each) => !isEmpty(each.name)).sort((a, b) => place(a) - place(b));
+  const outputs = [...now.data.outputs].sort((a, b) => place(a) - place(b));
   const specs = outputs.map((each) => ({ ...each, results: "forces", of: () => each.name, over: view.over }));
   const weighting = view.over === "alpha" ? "weighting_x" : "weighting_y";
   for (const role of [weighting, "stiffness_y", "stiffness_x", "friction_y", "friction_x"]) {
@@ -68,19 +49,10 @@ function chartSpecs() {
   return specs;
 }
 
-/** Return whether an output is 0 at all slips for every tire of the page. */
-function isEmpty(name) {
-  const slips = ["alpha", "kappa"].filter(input).flatMap((slip) => [range(slip).low, range(slip).high].map((end) => ({ [slip]: end })));
-  const tires = [now, loaded, ...(other ? [other] : [])].filter((tire) => tire.data.outputs.some((each) => each.name === name));
-  return tires.every((tire) => slips.every((slip) => tire.forces(inputsOf(tire, { ...view.inputs, ...slip }))[name] === 0));
-}
-
 function buildCharts() {
   const host = find("charts");
   host.replaceChildren();
-  const specs = chartSpecs();
-  drawn = specs.length;
-  charts = specs.map((spec) => {
+  charts = chartSpecs().map((spec) => {
     const over = input(spec.over);
     const title = `${spec.name} over ${over.name}: ${spec.text}`;
     const unit = (each) => (each && each !== "1" ? ` (${each})` : "");
@@ -113,11 +85,11 @@ function updateCurves(chart, spec, moving = false) {
   const { scale } = input(spec.over);
   const count = moving ? MOVING_POINTS : POINTS;
   const curves = [];
-  for (const { label, tire, load, style } of sources()) {
+  for (const { label, tire, share, style } of sources()) {
     const name = spec.of(tire);
     if (!name || !tire.data.inputs.some((each) => each.name === spec.over)) continue;
-    const inputs = { ...view.inputs, Fz: load };
-    if (spec.over === "Fz" && style === "family") continue;
+    const inputs = { ...view.inputs, Fz: share * view.inputs.Fz };
+    if (spec.over === "Fz" && share !== 1) continue;
     const wanted = wantedNames(tire, spec.results);
     const found = sweeps.sweep(label, tire, inputs, spec.over, range(spec.over), count, spec.results, wanted);
     found.shown ??= found.x.map((x) => x * scale);
@@ -174,7 +146,6 @@ function render() {
   clearTimeout(delayed);
   clearTimeout(resting);
   delayed = setTimeout(() => {
-    if (chartSpecs().length !== drawn) buildCharts();
     const shared = {};
     for (const each of charts) if (each.visible) drawWhole(each, shared);
     timePanel.draw();
@@ -242,9 +213,8 @@ function showQuality() {
 function showStatus() {
   const tire = changeText(now.changes());
   const inputs = [...inputRows].filter(([, row]) => row.changed).map(([name]) => name).join(", ");
-  const changed = [tire && `Changed: ${tire}.`, inputs && `Inputs changed: ${inputs}.`].filter(Boolean).join(" ");
-  const beyond = extrapolated().join(", ");
-  find("status").textContent = (changed || "Nothing is changed.") + (beyond && ` Extrapolated: ${beyond} beyond the range of the tire.`);
+  const text = [tire && `Changed: ${tire}.`, inputs && `Inputs changed: ${inputs}.`].filter(Boolean).join(" ");
+  find("status").textContent = text || "Nothing is changed.";
 }
 
 /** Write the state of the page to its address: coefficients, effects, inputs and choices that differ. */
@@ -255,7 +225,7 @@ function writeHash() {
   for (const each of changes.effects) state.set(`effect.${each.name}`, now.on.has(each.name) ? "on" : "off");
   for (const [name, row] of inputRows) if (row.changed) state.set(`input.${name}`, view.inputs[name]);
   if (view.over !== (measured.conditions[view.condition]?.slip || "alpha")) state.set("over", view.over);
-  if (view.family !== familyAtFirst()) state.set("loads", view.family ? "5" : "1");
+  if (view.family) state.set("loads", "5");
   if (view.condition) state.set("condition", view.condition);
   if (timePanel.text()) state.set("time", timePanel.text());
   const hash = `#${state}`;
@@ -280,7 +250,7 @@ function readHash() {
   now.update();
   const slips = now.data.inputs.map((each) => each.name);
   view.over = ["alpha", "kappa"].includes(state.get("over")) && slips.includes(state.get("over")) ? state.get("over") : view.over;
-  view.family = familyAtFirst() ? state.get("loads") !== "1" : state.get("loads") === "5";
+  view.family = state.get("loads") === "5";
   timePanel.read(state.get("time"));
 }
 
@@ -303,7 +273,7 @@ function showAll() {
   }
   for (const radio of document.getElementsByName("over")) radio.checked = radio.value === view.over;
   find("family").checked = view.family;
-  for (const { name, texts } of conditionAxes) find(`condition-${name}`).value = texts[view.condition];
+  if (measured.conditions.length) find("condition").value = view.condition;
   timePanel.show();
   buildCharts();
   render();
@@ -336,30 +306,17 @@ function buildKey() {
   if (measured.conditions.length) find("key").append(element("li", {}, element("span", { class: "point", "aria-hidden": "true" }), "measured"));
 }
 
-/** Return the condition with a text on an axis that differs on the fewest others from the selected condition. */
-function nearestCondition(texts, wanted) {
-  const apart = (i) => conditionAxes.filter((axis) => axis.texts[i] !== axis.texts[view.condition]).length;
-  const found = texts.map((_, i) => i).filter((i) => texts[i] === wanted);
-  return found.reduce((best, i) => (apart(i) < apart(best) ? i : best));
-}
-
-function chooseCondition(index) {
-  view.condition = index;
-  view.over = measured.conditions[index].slip || view.over;
-  resetInputs();
-  showAll();
-}
-
 function buildMeasured() {
   if (!measured.conditions.length) return;
   find("measured").hidden = false;
   find("condition-choice").hidden = false;
-  conditionAxes = measured.axes;
-  for (const { name, texts, choices } of conditionAxes) {
-    const select = element("select", { id: `condition-${name}` }, ...choices.map((text) => element("option", { value: text }, text)));
-    select.addEventListener("change", () => chooseCondition(nearestCondition(texts, select.value)));
-    find("condition-choice").append(element("label", { for: select.id }, `${name} `, select));
-  }
+  measured.conditions.forEach((each, i) => find("condition").append(element("option", { value: i }, each.title)));
+  find("condition").addEventListener("change", () => {
+    view.condition = Number(find("condition").value);
+    view.over = measured.conditions[view.condition].slip || view.over;
+    resetInputs();
+    showAll();
+  });
   const shown = measured.rows < measured.total ? `${measured.rows} of ${measured.total} rows are in this page, selected at random` : `${measured.total} rows`;
   find("measured-note").textContent = `${shown}. Rows that a fit would exclude are not among them. Each row is evaluated at its own inputs, in steady state.`;
 }

@@ -6,8 +6,6 @@ const SURFACE_POINTS = 33;
 const SURFACE_COLORS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 /** First view, and how far an arrow key or a pixel of dragging turns it, rad. */
 const SURFACE_VIEW = { turn: -0.6, tilt: 0.5 };
-/** Room for titles and numbers around a surface, pixels. */
-const SURFACE_MARGIN = 36;
 const SURFACE_STEP = { key: 0.15, pixel: 0.01 };
 
 /** A force over two slips as a surface that can be turned by dragging or with the arrow keys. */
@@ -72,9 +70,7 @@ class Surface {
   /** Return what takes a point of the unit cube to the canvas, and its distance from the viewer. */
   projection(width, height) {
     const { turn, tilt } = this.view;
-    const reach = 0.5 * (Math.abs(Math.cos(turn)) + Math.abs(Math.sin(turn)));
-    const rise = 0.4 * Math.cos(tilt) + reach * Math.sin(tilt);
-    const size = Math.min((width / 2 - SURFACE_MARGIN) / reach, (height / 2 - SURFACE_MARGIN) / rise);
+    const size = 0.62 * Math.min(width, 1.3 * height);
     return (u, v, w) => {
       const across = (u - 0.5) * Math.cos(turn) - (v - 0.5) * Math.sin(turn);
       const away = (u - 0.5) * Math.sin(turn) + (v - 0.5) * Math.cos(turn);

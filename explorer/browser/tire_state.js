@@ -111,7 +111,7 @@ class TireState {
 
   /**
    * Return silent inputs with every state in equilibrium, as in Python's `equilibrium`; at the start of a recording a
-   * state that declares a start value has that, and a temperature always.
+   * state that declares a start value has that, and an observed one always.
    */
   acting(inputs, start = false) {
     const acting = this.silent(inputs);
@@ -122,7 +122,7 @@ class TireState {
       for (const state of this.states) {
         const before = acting[state.name];
         let now = lines[state.start];
-        if (state.settles && !(state.declares_start && (start || state.temperature))) {
+        if (state.settles && !(state.declares_start && (start || state.observed))) {
           now = i === 0 ? lines[state.target] : (before + lines[state.target]) / 2;
         }
         acting[state.name] = now;

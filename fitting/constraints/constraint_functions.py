@@ -105,9 +105,9 @@ class ConstraintFunctions:
         """Return values, and the nonzeros of the Jacobian in the order of `sparsity`."""
         if self._latest is None or not np.array_equal(self._latest[0], x):
             parameters = self._problem.parameters(x)
-            parts = [block.with_gradients(parameters) for block in self._blocks]
-            entries = _joined(gradients for _, gradients in parts)[self._picked] * self._factors
-            self._latest = x.copy(), _joined(values for values, _ in parts) / self._divisors, entries
+            each = [block.with_gradients(parameters) for block in self._blocks]
+            entries = _joined(gradients for _, gradients in each)[self._picked] * self._factors
+            self._latest = x.copy(), _joined(values for values, _ in each) / self._divisors, entries
         return self._latest[1:]
 
     def slopes(self, x: FloatArray) -> FloatArray:
@@ -137,8 +137,8 @@ class _Block:
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
         self.value, _, reached = _functions(problem.tire.symbolic_model, constraint.quantity, constraint.measure)
-        single = _at_points(problem.tire.symbolic_model, constraint.quantity, constraint.measure, points.shape[1])
-        self._values, self._with_gradients = (BufferedFunction(function) for function in single)
+        each = _at_points(problem.tire.symbolic_model, constraint.quantity, constraint.measure, points.shape[1])
+        self._values, self._with_gradients = (BufferedFunction(function) for function in each)
         for function in (self._values, self._with_gradients):
             function.arguments[0][:] = points.ravel(order="F")
         self.points, self.size, self.bounds = points, constraint.size, constraint.scaled_bounds
@@ -214,9 +214,7 @@ def _at_points(model: Model, quantity: str, measure: str, n: int) -> tuple[Any, 
     """Return the bounded value, and the value with its nonzero derivatives, at n points with equal parameters."""
     value, with_gradient, _ = _functions(model, quantity, measure)
     parameters = 1  # index of the argument that all points share
-    return tuple(
-        function.map(f"{function.name()}_{n}", "serial", n, [parameters], []) for function in (value, with_gradient)
-    )
+    return tuple(each.map(f"{each.name()}_{n}", "serial", n, [parameters], []) for each in (value, with_gradient))
 
 
 @lru_cache(maxsize=256)

@@ -43,11 +43,11 @@ def local_extrema(
     low, high = np.array(list(within.values()))[varied].T
     function = BufferedFunction(value_with_slopes(model, constraint.quantity, constraint.measure))
     function.arguments[1][:] = parameters
-    extrema = [
+    found = [
         _descend(function, constraint, points[:, start], varied, low, high - low)
         for start in _apart(((points[varied].T - low) / (high - low)), distance)
     ]
-    return np.stack([point for point, _ in extrema], axis=1), np.array([value for _, value in extrema])
+    return np.stack([point for point, _ in found], axis=1), np.array([value for _, value in found])
 
 
 def _apart(scaled: FloatArray, distance: FloatArray) -> list[int]:

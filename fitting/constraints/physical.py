@@ -98,10 +98,7 @@ def declared_constraints(model: str) -> dict[str, tuple[Constraint, ...]]:
     'C_t > 0'
     """
     declared = model_named(model).fit.constraints
-    return {
-        output: tuple(Constraint(**vars(declaration)) for declaration in declarations)
-        for output, declarations in declared.items()
-    }
+    return {output: tuple(Constraint(**vars(each)) for each in own) for output, own in declared.items()}
 
 
 def chosen_constraints(
@@ -118,22 +115,18 @@ def chosen_constraints(
     ['friction_falling:mu_y', 'stiffness_saturating:K_yalpha']
     """
     declared = declared_constraints(model)
-    single = [constraint.name for constraints in declared.values() for constraint in constraints]
-    possible = ["all", *KINDS, *single]
+    single = [each.name for own in declared.values() for each in own]
+    known = ["all", *KINDS, *single]
     for name in (*also, *without):
-        if name not in possible:
-            raise UnknownName(f"constraint of {model}", name, possible)
+        if name not in known:
+            raise UnknownName(f"constraint of {model}", name, known)
 
-    def meant(constraint: Constraint, names: Collection[str]) -> bool:
-        return bool({"all", constraint.kind, constraint.name} & set(names))
+    def meant(each: Constraint, names: Collection[str]) -> bool:
+        return bool({"all", each.kind, each.name} & set(names))
 
     return {
-        output: tuple(
-            constraint
-            for constraint in constraints
-            if not meant(constraint, without) and (not constraint.on_request or meant(constraint, also))
-        )
-        for output, constraints in declared.items()
+        output: tuple(each for each in own if not meant(each, without) and (not each.on_request or meant(each, also)))
+        for output, own in declared.items()
     }
 
 

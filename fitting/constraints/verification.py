@@ -66,8 +66,8 @@ class VerifiedConstraints:
         self._model, self._inputs, self._ranges = tire.symbolic_model, tire.inputs, dict(ranges)
         self._nominal = {name: tire.nominal(name) for name in tire.inputs}
         self._by_output = {
-            output: [constraint for constraint in constraints if not constraint.effect or constraint.effect in tire.has]
-            for output, constraints in by_output.items()
+            output: [each for each in own if not each.effect or each.effect in tire.has]
+            for output, own in by_output.items()
         }
         self._grids: dict[tuple[tuple[str, ...], bool, int], FloatArray] = {}
         #: Parameters, and all quantities for them by grid.
@@ -76,7 +76,7 @@ class VerifiedConstraints:
     def of(self, outputs: Sequence[str], *, density: int = 0) -> list[ConstraintPoints]:
         """Return the constraints of some outputs with a grid: its corners to impose them, denser to verify them."""
         pairs = []
-        for constraint in (item for output in outputs for item in self._by_output.get(output, ())):
+        for constraint in (each for output in outputs for each in self._by_output.get(output, ())):
             key = constraint.over, constraint.kind == "extrapolation", density
             if key not in self._grids:
                 self._grids[key] = grid(constraint, self._ranges, self._nominal, density=density)
@@ -85,7 +85,7 @@ class VerifiedConstraints:
 
     def violations(self, pairs: Sequence[ConstraintPoints], parameters: FloatArray) -> list[ConstraintPoints]:
         """Return, and store, the worst points of each violated constraint, also between the grid points."""
-        violated = []
+        found = []
         for constraint, on_grid in pairs:
             points, values = self._with_extrema(constraint, on_grid, parameters, NEAR)
             distance = constraint.distance(values)
@@ -95,9 +95,9 @@ class VerifiedConstraints:
             if outside.size:
                 order = outside[np.argsort(distance[outside], kind="stable")]
                 some = np.unique(np.linspace(0, len(order) - 1, MAX_ADDED).astype(int))
-                violated.append((constraint, points[:, order[some]]))
-        self.violated += violated
-        return violated
+                found.append((constraint, points[:, order[some]]))
+        self.violated += found
+        return found
 
     def margins(self, outputs: Sequence[str], parameters: FloatArray) -> tuple[Margin, ...]:
         """Verify all constraints on a grid denser than the one on which they were imposed, and between its points."""

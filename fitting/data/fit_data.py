@@ -97,14 +97,14 @@ def prepare(
         raise UnknownName("weighting of rows", rows, ROWS)
     tables: list[pd.DataFrame] = []
     excluded_rows: list[ExcludedRows] = []
-    for part in recordings:
-        part.measured()  # raises if no output is measured, and suggests columns that may be misnamed channels
-        check_inputs(part)  # before they are compared with levels
+    for each in recordings:
+        each.measured()  # raises if no output is measured, and suggests columns that may be misnamed channels
+        check_inputs(each)  # before they are compared with levels
     unfitted: list[str] = []
     segments = 0
     for number, recording in enumerate(recordings):
-        included, excluded = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
-        excluded_rows += excluded
+        included, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
+        excluded_rows += found
         weight = _weights(recording, included, rows)
         for expression, factor in (factors or {}).items():
             weight = np.where(matching(recording, expression), factor, 1.0) * weight
@@ -139,21 +139,21 @@ def _weights(recording: Recording, included: npt.NDArray[np.bool_], rows: str) -
 
 def _levelled(column: pd.Series) -> npt.NDArray[np.float64]:
     """Return each value's nearest level, because noise of the load must not weight rows; a swept channel as it is."""
-    values, levels = column.to_numpy(dtype=np.float64), np.array(held_levels(column))
-    if not levels.size:
+    values, found = column.to_numpy(dtype=np.float64), np.array(held_levels(column))
+    if not found.size:
         return values
-    return np.asarray(levels[np.searchsorted(0.5 * (levels[1:] + levels[:-1]), values)])
+    return np.asarray(found[np.searchsorted(0.5 * (found[1:] + found[:-1]), values)])
 
 
 def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:
     """Return which rows are included, and the excluded rows by reason."""
-    exclusions = exclude_rows(recording)
-    return exclusions.included, tuple(
+    found = exclude_rows(recording)
+    return found.included, tuple(
         ExcludedRows(
             recording.source, reason, EXCLUSION_REASONS[reason], count, len(recording),
-            tuple(finding for finding in exclusions.notes if finding.startswith(f"{reason}:")),
+            tuple(finding for finding in found.notes if finding.startswith(f"{reason}:")),
         )
-        for reason, count in exclusions.counts.items()
+        for reason, count in found.counts.items()
     )  # fmt: skip
 
 

@@ -60,7 +60,7 @@ def readings(table: pd.DataFrame) -> dict[str, Reading]:
     >>> {name: [f"{value:.3g}" for value in reading.values] for name, reading in readings(table).items()}
     {'stiffness_y': ['3.04e+04'], 'shift_y': ['0.01'], 'friction_y': ['1.5']}
     """
-    readings: dict[str, list[tuple[float, float]]] = {}
+    found: dict[str, list[tuple[float, float]]] = {}
     for force, slip, other, names in (
         ("Fx", "kappa", "alpha", ("stiffness_x", "shift_x", "friction_x")),
         ("Fy", "alpha", "kappa", ("stiffness_y", "shift_y", "friction_y")),
@@ -75,8 +75,8 @@ def readings(table: pd.DataFrame) -> dict[str, Reading]:
             if names[2] in values:
                 values[names[2]] /= load
             for name, value in {**values, **trail}.items():
-                readings.setdefault(name, []).append((load, value))
-    return {name: Reading(*np.array(pairs).T) for name, pairs in readings.items()}
+                found.setdefault(name, []).append((load, value))
+    return {name: Reading(*np.array(pairs).T) for name, pairs in found.items()}
 
 
 def starting_values(tire: Tire, table: pd.DataFrame) -> dict[str, float]:

@@ -91,10 +91,10 @@ def find(
     """Compute the diagnostics of a fit.
 
     `free`: the free coefficients. `sets`: sets of them that are not identifiable. `bounded`: coefficients at a bound;
-    among `free` as well if it is not known. `effective`: effective sample size of each channel.
+    not among `free`. `effective`: effective sample size of each channel.
     """
     reasons = undetermined(residuals, free, sets, effective)
-    reasons += at_bounds(residuals, list(dict.fromkeys((*free, *bounded))), bounded, effective)
+    reasons += at_bounds(residuals, [*free, *bounded], bounded, effective)
     return Findings(
         by_condition(residuals), slip_stiffnesses(residuals), characteristics(residuals), discontinuities(residuals),
         clipped_channels(residuals), reasons,

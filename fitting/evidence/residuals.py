@@ -18,15 +18,12 @@ from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
 from ..problem.rows import BLOCK, Rows
-from ..problem.weights import OWN_SLIP
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 #: The held inputs that define an operating condition.
 NOMINAL_INPUTS = ("Fz", "gamma", "p", "V")
-#: Share of the largest slip from which a row is at a large slip.
-LARGE_SLIP = 0.25
 #: Number of parts of a slip range, to compare rows at equal slip.
 SLIP_PARTS = 40
 
@@ -119,16 +116,6 @@ class Residuals:
                 part = ((values - values.min()) / np.ptp(values) * SLIP_PARTS).astype(np.int64)
                 number = number * SLIP_PARTS + np.minimum(part, SLIP_PARTS - 1)
         return number
-
-    def range_of(self, name: str, channel: str) -> tuple[float, float]:
-        """Return the range of an input at the rows in which a channel was fitted at a large slip of its own."""
-        slip = OWN_SLIP.get(channel, "alpha")
-        fitted = self.table[channel].notna().to_numpy()
-        if slip in self.table and fitted.any():
-            size = np.where(fitted, np.abs(self.table[slip].to_numpy(dtype=float)), 0.0)
-            fitted = fitted & (size >= LARGE_SLIP * size.max())
-        values = self.table[name].to_numpy(dtype=float)[fitted]
-        return float(values.min()), float(values.max())
 
     def sign(self, channel: str) -> float:
         """Return -1 for a channel whose sign differs between adapted SAE and the reported convention."""

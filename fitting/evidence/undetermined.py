@@ -228,11 +228,9 @@ class _Identifiability:
         return " together with ".join(self._lack(name, index) for name in program)
 
     def _lack(self, name: str, index: int) -> str:
+        low, high = self._ranges.get(name, (0.0, 0.0))
         if name == "Fz":
             return self._lacking_load(index)
-        low, high = self._ranges.get(name, (0.0, 0.0))
-        if name in self.residuals.table and name not in FULL_SLIP:
-            low, high = self.residuals.range_of(name, self._channel(index))
         if name == "gamma":
             reach, other = sorted((abs(low), abs(high)), reverse=True)
             if reach < NO_INCLINATION:

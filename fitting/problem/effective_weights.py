@@ -25,9 +25,9 @@ def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
     for group, channel in np.argwhere(problem.weights > 0):
         rows = np.flatnonzero(present[channel] & (problem.rows.group == group))
         if rows.size:
-            series = residual[channel, rows]
-            squares[group, channel] = float(series**2 @ problem.rows.weight[rows])
-            lengths[group, channel] = correlation_length(series, problem.rows.segment[rows])
+            own = residual[channel, rows]
+            squares[group, channel] = float(own**2 @ problem.rows.weight[rows])
+            lengths[group, channel] = correlation_length(own, problem.rows.segment[rows])
     weights = problem.weights / lengths
-    before, after = (float(np.sum(factors * squares)) for factors in (problem.weights, weights))
+    before, after = (float(np.sum(each * squares)) for each in (problem.weights, weights))
     return weights * (before / after) if after > 0 else weights

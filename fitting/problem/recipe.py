@@ -7,12 +7,12 @@ little further gain is possible. Rows are sampled at random, because every k-th 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
-from math import inf
+from math import inf, isfinite, isnan
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any, get_origin
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,6 @@ import pandas as pd
 from tirefmu.boundary.bounded_file import toml_content, toml_file
 from tirefmu.boundary.errors import DataError, FitError, UnknownName
 from tirefmu.boundary.json_schema import document, object_schema, one_of
-from tirefmu.boundary.schema_check import check_content
 from tirefmu.measurements.channels import CHANNELS
 from tirefmu.measurements.row_selection.expression import Selection, parse_range, parse_selection
 from tirefmu.symbolic.effects import EFFECTS
@@ -30,8 +29,26 @@ from tirefmu.symbolic.models import MODELS, model_named
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")
+#: The keys of a recipe and of a stage, with the types of their values.
+RECIPE_KEYS: dict[str, Any] = {
+    "name": str, "description": str, "models": list[str], "scales": bool, "stage": list[Any],
+}  # fmt: skip
+STAGE_KEYS: dict[str, Any] = {
+    "name": str, "channels": list[str], "where": dict[str, str | list[str]], "select": str, "hold": list[str],
+    "free": dict[str, Any], "sections": list[str], "effects": list[str], "rows": int, "weights": str,
+    "again": list[dict[str, float]],
+}  # fmt: skip
+FREE_KEYS: dict[str, Any] = {"guess": float, "lower": float, "upper": float}
 #: How a stage weights its channels.
 WEIGHTS = ("equal", "noise")
+KINDS = {
+    bool: "true or false",
+    str: "a text",
+    list: "a list",
+    dict: "a table",
+    int: "a whole number",
+    float: "a number",
+}
 
 
 @dataclass(frozen=True)
@@ -139,49 +156,54 @@ def load_recipe(name: str | None, model_name: str) -> Recipe:
         content = toml_content((folder / f"{name}.toml").read_text(encoding="utf-8"), where, FitError)
     elif name.endswith(".toml"):
         where, content = name, toml_file(Path(name), FitError)
-        check_content(content, recipe_schema(), where, FitError)
     else:
         raise UnknownName("recipe", name, (*RECIPES, *model.fit.recipes))
+    _check_keys(content, RECIPE_KEYS, where)
     models = content.get("models", list(MODELS))
     if model_name not in models:
         raise FitError(f"{where} is for {', '.join(models)}, not for {model_name}")
-    stages = tuple(_stage(item, model, where) for item in content["stage"])
-    texts = content.get("name", Path(name).stem), content.get("description", "")
-    return Recipe(*texts, stages, content.get("scales", False))
+    stages = tuple(_stage(item, model, where) for item in content.get("stage", []))
+    if not stages:
+        raise FitError(f"{where}: no [[stage]]")
+    own = content.get("name", Path(name).stem), content.get("description", "")
+    return Recipe(*own, stages, content.get("scales", False))
 
 
 def recipe_schema() -> dict[str, Any]:
     """Return the JSON Schema of a recipe."""
-    free = {"type": "object", "additionalProperties": object_schema(dict.fromkeys(("guess", "lower", "upper"), float))}
-    stage = object_schema({
-        "name": str, "channels": list[str], "where": dict[str, str | list[str]], "select": str, "hold": list[str],
-        "free": free, "sections": list[str], "effects": list[str], "rows": Annotated[int, {"minimum": 1}],
-        "weights": one_of(WEIGHTS), "again": list[dict[str, float]],
-    })  # fmt: skip
+    free = {"type": "object", "additionalProperties": object_schema(FREE_KEYS)}
+    stage = object_schema(
+        {**STAGE_KEYS, "free": free, "rows": {"type": "integer", "minimum": 1}, "weights": one_of(WEIGHTS)}
+    )
     stages = {"type": "array", "minItems": 1, "items": stage}
-    keys = {"name": str, "description": str, "models": list[str], "scales": bool, "stage": stages}
-    return document("recipe", "1.0", "Recipe of a fit", object_schema(keys, ["stage"]))
+    return document("recipe", "1.0", "Recipe of a fit", object_schema({**RECIPE_KEYS, "stage": stages}, ["stage"]))
 
 
 def _stage(item: dict[str, Any], model: Model, where: str) -> Stage:
+    _check_kind(item, dict, f"{where}, stage")
     location = f"{where}, stage {item.get('name', '?')!r}"
-    channels, sections, effects = item.get("channels", []), item.get("sections", []), item.get("effects")
-    where_of = item.get("where", {})
-    models = MODELS.values()
-    for kind, names, possible in (
-        ("channel", channels, [quantity.name for other in models for quantity in other.outputs]),
-        ("section", sections, [section.title for other in models for section in other.sections]),
-        ("coefficient", item.get("free", {}), model.coefficients),
-        ("input", where_of, [quantity.name for quantity in model.inputs]),
-        ("effect", effects or (), {**EFFECTS, **model.effects}),
-        ("held input without a condition", item.get("hold", []), where_of),
-        # A stage ignores initial values of coefficients that the model does not have.
-        ("coefficient", [name for given in item.get("again", []) for name in given],
-         {name: None for other in models for name in other.coefficients}),
-    ):  # fmt: skip
-        for name in names:
-            if name not in possible:
-                raise UnknownName(f"{kind} in {location}", name, possible)
+    _check_keys(item, STAGE_KEYS, location)
+    inputs = [quantity.name for quantity in model.inputs]
+    channels, effects, rows = item.get("channels", []), item.get("effects"), item.get("rows")
+    sections = item.get("sections", [])
+    for channel in channels:
+        _check_name(f"channel in {location}", channel, {q.name: q for known in MODELS.values() for q in known.outputs})
+    for section in sections:
+        _check_name(
+            f"section in {location}", section, {s.title: s for known in MODELS.values() for s in known.sections}
+        )
+    for coefficient in item.get("free", {}):
+        _check_name(f"coefficient in {location}", coefficient, model.coefficients)
+    for channel in item.get("where", {}):
+        _check_name(f"input in {location}", channel, inputs)
+    for effect in effects or ():
+        _check_name(f"effect in {location}", effect, {**EFFECTS, **model.effects})
+    for channel in item.get("hold", []):
+        _check_name(f"held input without a condition in {location}", channel, item.get("where", {}))
+    weights = item.get("weights", "equal")
+    _check_name(f"weights in {location}", weights, WEIGHTS)
+    if rows is not None and rows < 1:
+        raise FitError(f"{location}: rows = {rows} is not a number of rows")
     return Stage(
         name=item.get("name", "?"),
         channels=tuple(channels),
@@ -189,30 +211,45 @@ def _stage(item: dict[str, Any], model: Model, where: str) -> Stage:
             channel: [
                 _condition(level, channel, location) for level in (levels if isinstance(levels, list) else [levels])
             ]
-            for channel, levels in where_of.items()
+            for channel, levels in item.get("where", {}).items()
         },
         hold=tuple(item.get("hold", [])),
         free={name: _freed(given, f"{location}, {name}") for name, given in item.get("free", {}).items()},
         sections=tuple(sections),
         effects=None if effects is None else tuple(sorted(set(effects) & model.effects.keys())),
-        rows=item.get("rows"),
-        weights=item.get("weights", "equal"),
-        again=tuple(item.get("again", [])),
+        rows=rows,
+        weights=weights,
+        again=tuple(_values(given, f"{location}, again") for given in item.get("again", [])),
         selection=_selection(item["select"], location) if "select" in item else None,
     )
 
 
+def _values(given: dict[str, float], location: str) -> dict[str, float]:
+    """Return initial values; a stage ignores those of coefficients that the model does not have."""
+    _check_kind(given, dict, location)
+    known = {name: declaration for model in MODELS.values() for name, declaration in model.coefficients.items()}
+    for name, value in given.items():
+        _check_name(f"coefficient in {location}", name, known)
+        _check_kind(value, float, f"{location}, {name}")
+    return {name: float(value) for name, value in given.items()}
+
+
 def _freed(given: dict[str, float], location: str) -> Freed:
+    _check_kind(given, dict, location)
+    _check_keys(given, FREE_KEYS, location)
     lower, upper, guess = given.get("lower", -inf), given.get("upper", inf), given.get("guess", 0.0)
     if lower > upper:
         raise FitError(f"{location}: bounds cross: lower {lower:g} is above upper {upper:g}")
+    if isnan(lower) or isnan(upper) or not isfinite(guess):
+        raise FitError(f"{location}: a guess is a finite number, a bound is not nan")
     return Freed(float(guess), float(lower), float(upper))
 
 
-def _condition(text: str, channel: str, location: str) -> tuple[float, float]:
+def _condition(text: object, channel: str, location: str) -> tuple[float, float]:
     """Return value and tolerance of a range such as "220 +- 100 N"."""
+    _check_kind(text, str, f"{location}, {channel}")
     try:
-        return parse_range(text, channel)
+        return parse_range(str(text), channel)
     except DataError as error:
         raise FitError(f"{location}: {error}") from None
 
@@ -230,3 +267,20 @@ def _selection(expression: str, location: str) -> Selection:
 def _values_of(table: pd.DataFrame, channel: str) -> npt.NDArray[np.float64]:
     """Return an input, or zeros if it was not recorded."""
     return table[channel].to_numpy(dtype=np.float64) if channel in table else np.zeros(len(table))
+
+
+def _check_keys(given: dict[str, Any], keys: dict[str, Any], location: str) -> None:
+    for key, value in given.items():
+        _check_name(f"key in {location}", key, keys)
+        _check_kind(value, get_origin(keys[key]) or keys[key], f"{location}, {key}")
+
+
+def _check_name(kind: str, name: object, known: Iterable[str]) -> None:
+    names = list(known)
+    if name not in names:
+        raise UnknownName(kind, name if isinstance(name, str) else repr(name), names)
+
+
+def _check_kind(value: object, kind: type, location: str) -> None:
+    if not isinstance(value, (int, float) if kind is float else kind) or isinstance(value, bool) != (kind is bool):
+        raise FitError(f"{location}: {value!r} is not {KINDS[kind]}")

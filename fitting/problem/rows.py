@@ -77,8 +77,8 @@ class Rows:
 
     def of_recording(self, group: int) -> Rows:
         """Return the rows of one recording."""
-        members = self.group == group
-        return self if members.all() else self.take(np.flatnonzero(members))  # a copy is much memory
+        own = self.group == group
+        return self if own.all() else self.take(np.flatnonzero(own))  # a copy is much memory
 
     def only(self, fitted: Sequence[bool]) -> Rows:
         """Return the rows with some of their forces, and NaN instead of the others; all else is shared."""

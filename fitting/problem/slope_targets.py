@@ -46,15 +46,13 @@ def slope_residuals(targets: Sequence[SlopeTarget], code: Code, parameters: Floa
     """Return computed minus measured slope of each target, shape (n_targets,)."""
     if not targets:
         return np.zeros(0)
-    forces = code.forces(
-        np.ascontiguousarray(np.concatenate([target.inputs for target in targets], axis=1)), parameters
-    )
+    forces = code.forces(np.ascontiguousarray(np.concatenate([each.inputs for each in targets], axis=1)), parameters)
     computed, first = np.zeros(len(targets)), 0
-    for i, target in enumerate(targets):
-        last = first + len(target.influence)
-        computed[i] = target.influence @ forces[target.output, first:last]
+    for i, each in enumerate(targets):
+        last = first + len(each.influence)
+        computed[i] = each.influence @ forces[each.output, first:last]
         first = last
-    return np.asarray(computed - np.array([target.slope for target in targets]))
+    return np.asarray(computed - np.array([each.slope for each in targets]))
 
 
 def slope_jacobian(
@@ -65,8 +63,8 @@ def slope_jacobian(
     index = {int(column): i for i, column in enumerate(columns)}
     freed = np.array([index.get(int(column), -1) for column in coefficient], dtype=int)
     jacobian = np.zeros((len(targets), len(columns)))
-    for row, target in enumerate(targets):
-        chosen = np.flatnonzero((force == target.output) & (freed >= 0))
-        for chunk, entries in code.jacobian_chunks(target.inputs, parameters, CHUNK):
-            jacobian[row, freed[chosen]] += (entries @ target.influence[chunk])[chosen]
+    for row, each in enumerate(targets):
+        chosen = np.flatnonzero((force == each.output) & (freed >= 0))
+        for chunk, entries in code.jacobian_chunks(each.inputs, parameters, CHUNK):
+            jacobian[row, freed[chosen]] += (entries @ each.influence[chunk])[chosen]
     return jacobian

@@ -101,7 +101,7 @@ class Problem:
 
     def __reduce__(self) -> tuple[type[Problem], tuple[object, ...]]:
         """Let other processes build the problem from its arguments: compiled code cannot be sent."""
-        return Problem, tuple(getattr(self, attribute.name) for attribute in fields(self) if attribute.init)
+        return Problem, tuple(getattr(self, each.name) for each in fields(self) if each.init)
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """Return the complete parameter vector for scaled free values x."""
@@ -125,7 +125,7 @@ class Problem:
         parameters[:, self.columns] = population * self.reach
         costs, remaining = np.zeros(len(population)), np.arange(len(population))
         if self.targets:
-            costs += [0.5 * float(np.sum(self._target_residual(values) ** 2)) for values in parameters]
+            costs += [0.5 * float(np.sum(self._target_residual(each) ** 2)) for each in parameters]
         for block, chunk in ((b, slice(i, i + CHUNK)) for b in self._blocks() for i in range(0, len(b.group), CHUNK)):
             forces = forces_of_each(self._code, block.inputs[:, chunk], parameters[remaining])
             for output in block.present:
@@ -166,7 +166,7 @@ class Problem:
     @property
     def _target_roots(self) -> FloatArray:
         """Roots of the weights of squared residuals of the targets."""
-        return np.asarray(np.sqrt(self.target_weight) / np.array([target.deviation for target in self.targets]))
+        return np.asarray(np.sqrt(self.target_weight) / np.array([each.deviation for each in self.targets]))
 
     def by_output(self, x: FloatArray) -> list[Part]:
         """Return the contribution of each weighted output: its index, its free coefficients, gradient and matrix."""
@@ -202,7 +202,7 @@ class Problem:
         for block in self._blocks():
             used = [(output, *self._entries[output]) for output in block.present if self._entries[output][0].size]
             for chunk, entries in self._code.jacobian_chunks(block.inputs, parameters, size):
-                chosen = {output: (free, entries[selected]) for output, selected, free in used}
+                chosen = {output: (free, entries[own]) for output, own, free in used}
                 for free, jacobian in chosen.values():
                     jacobian *= self.reach[free, None]
                 yield block.segment[chunk], block.root[:, chunk], chosen
@@ -212,20 +212,20 @@ class Problem:
 
         It is 0 if a channel was not measured or has no weight.
         """
-        parameters, residuals = self.parameters(x), np.zeros(self.rows.measured.T.shape)
+        parameters, found = self.parameters(x), np.zeros(self.rows.measured.T.shape)
         start = 0
         for block in self._blocks():
             stop = start + len(block.group)
             residual = self._residual(block, parameters)
             for output in block.present:  # zeros that nobody writes need no memory
-                residuals[output, start:stop] = residual[output]
+                found[output, start:stop] = residual[output]
             start = stop
-        return residuals
+        return found
 
     def _cost_of_rows(self, x: FloatArray) -> float:
         self._follow_weights()
         if not self._kept(x):
-            cost = sum(part for _, part, _, _ in self._residuals(x))
+            cost = sum(own for _, own, _, _ in self._residuals(x))
             if not self._kept(x):
                 self._latest = x.copy(), cost, None
         assert self._latest is not None

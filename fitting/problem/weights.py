@@ -25,7 +25,7 @@ SWEPT = 1.75
 
 def equal_weights(rows: Rows) -> FloatArray:
     """Return weights for the cost of the Trento report: half the sum of 1 - R2 (uncentred) over the channels."""
-    squares = np.sum([np.nansum(block.measured**2 * block.weight[:, None], axis=0) for block in rows.blocks()], axis=0)
+    squares = np.sum([np.nansum(each.measured**2 * each.weight[:, None], axis=0) for each in rows.blocks()], axis=0)
     groups = int(rows.group.max(initial=0)) + 1
     return np.broadcast_to(1.0 / np.where(squares > 0, squares, 1.0), (groups, rows.measured.shape[1])).copy()
 

@@ -22,7 +22,7 @@ from ..results.intervals import band as confidence_band
 
 #: Recordings listed below a figure.
 MAX_SOURCES = 30
-BANDS = "; bands: 95 % confidence intervals: noise, errors of the sensors and of the form of the model"
+BANDS = "; bands: 95 % confidence intervals: noise that is correlated in time, and errors of the form of the model"
 #: Most parts of the slip range of a measured friction, and the smallest number of rows of a part.
 FRICTION_PARTS, FRICTION_ROWS = 25, 5
 #: Loads at which stiffnesses are evaluated, loads and slips at which the friction is.

@@ -9,7 +9,7 @@ import numpy as np
 from tirefmu.boundary.escaping import figure_text
 from tirefmu.measurements import Recording
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, in_rows
-from tirefmu.tires.drawing.style import BLUE, GRAY, GREEN, ORANGE, RED
+from tirefmu.tires.drawing.style import BLUE, GRAY, GREEN, ORANGE
 from tirefmu.tires.tire import Tire
 
 from ..temperature.fitted_temperature import FittedTemperature
@@ -21,17 +21,17 @@ def temperature_over_time(tire: Tire, fitted: FittedTemperature, recordings: Ite
     """Return a figure with two panels for each recording with a recorded temperature."""
     panels = []
     chosen = with_temperature(list(recordings), fitted.column)
-    balances = HeatBalance.of_all(tire, chosen, fitted.column)
-    for balance, start in zip(balances, fitted.starts, strict=True):
+    for recording, start in zip(chosen, fitted.starts, strict=True):
+        balance = HeatBalance.of(tire, recording, fitted.column)
         course = balance.temperatures({}, np.array(start))
         supplied, stored = balance.energy({}, course)
         recorded = Series("points", balance.t, balance.measured - ZERO_CELSIUS, GRAY, "recorded", marker=".", size=2.0)
-        colors = (BLUE, ORANGE, GREEN, RED)
+        colors = (BLUE, ORANGE, GREEN)
         lines = [
             Series("line", balance.t, values - ZERO_CELSIUS, color, name)
             for name, values, color in zip(balance.states, course.T, colors, strict=True)
         ]
-        title = figure_text(balance.source)
+        title = figure_text(recording.source)
         panels.append(Panel("t (s)", "temperature (deg C)", (*lines, recorded), title=title))
         heats = {"from sliding and rolling": supplied, "to road and air": supplied - stored, "stored": stored}
         drawn = [

@@ -66,14 +66,14 @@ def sweeps_of(recordings: Sequence[Recording]) -> IntArray:
     numbers, first = [], 0
     for recording in recordings:
         starts = np.zeros(len(recording), dtype=np.int64)
-        all_phases = phases(recording)
-        starts[[phase.rows.start for phase in all_phases]] = 1
-        if any(phase.kind == "points" for phase in all_phases):
+        found = phases(recording)
+        starts[[phase.rows.start for phase in found]] = 1
+        if any(phase.kind == "points" for phase in found):
             changes = np.diff(group_by_condition(recording, most_levels=MAX_LEVELS).labels) != 0
-            for phase in all_phases:
+            for phase in found:
                 if phase.kind == "points":
-                    inner = np.arange(phase.rows.start + 1, phase.rows.stop)
-                    starts[inner] = changes[inner - 1]
+                    own = np.arange(phase.rows.start + 1, phase.rows.stop)
+                    starts[own] = changes[own - 1]
         numbers.append(np.cumsum(starts) - 1 + first)
         first = int(numbers[-1][-1]) + 1
     return np.concatenate(numbers)
@@ -119,8 +119,8 @@ def replicates_of(task: ReplicateTask) -> FloatArray:
     imposed = [ConstraintFunctions(stage.problem, stage.constraints) for stage in task.stages]
     tolerances = [STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage) for stage in task.stages]
     count = int(task.sweeps.max()) + 1
-    replicates = np.full((len(task.numbers), len(coefficient_names(task.stages))), np.nan)
-    for row, number in zip(replicates, task.numbers, strict=True):
+    found = np.full((len(task.numbers), len(coefficient_names(task.stages))), np.nan)
+    for row, number in zip(found, task.numbers, strict=True):
         drawn = np.random.default_rng([task.seed, number]).exponential(size=count)
         weights = drawn[task.sweeps]
         values: dict[str, float] = {}
@@ -131,7 +131,7 @@ def replicates_of(task: ReplicateTask) -> FloatArray:
             values |= {name: value for name, value in solved.items() if name in stage.determined}
         else:
             row[:] = list(values.values())
-    return replicates
+    return found
 
 
 def coefficient_names(stages: Sequence[SolvedStage]) -> list[str]:
@@ -150,18 +150,16 @@ def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: 
         raise FitError(f"bootstrap: {len(converged)} of {len(replicates)} replicates converged: too few for intervals")
     stages, sweeps = tasks[0].stages, tasks[0].sweeps
     names = coefficient_names(stages)
-    free = {coefficient.name for coefficient in result.coefficients if not np.isinf(coefficient.interval)}
-    corrected = {
-        name: (correction, stage) for stage in stages for name, correction in corrections(stage, sweeps).items()
-    }
+    free = {one.name for one in result.coefficients if not np.isinf(one.interval)}
+    known = {name: (each, stage) for stage in stages for name, each in corrections(stage, sweeps).items()}
     intervals = tuple(
-        _interval(name, column, *corrected.get(name, (None, None))) if name in free
+        _interval(name, column, *known.get(name, (None, None))) if name in free
         else BootstrapInterval(name, np.nan, np.nan, np.nan)
         for name, column in zip(names, converged.T, strict=True)
     )  # fmt: skip
     failed = len(replicates) - len(converged)
-    bootstrap = Bootstrap(len(converged), failed, _weighted(stages, sweeps), tasks[0].seed, intervals)
-    return replace(result.in_signs("adapted-sae"), bootstrap=bootstrap).in_signs(result.signs)
+    found = Bootstrap(len(converged), failed, _weighted(stages, sweeps), tasks[0].seed, intervals)
+    return replace(result.in_signs("adapted-sae"), bootstrap=found).in_signs(result.signs)
 
 
 def _interval(

@@ -34,12 +34,12 @@ TOLERANCE = 0.05
 def with_consequences(result: FitResult) -> FitResult:
     """Return the result with what its bounds do, for each coefficient at a bound."""
     bounded = {c.name for c in result.coefficients if c.at_bound}
-    consequences: list[BoundConsequence] = []
+    found: list[BoundConsequence] = []
     for stage in result.solution.stages:
         names = [name for name in stage.problem.free if name in bounded & stage.determined]
         if names:
-            consequences += _of_stage(_sampled(stage), names)
-    return replace(result, bounds=tuple(consequences))
+            found += _of_stage(_sampled(stage), names)
+    return replace(result, bounds=tuple(found))
 
 
 def _sampled(stage: SolvedStage) -> SolvedStage:
@@ -56,7 +56,7 @@ def _of_stage(stage: SolvedStage, names: Sequence[str]) -> list[BoundConsequence
     start = solve_near(stage, problem, imposed, stage.x, tolerance)
     start = stage.x if start is None else start
     before = _forces(problem, start)
-    changes = []
+    found = []
     for name in names:
         j = problem.free.index(name)
         width = RELAXED * (stage.upper[j] - stage.lower[j])
@@ -65,12 +65,10 @@ def _of_stage(stage: SolvedStage, names: Sequence[str]) -> list[BoundConsequence
         lower[j], upper[j] = (lower[j] - width, upper[j]) if at_lower else (lower[j], upper[j] + width)
         solved = solve_near(stage, problem, imposed, start, tolerance, lower=lower, upper=upper)
         if solved is None:
-            changes.append(BoundConsequence(name))
+            found.append(BoundConsequence(name))
             continue
-        changes.append(
-            _consequence(problem, name, float(solved[j] * problem.scale[j]), before, _forces(problem, solved))
-        )
-    return changes
+        found.append(_consequence(problem, name, float(solved[j] * problem.scale[j]), before, _forces(problem, solved)))
+    return found
 
 
 def _forces(problem: Problem, x: FloatArray) -> FloatArray:

@@ -58,10 +58,10 @@ def corrections(stage: SolvedStage, sweeps: IntArray) -> dict[str, Correction]:
     problem = stage.problem
     free = np.flatnonzero((stage.x > stage.lower) & (stage.x < stage.upper))
     whole = Ridge(problem, stage.x, stage.ridge).derivatives(stage.x)[2][np.ix_(free, free)]
-    sweep_of_row = sweeps[stage.rows]
+    own = sweeps[stage.rows]
     matrices = []
-    for number in np.unique(sweep_of_row):
-        rows = problem.rows.take(np.flatnonzero(sweep_of_row == number))
+    for number in np.unique(own):
+        rows = problem.rows.take(np.flatnonzero(own == number))
         part = replace(problem, rows=rows, targets=())
         matrices.append(part.derivatives(stage.x)[2][np.ix_(free, free)])
     leverage, shares = corrections_of(whole, matrices)
@@ -84,8 +84,8 @@ def corrections_of(whole: FloatArray, sweeps: Sequence[FloatArray]) -> tuple[Flo
     (2.0, 2.0)
     """
     values, vectors = np.linalg.eigh(whole)
-    determined = values > MIN_CURVATURE * max(float(values[-1]), 0.0)
-    inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T
+    known = values > MIN_CURVATURE * max(float(values[-1]), 0.0)
+    inverse = (vectors[:, known] / values[known]) @ vectors[:, known].T
     total = np.sum(sweeps, axis=0)
     followed = inverse @ total @ inverse
     middle, squares = np.zeros_like(whole), np.zeros(len(whole))

@@ -61,8 +61,8 @@ def side_tasks(result: FitResult, names: Sequence[str]) -> list[SideTask]:
     """
     stages = {name: stage for stage in result.solution.stages for name in stage.determined & set(stage.problem.free)}
     for name in names:
-        if name not in {coefficient.name for coefficient in result.coefficients}:
-            raise UnknownName("fitted coefficient", name, [coefficient.name for coefficient in result.coefficients])
+        if name not in {one.name for one in result.coefficients}:
+            raise UnknownName("fitted coefficient", name, [one.name for one in result.coefficients])
         if name not in stages:
             raise FitError(f"profile of {name}: no stage with all of its rows determined it")
     return [SideTask(stages[name], name, direction) for name in dict.fromkeys(names) for direction in (-1, 1)]
@@ -78,7 +78,7 @@ def side_of(task: SideTask) -> Side:
     best = solve_near(stage, problem, imposed, stage.x, tolerance)
     x = stage.x if best is None else best
     least = problem.cost(x)
-    step, points, end = STEP * float(np.sqrt(mean * along[j])), [(float(x[j]), 0.0)], "flat"
+    step, found, end = STEP * float(np.sqrt(mean * along[j])), [(float(x[j]), 0.0)], "flat"
     for _ in range(MAX_POINTS):
         following = float(np.clip(x[j] + task.direction * step, stage.lower[j], stage.upper[j]))
         if abs(following - x[j]) <= 1e-9 * step:
@@ -93,17 +93,17 @@ def side_of(task: SideTask) -> Side:
             break
         # The optimum may be better than the solution by the tolerance.
         root = float(np.sqrt(max(2.0 * (problem.cost(solved) - least) / mean, 0.0)))
-        rise = root - points[-1][1]
+        rise = root - found[-1][1]
         step *= float(np.clip(STEP / rise, 0.25, 2.0)) if rise > 0.0 else 2.0
         if rise > 2.0 * STEP:
             continue  # too far for an interpolation
         x = solved
-        points.append((following, root))
+        found.append((following, root))
         if root >= END:
             break
-    end = "likelihood" if points[-1][1] >= QUANTILE else end
+    end = "likelihood" if found[-1][1] >= QUANTILE else end
     scale = float(problem.scale[j])
-    return Side(tuple(value * scale for value, _ in points), tuple(root for _, root in points), end)
+    return Side(tuple(value * scale for value, _ in found), tuple(root for _, root in found), end)
 
 
 def profiles_of(result: FitResult, tasks: Sequence[SideTask], sides: Sequence[Side]) -> FitResult:
@@ -111,7 +111,7 @@ def profiles_of(result: FitResult, tasks: Sequence[SideTask], sides: Sequence[Si
 
     `sides`: of `side_of`, in the order of the tasks.
     """
-    units = {coefficient.name: coefficient.unit for coefficient in result.coefficients}
+    units = {one.name: one.unit for one in result.coefficients}
     pairs = zip(tasks[::2], sides[::2], sides[1::2], strict=True)
     profiles = tuple(_profile(task.name, units[task.name], below, above) for task, below, above in pairs)
     return replace(result.in_signs("adapted-sae"), profiles=profiles).in_signs(result.signs)
@@ -141,8 +141,8 @@ def _direction(stage: SolvedStage, j: int) -> tuple[FloatArray, float]:
     near = 1e-6 * np.maximum(1.0, np.abs(stage.x))
     free = (stage.x - stage.lower > near) & (stage.upper - stage.x > near)
     free[j] = True
-    block = np.ix_(free, free)
-    regular = curvature[block] + stage.ridge * np.eye(int(free.sum()))
+    own = np.ix_(free, free)
+    regular = curvature[own] + stage.ridge * np.eye(int(free.sum()))
     along = np.zeros(len(free))
     along[free] = np.linalg.solve(regular, np.eye(len(free))[j][free])
     return along, float(along @ noise @ along / (along[free] @ regular @ along[free]))

@@ -5,30 +5,29 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from math import inf, nan
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from functools import partial
+from math import inf, isfinite, isnan
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.bounded_file import read_bounded
 from tirefmu.boundary.errors import FitError
-from tirefmu.boundary.json_schema import json_value, schema_of
-from tirefmu.boundary.schema_check import check_content
 
 from ..problem.recipe import Freed
 from .records import StageFit
 
 FloatArray = npt.NDArray[np.float64]
-Count = Annotated[int, {"minimum": 0}]
+T = TypeVar("T")
 
 #: Upper limit of its size, bytes; with 1,000 violated points of each constraint it has 2 MB.
 LARGEST = 20_000_000
 #: Version of the file format; other versions are rejected.
-VERSION = 4
+VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ class Ended:
     - `x`, shape (n_free,): scaled free values of the solution.
     """
 
-    stage: Count
+    stage: int
     values: dict[str, float]
     free: dict[str, Freed]
     x: FloatArray
@@ -64,7 +63,7 @@ class FitState:
     - `violated`, shape (n_inputs, n_points): constraints by name, with the points that verification added.
     """
 
-    done: Count = 0
+    done: int = 0
     values: dict[str, float] = field(default_factory=dict)
     freed: dict[str, Release] = field(default_factory=dict)
     violated: list[tuple[str, FloatArray]] = field(default_factory=list)
@@ -96,7 +95,7 @@ class Checkpoint:
 
         Raises `FitError` if the file cannot be written.
         """
-        content = {"version": VERSION, "identity": dict(self.identity), "state": json_value(state)}
+        content = {"version": VERSION, "identity": dict(self.identity), **_plain(asdict(state))}
         part = self.path.with_name(f".{self.path.name}.part")
         try:
             part.unlink(missing_ok=True)  # a link would lead elsewhere
@@ -131,18 +130,29 @@ class Checkpoint:
         if content.pop("digest", None) != _digest(content):
             raise FitError(f"{self.path}: invalid progress file (it was changed after it was written)")
         before = content.get("identity")
-        identity = before if isinstance(before, dict) else {}
-        other = [name for name, value in self.identity.items() if identity.get(name) != value]
+        known = before if isinstance(before, dict) else {}
+        other = [name for name, value in self.identity.items() if known.get(name) != value]
         if other:
             raise FitError(
                 f"{self.path}: belongs to a fit with other {', '.join(other)}: restore them, or run without --resume"
             )
-        source = f"{self.path}: invalid progress file"
-        check_content(content.get("state"), schema_of(FitState, missing=True), source, FitError)
         try:
-            return _state(content["state"])
-        except (TypeError, ValueError) as error:
-            raise FitError(f"{source}: {error}") from error
+            return _state(content)
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            raise FitError(f"{self.path}: invalid progress file ({error!r})") from error
+
+
+def _plain(value: Any) -> Any:
+    """Return JSON values: infinite bounds as strings, arrays as lists."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, float) and abs(value) == inf:
+        return str(value)
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _digest(content: Mapping[str, Any]) -> str:
@@ -150,51 +160,74 @@ def _digest(content: Mapping[str, Any]) -> str:
 
 
 def _state(content: Mapping[str, Any]) -> FitState:
-    """Return the state from JSON that satisfies its schema; raise TypeError or ValueError for impossible numbers."""
+    """Return the state from JSON; raise KeyError, TypeError or ValueError if it is invalid."""
     return FitState(
-        done=content["done"],
+        done=_count(content["done"]),
         values=_values(content["values"]),
-        freed={
-            name: Release(_freed(item["bounds"]), item["stage"], item["determined"])
-            for name, item in content["freed"].items()
-        },
-        violated=[(name, _array(points, 2)) for name, points in content["violated"]],
-        stages=[_stage(item) for item in content["stages"]],
-        ended=[
-            Ended(
-                item["stage"],
-                _values(item["values"]),
-                {name: _freed(bounds) for name, bounds in item["free"].items()},
-                _array(item["x"], 1),
-            )
-            for item in content["ended"]
-        ],
-        notes=content["notes"],
+        freed={name: _release(_of(dict, item)) for name, item in _of(dict, content["freed"]).items()},
+        violated=[(_of(str, name), _array(points, 2)) for name, points in _of(list, content["violated"])],
+        stages=[_stage(item) for item in _of(list, content["stages"])],
+        ended=[_ended(_of(dict, item)) for item in _of(list, content["ended"])],
+        notes=[_of(str, note) for note in _of(list, content["notes"])],
     )
 
 
-def _stage(item: Mapping[str, Any]) -> StageFit:
-    values: dict[str, Any] = {key: nan if value is None else value for key, value in item.items()}  # null: not finite
-    return StageFit(**values)
+def _release(item: Mapping[str, Any]) -> Release:
+    return Release(_freed(item["bounds"]), _of(str, item["stage"]), _of(bool, item["determined"]))
 
 
-def _values(given: Mapping[str, Any]) -> dict[str, float]:
-    return {name: float(value) for name, value in given.items()}
+def _ended(item: Mapping[str, Any]) -> Ended:
+    free = {name: _freed(bounds) for name, bounds in _of(dict, item["free"]).items()}
+    return Ended(_count(item["stage"]), _values(item["values"]), free, _array(item["x"], 1))
 
 
-def _freed(item: Mapping[str, Any]) -> Freed:
-    """Return guess and bounds; an infinite bound is null in JSON."""
-    guess = float(item["guess"])
-    lower, upper = (
-        other if item[key] is None else float(item[key]) for key, other in (("lower", -inf), ("upper", inf))
+def _of(kind: type[T], value: Any) -> T:
+    """Return a value if it has the required type."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{value!r} is not of type {kind.__name__}")
+    return value
+
+
+def _count(value: Any) -> int:
+    if isinstance(value, bool) or _of(int, value) < 0:
+        raise TypeError(f"{value!r} is not a count")
+    return int(value)
+
+
+def _number(value: Any) -> float:
+    """Return a number, or an infinity from its string; NaN is invalid."""
+    if isinstance(value, bool) or (isinstance(value, str) and value not in ("inf", "-inf")):
+        raise TypeError(f"{value!r} is not a number")
+    number = float(value)
+    if isnan(number):
+        raise ValueError("nan is not a number")
+    return number
+
+
+def _values(given: Any) -> dict[str, float]:
+    values = {name: _number(value) for name, value in _of(dict, given).items()}
+    if not all(map(isfinite, values.values())):
+        raise ValueError("a coefficient is not finite")
+    return values
+
+
+def _stage(item: Any) -> StageFit:
+    kinds: dict[str, Callable[[Any], Any]] = {"str": partial(_of, str), "int": _count,
+                                              "bool": partial(_of, bool), "float": _number}  # fmt: skip
+    return StageFit(
+        **{record.name: kinds[str(record.type)](_of(dict, item)[record.name]) for record in fields(StageFit)}
     )
-    if lower > upper:
-        raise ValueError(f"{lower:g} to {upper:g} are no bounds")
+
+
+def _freed(item: Any) -> Freed:
+    guess, lower, upper = (_number(_of(dict, item)[key]) for key in ("guess", "lower", "upper"))
+    if not (isfinite(guess) and lower <= upper):
+        raise ValueError(f"{guess:g} and {lower:g} to {upper:g} are no guess and no bounds")
     return Freed(guess, lower, upper)
 
 
 def _array(numbers: Any, dimensions: int) -> FloatArray:
     array = np.array(numbers, dtype=np.float64)
     if array.ndim != dimensions or not np.isfinite(array).all():
-        raise ValueError(f"not an array of {dimensions} dimensions")
+        raise ValueError(f"{numbers!r} is not an array of {dimensions} dimensions")
     return array

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf, nan
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -139,9 +139,7 @@ class FitResult:
             covariance=self.covariance * np.outer(flips, flips),
             solution=self.solution.in_signs(signs, np.outer(flips, flips)),
             bootstrap=self.bootstrap and self.bootstrap.mirrored(lambda name: declarations[name].flips),
-            profiles=tuple(
-                profile.mirrored() if declarations[profile.name].flips else profile for profile in self.profiles
-            ),
+            profiles=tuple(one.mirrored() if declarations[one.name].flips else one for one in self.profiles),
         )
 
     def __repr__(self) -> str:
@@ -157,16 +155,15 @@ class FitResult:
         """Diagnostics of the fit, computed at the first access; empty without fitted rows."""
         if self.solution.residuals is None:
             return Findings()
-        free = [c.name for c in self.coefficients if not c.at_bound or c.interval == inf]
+        free = [c.name for c in self.coefficients if not c.at_bound]
         unseen = [(c.name,) for c in self.coefficients if not c.determined]
         effective: dict[str, float] = {}
         for c in self.channels:  # a hundredth of the rows if no stage used all rows of a channel
             effective_rows = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
             effective[c.channel] = effective.get(c.channel, 0.0) + effective_rows
+        known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
         bounded = [c.name for c in self.coefficients if c.at_bound]
-        combinations = [tuple(n for n in d.coefficients if n in free and n not in bounded) for d in self.directions]
-        undetermined = [names for names in (*combinations, *unseen) if names]
-        return find(self.solution.residuals, free, undetermined, bounded, effective)
+        return find(self.solution.residuals, free, [names for names in (*known, *unseen) if names], bounded, effective)
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -238,8 +235,8 @@ class FitResult:
 
     def channel(self, recording: str, channel: str) -> ChannelFit:
         """Return the goodness of fit of a channel of a recording."""
-        (channel_fit,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
-        return channel_fit
+        (found,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
+        return found
 
     def interval(
         self, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
@@ -260,8 +257,9 @@ class FitResult:
         Returns
         -------
         pandas.DataFrame
-            ``value``, ``error`` (standard error under time-correlated noise, errors of the form of the model, and slow
-            errors of the sensors, see `tirefmu.fitting.uncertainty`), ``lower`` and ``upper`` by row.
+            ``value``, ``error`` (standard error under time-correlated noise and errors of the form of the model, see
+            `tirefmu.fitting.uncertainty.discrepancy`), ``lower`` and ``upper`` by row. The intervals do not contain
+            constant offsets of sensors.
 
         Raises
         ------
@@ -276,8 +274,8 @@ class FitResult:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as JSON values; a number that does not exist, such as a missing bound, is null."""
-        determined = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
-        matrix = self.covariance.loc[determined, determined].to_numpy().tolist() if len(determined) else []
+        known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
+        matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []
         content: FitContent = {
             "version": VERSION,
             "ok": self.verdict.usable,
@@ -300,7 +298,7 @@ class FitResult:
             "set_aside": self.excluded_rows,
             "held_out": self.held_out,
             "findings": self.findings,
-            "covariance": {"coefficients": list(determined), "matrix": matrix},
+            "covariance": {"coefficients": list(known), "matrix": matrix},
             "intervals": list(listed_intervals(self)),
             "bootstrap": self.bootstrap,
             "profiles": self.profiles,

@@ -27,7 +27,7 @@ def channel_fits(data: FitData, residuals: Residuals, effective: FloatArray) -> 
     """
     tire, sources = residuals.tire, residuals.sources
     units = {quantity.name: quantity.unit for quantity in tire.symbolic_model.outputs}
-    channels = []
+    found = []
     for number, name in enumerate(sources):
         table = data.table if len(sources) == 1 else data.table[data.table["recording"] == number]
         every, included = _compared(table, tire, residuals.channels)
@@ -36,24 +36,24 @@ def channel_fits(data: FitData, residuals: Residuals, effective: FloatArray) -> 
             n, rmse, r2, uncentred = every[index].quality
             if n:
                 split = splits.get(channel, ErrorSplit())
-                quality = included[index].quality[:3]
-                channels.append(
+                own = included[index].quality[:3]
+                found.append(
                     ChannelFit(
                         name, channel, units[channel], n, rmse, r2, uncentred, split.noise,
-                        float(effective[number, index]), *quality, split.inputs, split.time, split.repeats,
+                        float(effective[number, index]), *own, split.inputs, split.time, split.repeats,
                     )
                 )  # fmt: skip
-    return tuple(channels)
+    return tuple(found)
 
 
 def _splits(residuals: Residuals, number: int) -> dict[str, ErrorSplit]:
     """Return the parts of the error of each channel of a recording over the fitted rows."""
-    members = residuals.recording == number
-    measured = {name: values[members] for name, values in residuals.measured_minus_computed.items()}
-    present = {name: values for name, values in measured.items() if np.isfinite(values).any()}
-    if not present:
+    own = residuals.recording == number
+    measured = {name: values[own] for name, values in residuals.measured_minus_computed.items()}
+    known = {name: values for name, values in measured.items() if np.isfinite(values).any()}
+    if not known:
         return {}
-    return error_split(residuals.table[members], present, residuals.segment[members], residuals.cell[members])
+    return error_split(residuals.table[own], known, residuals.segment[own], residuals.cell[own])
 
 
 def _compared(table: pd.DataFrame, tire: Tire, fitted: Sequence[str]) -> tuple[list[Moments], list[Moments]]:
@@ -62,9 +62,9 @@ def _compared(table: pd.DataFrame, tire: Tire, fitted: Sequence[str]) -> tuple[l
     included = list(every)
     for start in range(0, len(table), BLOCK):
         part = table.iloc[start : start + BLOCK]
-        rows, fitted_rows = Rows.of(part, tire, fitted), part["included"].to_numpy()
+        rows, own = Rows.of(part, tire, fitted), part["included"].to_numpy()
         computed = fastest_code(tire.symbolic_model).forces(rows.inputs, tire.parameters())
         for index, measured in enumerate(rows.measured.T):
             every[index] += Moments.of(measured, computed[index])
-            included[index] += Moments.of(measured[fitted_rows], computed[index][fitted_rows])
+            included[index] += Moments.of(measured[own], computed[index][own])
     return every, included

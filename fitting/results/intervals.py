@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, TypedDict
+from typing import Protocol, TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -17,9 +17,7 @@ from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
 from ..uncertainty.sensitivities import sensitivities
-
-if TYPE_CHECKING:
-    from .fit_result import FitResult
+from .solved_stage import FitSolution
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -42,8 +40,24 @@ class ListedInterval(TypedDict):
     upper: float
 
 
+class Predicting(Protocol):
+    """The attributes of a fit result that determine intervals."""
+
+    @property
+    def tire(self) -> Tire:
+        """The fitted tire, in ISO."""
+
+    @property
+    def signs(self) -> str:
+        """Sign convention of the covariance."""
+
+    @property
+    def solution(self) -> FitSolution:
+        """The fitted rows, and the covariance of all coefficients."""
+
+
 def interval(
-    result: FitResult, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
+    result: Predicting, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
 ) -> pd.DataFrame:
     """Return a force or a named quantity at the rows of a table with its confidence interval.
 
@@ -61,7 +75,7 @@ def interval(
     return band(result, quantity, recording.table, recording.signs, level)
 
 
-def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, level: float = 0.95) -> pd.DataFrame:
+def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, level: float = 0.95) -> pd.DataFrame:
     """Return the same as `interval` for a table of the program itself, without checks.
 
     `signs`: convention of the table.
@@ -79,21 +93,17 @@ def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, leve
     by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=covariance.index, fill_value=0.0)
     variance = np.einsum("ni,ij,nj->n", by_name, covariance * np.outer(flips, flips), by_name)
     in_adapted = by_name * [-1.0 if formula == "iso" and declarations[n].flips else 1.0 for n in covariance.index]
-    for discrepancy in result.solution.discrepancies:  # the covariance has what they do to the coefficients
-        at = _place(tire, quantity, discrepancy.channel, inputs) if discrepancy.own else None
+    for each in result.solution.discrepancies:  # the covariance has what they do to the coefficients
+        at = _place(tire, quantity, each.channel, inputs) if each.own else None
         if at is not None:
-            slopes_of_channel = in_adapted[list(discrepancy.names)].to_numpy().T
-            at = at[
-                [tire.inputs.index(name) for name in discrepancy.features.names]
-            ]  # effects added later have further ones
-            variance += discrepancy.variance(slopes_of_channel, value, at) - discrepancy.variance(
-                slopes_of_channel, 0.0 * value, at
-            )
+            own = in_adapted[list(each.names)].to_numpy().T
+            at = at[[tire.inputs.index(name) for name in each.features.names]]  # effects added later have further ones
+            variance += each.variance(own, value, at) - each.variance(own, 0.0 * value, at)
     error = np.sqrt(np.maximum(variance, 0.0))
     written = convert_signs(pd.DataFrame({quantity: value}), formula, signs)[quantity].to_numpy()
     half = float(ndtri(0.5 + 0.5 * level)) * error
-    columns = {"value": written, "error": error, "lower": written - half, "upper": written + half}
-    return pd.DataFrame(columns, rows.index)
+    found = {"value": written, "error": error, "lower": written - half, "upper": written + half}
+    return pd.DataFrame(found, rows.index)
 
 
 def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> FloatArray | None:
@@ -104,19 +114,19 @@ def _place(tire: Tire, quantity: str, channel: str, inputs: FloatArray) -> Float
     roles = {model.quantity(f"{kind}_{axis}"): kind for kind in ("stiffness", "friction") if slip}
     if slip is None or quantity not in roles:
         return None
-    at, slip_row = inputs.copy(), tire.inputs.index(slip)
+    at, own = inputs.copy(), tire.inputs.index(slip)
     at[[tire.inputs.index("kappa"), tire.inputs.index("alpha")]] = 0.0
     if roles[quantity] == "friction":
         forces = []
         for value in PEAK_SLIPS:
-            at[slip_row] = value
+            at[own] = value
             computed = fastest_code(model).forces(tire.effective_inputs(at), tire.parameters())
             forces.append(np.abs(computed[tire.outputs.index(channel)]))
-        at[slip_row] = np.array(PEAK_SLIPS)[np.argmax(forces, axis=0)]
+        at[own] = np.array(PEAK_SLIPS)[np.argmax(forces, axis=0)]
     return at
 
 
-def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
+def listed_intervals(result: Predicting) -> Iterator[ListedInterval]:
     """Yield the 95 % intervals over the measured range: by load, and of the forces by load and slip, in ISO.
 
     Yields: none without fitted rows or covariance.
@@ -138,9 +148,11 @@ def listed_intervals(result: FitResult) -> Iterator[ListedInterval]:
             yield from _records(result, force, rows, ("Fz", slip))
 
 
-def _records(result: FitResult, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]) -> Iterator[ListedInterval]:
-    intervals = band(result, quantity, rows, "iso")
-    for (_, at), (_, row) in zip(rows.iterrows(), intervals.iterrows(), strict=True):
+def _records(
+    result: Predicting, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]
+) -> Iterator[ListedInterval]:
+    found = band(result, quantity, rows, "iso")
+    for (_, at), (_, row) in zip(rows.iterrows(), found.iterrows(), strict=True):
         yield {
             "quantity": quantity, "at": {name: float(at[name]) for name in varied}, "value": float(row["value"]),
             "lower": float(row["lower"]), "upper": float(row["upper"]),

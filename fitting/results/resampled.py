@@ -43,14 +43,11 @@ class Bootstrap:
 
     def interval(self, name: str) -> BootstrapInterval | None:
         """Return the interval of a coefficient; None if no stage with all its rows freed it."""
-        return next((interval for interval in self.intervals if interval.name == name), None)
+        return next((each for each in self.intervals if each.name == name), None)
 
     def mirrored(self, flips: Callable[[str], bool]) -> Bootstrap:
         """Return the same with the opposite sign of some coefficients."""
-        return replace(
-            self,
-            intervals=tuple(interval.mirrored() if flips(interval.name) else interval for interval in self.intervals),
-        )
+        return replace(self, intervals=tuple(one.mirrored() if flips(one.name) else one for one in self.intervals))
 
 
 @dataclass(frozen=True)

@@ -45,8 +45,8 @@ class SolvedStage:
         rows: npt.ArrayLike, determined: Set[str],
     ) -> SolvedStage:  # fmt: skip
         """Return the record of a stage that has ended."""
-        lower = np.array([freed.lower for freed in end.free.values()]) / problem.scale
-        upper = np.array([freed.upper for freed in end.free.values()]) / problem.scale
+        lower = np.array([each.lower for each in end.free.values()]) / problem.scale
+        upper = np.array([each.upper for each in end.free.values()]) / problem.scale
         x = np.clip(end.x, lower, upper)
         numbers = np.asarray(rows, dtype=np.int64)
         return cls(name, problem, x, lower, upper, tuple(constraints), ridge, numbers, frozenset(determined))

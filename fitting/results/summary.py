@@ -2,19 +2,53 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Protocol
 
 from tirefmu.boundary.escaping import excerpt, visible
 from tirefmu.tires.notebook import html_details, html_summary, html_table
+from tirefmu.tires.tire import Tire
 
-if TYPE_CHECKING:
-    from .fit_result import FitResult
+from .records import ChannelFit, FitRecord, FittedCoefficient
+from .verdict import Verdict
 
 #: Longest name of a recording, in characters, and largest number of channels that are listed.
 LONGEST_NAME, MAX_CHANNELS = 40, 12
 
 
-def fit_text(result: FitResult) -> str:
+class Summarized(Protocol):
+    """The attributes of a fit result that a summary shows."""
+
+    @property
+    def tire(self) -> Tire:
+        """The fitted tire."""
+
+    @property
+    def run(self) -> FitRecord:
+        """Recipe and duration."""
+
+    @property
+    def status(self) -> str:
+        """Status of the fit in one line."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the tire is usable."""
+
+    @property
+    def signs(self) -> str:
+        """Sign convention of the coefficients."""
+
+    @property
+    def coefficients(self) -> Sequence[FittedCoefficient]:
+        """The fitted coefficients."""
+
+    @property
+    def channels(self) -> Sequence[ChannelFit]:
+        """Goodness of fit by recording and channel."""
+
+
+def fit_text(result: Summarized) -> str:
     """Return status and goodness of fit in a few lines."""
     effects = len(result.tire.has)
     name = f" {excerpt(result.tire.name, LONGEST_NAME)!r}" if result.tire.name else ""
@@ -38,7 +72,7 @@ def fit_text(result: FitResult) -> str:
     return "\n".join(lines)
 
 
-def fit_html(result: FitResult) -> str:
+def fit_html(result: Summarized) -> str:
     """Return the same as HTML, with the coefficients."""
     header = ["coefficient", "value", "+- (95 %)", "lower", "upper", "unit", "stage"]
     rows = [(c.name, c.value, c.interval, c.lower, c.upper, c.unit, c.stage) for c in result.coefficients]

@@ -8,23 +8,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import degrees
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from tirefmu.tires.tire import Tire
+
 from ..constraints.physical import chosen_constraints
-from ..data.fit_data import EXCITED_BY
+from ..constraints.verification import Margin
+from ..data.fit_data import EXCITED_BY, ExcludedRows
 from ..evidence.characteristics import Characteristic
 from ..evidence.clipping import Clipped
 from ..evidence.continuity import Discontinuity
 from ..evidence.diagnostics import Findings
 from ..evidence.residuals import Residuals, condition_text
 from ..evidence.slip_stiffness import SlipStiffness
-from ..uncertainty.discrepancy import Discrepancy
-from .records import ChannelFit
-
-if TYPE_CHECKING:
-    from .fit_result import FitResult
+from .records import BoundConsequence, ChannelFit, FittedCoefficient
+from .solved_stage import FitSolution
 
 GOOD, LIMITED, UNUSABLE = "good", "usable with limits", "not usable"
 #: The forces, without which a tire is not usable.
@@ -38,9 +38,6 @@ STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
 #: repeats is too large for any tire. Judgement.
 ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
-#: Change of the forces over time, two standard deviations, above which a recording is not of one tire. As that of the
-#: stiffness.
-UNSTEADY = 0.1
 #: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
 #: share of the channel.
 CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
@@ -53,8 +50,6 @@ MANY_EXCLUDED = 0.1
 #: Share of the largest kappa from which a row has combined slip, and share of the largest slip angle that combined slip
 #: has to reach. Judgement.
 COMBINED_KAPPA, COMBINED_ALPHA = 0.25, 0.8
-#: Share of the range of an input beyond that of a channel from which the channel is extrapolated. Judgement.
-MISSING_RANGE = 0.1
 #: Largest number of names that a reason lists.
 MAX_NAMES = 8
 
@@ -76,14 +71,56 @@ class Verdict:
         return self.word != UNUSABLE
 
 
-def verdict_of(result: FitResult) -> Verdict:
+class Judged(Protocol):
+    """The attributes of a fit result that determine the verdict."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether the fit converged within its constraints."""
+
+    @property
+    def status(self) -> str:
+        """Status of the fit in one line."""
+
+    @property
+    def tire(self) -> Tire:
+        """The fitted tire."""
+
+    @property
+    def coefficients(self) -> Sequence[FittedCoefficient]:
+        """The fitted coefficients."""
+
+    @property
+    def channels(self) -> Sequence[ChannelFit]:
+        """Goodness of fit by recording and channel."""
+
+    @property
+    def margins(self) -> Sequence[Margin]:
+        """Margins of the constraints."""
+
+    @property
+    def bounds(self) -> Sequence[BoundConsequence]:
+        """What changes without the bounds of coefficients."""
+
+    @property
+    def excluded_rows(self) -> Sequence[ExcludedRows]:
+        """Rows that were not fitted."""
+
+    @property
+    def findings(self) -> Findings:
+        """Diagnostics of the fit."""
+
+    @property
+    def solution(self) -> FitSolution:
+        """The fitted rows."""
+
+
+def verdict_of(result: Judged) -> Verdict:
     """Return the verdict on a fit."""
     wrong = [] if result.ok else [result.status]
     wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
     wrong += [_clipped_reason(c) for c in result.findings.clipped if c.channel in FORCES]
     wrong += _wrong_data(result.channels)
-    wrong += _unsteady(result)
-    wrong += _wrong_between_loads(result.findings)
     wrong += _wrong_stiffness(result.findings)
     wrong += _few_rows(result, 1)
     limits = [
@@ -120,51 +157,6 @@ def _wrong_data(channels: Sequence[ChannelFit]) -> Iterator[str]:
             yield floor_reason(c)
 
 
-def _unsteady(result: FitResult) -> Iterator[str]:
-    """Yield that the forces change over time by more than a tire does; a fit hides a part of it in its coefficients.
-
-    The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
-    """
-    found = result.solution.discrepancies
-    over_time = {
-        c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs and lacks_something(c)
-    }
-    for each in found:
-        large = each.channel in over_time.intersection(FORCES) and 2.0 * each.state > UNSTEADY
-        if large and each.own and _chance(each.state_chance, found):
-            yield (
-                f"{each.channel} changes by {2.0 * each.state:.0%} (two standard deviations) over time, or with an "
-                "input that the table lacks: diagnose"
-            )
-
-
-def _wrong_between_loads(findings: Findings) -> Iterator[str]:
-    """Yield wrong peak friction at a load between loads at which it is right: no range of loads remains for the tire.
-
-    A load is wrong if half of its operating conditions are.
-    """
-    friction = [c for c in findings.characteristics if c.quantity == "peak friction"]
-    for recording, channel in dict.fromkeys((c.recording, c.channel) for c in friction):
-        by_load: dict[float, list[Characteristic]] = {}
-        for c in friction:
-            if (c.recording, c.channel) == (recording, channel):
-                by_load.setdefault(c.at.get("Fz", c.load), []).append(c)
-        error = {load: float(np.median([c.reliable_error for c in own])) for load, own in by_load.items()}
-        right = [load for load, size in error.items() if abs(size) <= CHARACTERISTIC_LIMITS["peak friction"]]
-        for load in sorted(error.keys() - right):
-            if right and min(right) < load < max(right):
-                off = float(np.median([c.off for c in by_load[load]]))
-                yield (
-                    f"{recording}: the peak friction of {channel} differs by {off:+.0%} at {load:.0f} N, "
-                    "between loads at which it is right: diagnose"
-                )
-
-
-def _chance(chance: float, found: Sequence[Discrepancy]) -> bool:
-    """Return whether noise alone causes so large an error of the form rarely, over all channels."""
-    return chance < CHANCE / (2 * len(found))
-
-
 def floor_reason(c: ChannelFit) -> str:
     """Return how far the error of a channel is above its noise floor, and what it depends on."""
     parts = (
@@ -180,9 +172,10 @@ def floor_reason(c: ChannelFit) -> str:
     )
 
 
-def _structure(result: FitResult) -> Iterator[str]:
+def _structure(result: Judged) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
     found = result.solution.discrepancies
+    limit = CHANCE / max(2 * len(found), 1)
     far = {c.channel for c in result.channels if lacks_something(c)}
     texts = [
         f"{each.channel} {size:.1%} over {cause}"
@@ -191,7 +184,7 @@ def _structure(result: FitResult) -> Iterator[str]:
         for size, chance, cause in (
             (each.form, each.form_chance, "the inputs"), (each.state, each.state_chance, "time")
         )
-        if _chance(chance, found) and size > NEGLIGIBLE_FORM
+        if chance < limit and size > NEGLIGIBLE_FORM
     ]  # fmt: skip
     if texts:
         yield f"small errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
@@ -219,7 +212,7 @@ def _discontinuity_reason(d: Discontinuity) -> str:
     return f"{d.channel} of the tire {size} at {where}"
 
 
-def _few_rows(result: FitResult, each: int) -> Iterator[str]:
+def _few_rows(result: Judged, each: int) -> Iterator[str]:
     """Yield that there are fewer rows than a multiple of the coefficients."""
     evidence, count = result.solution.residuals, sum(c.determined for c in result.coefficients)
     if evidence is not None and len(evidence.table) < each * count:
@@ -252,13 +245,13 @@ def _stiffness_reasons(findings: Findings) -> list[str]:
     return [f"{text} {s.off:+.0%} at {s.load:.0f} N" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
 
 
-def _missing_forces(result: FitResult) -> Iterator[str]:
+def _missing_forces(result: Judged) -> Iterator[str]:
     fitted = {c.channel for c in result.channels}
     for force in (name for name in FORCES if name in result.tire.outputs and name not in fitted):
         yield f"{force} is not fitted: no measured values vary with {EXCITED_BY[force][0]}"
 
 
-def _not_imposed(result: FitResult) -> Iterator[str]:
+def _not_imposed(result: Judged) -> Iterator[str]:
     """Yield the default constraints on fitted channels that the fit did not enforce."""
     fitted, imposed = {c.channel for c in result.channels}, {margin.name for margin in result.margins}
     declared = chosen_constraints(result.tire.model)
@@ -271,7 +264,7 @@ def _not_imposed(result: FitResult) -> Iterator[str]:
         yield f"physical constraints not imposed: {_listed(missing)}"
 
 
-def _at_bounds(result: FitResult) -> Iterator[str]:
+def _at_bounds(result: Judged) -> Iterator[str]:
     names = [c.name for c in result.coefficients if c.at_bound]
     harmless = {each.name for each in result.bounds if each.matters is False}
     known = {each.name: each for each in result.bounds}
@@ -282,7 +275,7 @@ def _at_bounds(result: FitResult) -> Iterator[str]:
         yield f"{len(unknown)} of {len(result.coefficients)} coefficients at bounds: {_listed(unknown)}"
 
 
-def _excluded(result: FitResult) -> Iterator[str]:
+def _excluded(result: Judged) -> Iterator[str]:
     for recording in dict.fromkeys(rows.recording for rows in result.excluded_rows):
         own = [rows for rows in result.excluded_rows if rows.recording == recording]
         share = sum(rows.rows for rows in own) / own[0].of
@@ -303,21 +296,8 @@ def _extrapolated(evidence: Residuals) -> Iterator[str]:
                 f"combined slip is extrapolated beyond {degrees(combined):.1f} deg of slip angle "
                 f"(pure slip was measured up to {degrees(largest):.1f} deg)"
             )
-    yield from _ranges(evidence)
     if len(evidence.levels.get("Fz", ())) < 2 and ("Fz" not in table or np.ptp(table["Fz"]) < 0.1 * table["Fz"].max()):
         yield "one load: the influence of load is not determined"
-
-
-def _ranges(evidence: Residuals) -> Iterator[str]:
-    """Yield the inputs of which a force was measured over a part of the range of the others."""
-    for channel in (name for name in FORCES if name in evidence.channels):
-        for name, held in evidence.levels.items():
-            low, high = evidence.range_of(name, channel)
-            gap = MISSING_RANGE * (held[-1] - held[0])
-            beyond = [level for level in (held[0], held[-1]) if level < low - gap or level > high + gap]
-            if beyond:
-                measured = " to ".join(condition_text({name: level}) for level in (low, high))
-                yield f"{channel} is extrapolated to {condition_text({name: beyond[-1]})}, measured at {measured}"
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -202,25 +202,25 @@ class _Search:
         best = now.best
         # Two individuals that differ from the parent and from each other.
         shift = 1 + np.argsort(random.random((size, size - 1)), axis=1)[:, :2]
-        first, second = ((np.arange(size) + shift[:, i]) % size for i in (0, 1))
+        one, two = ((np.arange(size) + shift[:, i]) % size for i in (0, 1))
         span = MAX_CONTROL - MIN_CONTROL
-        controls = self._crossed(now.controls, best, first, second, now.controls, span)
+        controls = self._crossed(now.controls, best, one, two, now.controls, span)
         controls = np.clip(controls, MIN_CONTROL, MAX_CONTROL)
-        points = np.clip(self._crossed(now.points, best, first, second, controls, np.ones(n)), 0.0, 1.0)
+        points = np.clip(self._crossed(now.points, best, one, two, controls, np.ones(n)), 0.0, 1.0)
         trials = _Population(points, controls, np.full(size, np.inf), np.full(size, np.inf))
         now.take(trials, self._judge(trials, now))
         self.generation += 1
 
     def _crossed(
-        self, genes: FloatArray, best: int, first: npt.NDArray[np.intp], second: npt.NDArray[np.intp],
-        controls: FloatArray, span: FloatArray,
+        self, genes: FloatArray, best: int, one: npt.NDArray[np.intp], two: npt.NDArray[np.intp], controls: FloatArray,
+        span: FloatArray,
     ) -> FloatArray:  # fmt: skip
-        """Return genes after crossover with best + F (first - second) and mutation, by the given control genes."""
+        """Return genes after crossover with best + F (one - two) and mutation, by the given control genes."""
         f, cp, mp, reach = (controls[:, [i]] for i in range(4))
         random, shape = self._random, genes.shape
         crossing = random.random(shape) < cp
         crossing[np.arange(shape[0]), random.integers(shape[1], size=shape[0])] = True  # at least one
-        crossed = np.where(crossing, genes[best] + f * (genes[first] - genes[second]), genes)
+        crossed = np.where(crossing, genes[best] + f * (genes[one] - genes[two]), genes)
         mutation = random.uniform(-1.0, 1.0, shape) * reach * span
         return np.where(random.random(shape) < mp, crossed + mutation, crossed)
 

@@ -17,8 +17,7 @@ class FittedTemperature:
     - `correlation`: correlation length of the residual, s.
     - `values`, `intervals`: coefficients, and half their 95 % intervals as a factor (value / factor to value x factor).
     - `determined`: the coefficients that the data determine.
-    - `starts`: the estimated start temperatures of each recording, K; time that goes backward begins another one.
-    - `delay`: of the sensor, s, with half its 95 % interval.
+    - `starts`: the estimated start temperatures of each recording, K.
     - `optimum`: the temperature of the largest friction, of a tire with `temp_friction`.
     """
 
@@ -31,16 +30,14 @@ class FittedTemperature:
     intervals: Mapping[str, float]
     determined: tuple[str, ...]
     starts: tuple[tuple[float, ...], ...]
-    delay: tuple[float, float]
     optimum: Optimum | None = None
 
     def text(self) -> str:
         """Return the errors and the coefficients that are not determined, in one sentence."""
-        sensor = f"; the sensor is late by {self.delay[0]:.2f} +- {self.delay[1]:.2f} s"
         unclear = [name for name in self.values if name not in self.determined]
         rest = f"; not determined: {', '.join(unclear)}" if unclear else ""
         rest += f"; {self.optimum.text()}" if self.optimum else ""
         return (
             f"temperature {self.column}: rms error {self.rmse:.2f} K, {self.holdout_rmse:.2f} K where it was held out "
-            f"(a constant: {self.constant_rmse:.2f} K){sensor}{rest}"
+            f"(a constant: {self.constant_rmse:.2f} K){rest}"
         )

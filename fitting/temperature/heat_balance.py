@@ -8,9 +8,10 @@ sliding speed, is averaged itself, as the mean of a product is not the product o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -18,16 +19,16 @@ import numpy.typing as npt
 from tirefmu.measurements import Recording
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import exchange, held_system, vector_recursion, with_pauses
+from tirefmu.tires.transient import with_pauses
 
 FloatArray = npt.NDArray[np.float64]
 
 #: The effect whose states are temperatures.
 EFFECT = "temperature"
 #: Its heat capacities, in the order of the states.
-CAPACITIES = ("THCAPS", "THCAPB", "THCAPC", "THCAPG")
+CAPACITIES = ("THCAPS", "THCAPC", "THCAPG")
 #: Duration of a block, and the longest step in a pause, s.
-BLOCK, PAUSE_STEP = 0.1, 0.5
+BLOCK, PAUSE_STEP = 0.2, 0.5
 #: Rows of a block at which heat is computed.
 BLOCK_ROWS = 5
 ZERO_CELSIUS = 273.15
@@ -47,7 +48,6 @@ class HeatBalance:
     - `rows`, shape (n_inputs, n_rows): recorded inputs; `block`, shape (n_rows,): the node of each.
     - `inputs`, shape (n_inputs, n): inputs at nodes; in a pause the tire rolls without slip.
     - `measured`, shape (n,): mean recorded temperature, K; NaN in pauses.
-    - `source`: name of the recording.
     """
 
     tire: Tire
@@ -56,7 +56,6 @@ class HeatBalance:
     block: npt.NDArray[np.intp]
     inputs: FloatArray
     measured: FloatArray
-    source: str
 
     @classmethod
     def of(cls, tire: Tire, recording: Recording, column: str) -> HeatBalance:
@@ -89,18 +88,7 @@ class HeatBalance:
         measured[node] = mean(recorded)
         first = np.cumsum(count) - count
         chosen = (np.arange(len(number)) - first[number]) % max(1, int(np.median(count)) // BLOCK_ROWS) == 0
-        return cls(tire, nodes, rows[:, chosen], node[number][chosen], inputs, measured, recording.source)
-
-    @classmethod
-    def of_all(cls, tire: Tire, recordings: Iterable[Recording], column: str) -> list[HeatBalance]:
-        """Return the heat balances of recordings; where time goes backward, another one begins."""
-        parts = (
-            replace(recording, table=table)
-            for recording in recordings
-            for _, table in recording.table.groupby((recording.table["t"].diff() < 0.0).cumsum())
-            if len(table) > 1 and table[column].notna().any()
-        )
-        return [cls.of(tire, part, column) for part in parts]
+        return cls(tire, nodes, rows[:, chosen], node[number][chosen], inputs, measured)
 
     @cached_property
     def states(self) -> tuple[str, ...]:
@@ -113,26 +101,31 @@ class HeatBalance:
 
     def system(self, values: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
         """Return A, shape (n, m, m), and b, shape (n, m), at the nodes, for values of coefficients."""
-        model, parameters = self.tire.symbolic_model, self._parameters.copy()
+        model, parameters, m = self.tire.symbolic_model, self._parameters.copy(), len(self.states)
         parameters[[model.parameters.index(name) for name in values]] = list(values.values())
         at = [self.tire.inputs.index(name) for name in self.states]
 
-        def lines_at(rows: FloatArray) -> tuple[dict[str, FloatArray], FloatArray]:
-            """Return the lines of the states at temperatures of 0 K, and the heat that does not depend on them."""
+        def flows(rows: FloatArray, temperatures: FloatArray) -> tuple[FloatArray, FloatArray]:
+            """Return rate times target, and the rate, shape (m, n), of each temperature."""
             rows = rows.copy()
-            rows[at] = 0.0
+            rows[at] = temperatures[:, None]
             lines = dict(zip(model.drives, fastest_code(model, rows.shape[1]).drives(rows, parameters), strict=True))
-            return lines, np.stack([lines[f"{name}_target"] * lines[f"{name}_rate"] for name in self.states])
+            target, rate = (np.stack([lines[f"{name}_{part}"] for name in self.states]) for part in ("target", "rate"))
+            return target * rate, rate
 
-        lines, supply = lines_at(self.inputs)
-        _, exact = lines_at(self.rows)
+        still, rate = flows(self.inputs, np.zeros(m))
+        supply = still.copy()
+        exact, _ = flows(self.rows, np.zeros(m))
         counts = np.bincount(self.block, minlength=len(self.t))
         for of_node, of_rows in zip(supply, exact, strict=True):
             of_node[counts > 0] = (np.bincount(self.block, of_rows, len(self.t)) / np.maximum(counts, 1))[counts > 0]
-        return exchange(lines, self.states), supply.T
+        columns = [flows(self.inputs, unit)[0] - still for unit in np.eye(m)]
+        matrix = np.stack(columns, axis=1).transpose(2, 0, 1)
+        matrix[:, range(m), range(m)] -= rate.T
+        return matrix, supply.T
 
     def temperatures(self, values: Mapping[str, float], start: FloatArray) -> FloatArray:
-        """Return the temperatures at the nodes, shape (n, m), K, from a start, shape (m,)."""
+        """Return the temperatures at the nodes, shape (n, m), K, by the trapezoidal rule from a start, shape (m,)."""
         return integrated(self.t, *self.system(values), start)
 
     def energy(self, values: Mapping[str, float], course: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -150,7 +143,7 @@ class HeatBalance:
 
 
 def integrated(t: FloatArray, matrix: FloatArray, supply: FloatArray, start: FloatArray) -> FloatArray:
-    """Return the solution of x' = A x + b at the nodes, shape (n, m), with the mean of A and b in each step.
+    """Return the solution of x' = A x + b at the nodes by the trapezoidal rule, shape (n, m).
 
     `t`, shape (n,). `matrix`, shape (n, m, m). `supply`, shape (n, m). `start`, shape (m,).
 
@@ -159,5 +152,13 @@ def integrated(t: FloatArray, matrix: FloatArray, supply: FloatArray, start: Flo
     >>> round(float(cooled[-1, 0]), 4)
     0.3679
     """
-    decay, gain = held_system((matrix[1:] + matrix[:-1]) / 2.0, np.diff(t))
-    return vector_recursion(start, decay, (gain @ (supply[1:] + supply[:-1])[:, :, None])[:, :, 0] / 2.0)
+    h, unit = np.diff(t)[:, None], np.eye(len(start))
+    half = h[:, :, None] / 4.0 * (matrix[1:] + matrix[:-1])
+    inverse = np.linalg.inv(unit - half)
+    step = inverse @ (unit + half)
+    gain = np.einsum("nij,nj->ni", inverse, h / 2.0 * (supply[1:] + supply[:-1]))
+    course = np.empty((len(t), len(start)))
+    course[0] = start
+    for (now, following), a, b in zip(pairwise(course), step, gain, strict=True):
+        following[:] = a @ now + b
+    return course

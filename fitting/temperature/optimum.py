@@ -8,7 +8,7 @@ maximum within the recorded range.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -54,13 +54,12 @@ class Optimum:
         return f"friction is largest at {self.value:.1f} +- {self.half:.1f} deg C"
 
 
-def optimum_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "T", delay: float = 0.0) -> Optimum:
+def optimum_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "T") -> Optimum:
     """Return the temperature of the largest friction.
 
     `tire`: fitted, with the effect `temp_friction`. `recordings`: with forces and the recorded temperature `column`,
-    deg C. `delay`: of the sensor, s.
+    deg C.
     """
-    recordings = [_surface(recording, column, delay) for recording in recordings]
     temperatures = np.concatenate([recording.table[column].to_numpy(dtype=np.float64) for recording in recordings])
     low, high = np.nanpercentile(temperatures, RANGE)
     linear, curved = tire.values["TMU1"] - tire.values["TMUA"], _curvature(tire)
@@ -76,18 +75,6 @@ def optimum_temperature(tire: Tire, recordings: Sequence[Recording], column: str
     half = QUANTILE * float(np.sqrt(slope @ covariance @ slope))
     determined = bool(low <= value <= high and half <= (high - low) / 2.0)
     return Optimum(*((value, half) if determined else (np.nan, np.nan)), determined, float(low), float(high))
-
-
-def _surface(recording: Recording, column: str, delay: float) -> Recording:
-    """Return a recording whose column is the temperature of the surface, which the sensor shows later."""
-    if "t" not in recording.table:
-        return recording
-    table, shown = recording.table, recording.table[column].to_numpy(dtype=np.float64, copy=True)
-    for number in np.unique(segment := recording.segment_numbers()):
-        rows = np.flatnonzero(segment == number)
-        t = table["t"].to_numpy(dtype=np.float64)[rows]
-        shown[rows] = np.interp(t + delay, t, shown[rows])
-    return replace(recording, table=table.assign(**{column: shown}))
 
 
 def _curvature(tire: Tire) -> float:

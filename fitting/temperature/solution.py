@@ -1,9 +1,4 @@
-"""Gauss-Newton steps for the logarithms of coefficients of a heat balance, start temperatures and the sensor's delay.
-
-An infrared sensor is late. A delay that is not estimated is taken for heat capacity and conductance of the surface, and
-through them for slow losses of heat: made recordings with a delay of 0.1 s had twice the error of prediction. Its
-emissivity cannot be estimated: all temperatures above the surroundings scale with it, as with the share of the heat.
-"""
+"""Gauss-Newton steps for the logarithms of coefficients of a heat balance and for start temperatures."""
 
 from __future__ import annotations
 
@@ -22,8 +17,6 @@ Used = Sequence[npt.NDArray[np.bool_]]
 
 #: Standard deviations of the priors: of a logarithm, and of a start temperature about the first recorded one, K.
 SPREAD, START_SPREAD = 1.0, 10.0
-#: Prior mean and standard deviation of the delay of the sensor, s.
-DELAY, DELAY_SPREAD = 0.1, 0.1
 #: Noise, K, and its correlation length, blocks, before residuals are known; rounds that estimate them.
 FIRST_NOISE, FIRST_LENGTH, ROUNDS = 2.0, 50.0, 2
 #: Step of a difference of a logarithm, its largest change in one step, iterations, and the change that ends them, in
@@ -39,20 +32,17 @@ class Solution:
 
     - `free`: names of coefficients; `center`, `x`, shape (p,): prior mean and value of their logarithms.
     - `starts`, shape (n_recordings, m): start temperatures, K.
-    - `delay`: of the sensor, s.
     - `noise`, `length`: standard deviation of the residual of a block, K, and its correlation length in blocks.
-    - `spread`, shape (p,), `delay_spread`: standard deviations of `x` and of `delay`.
+    - `spread`, shape (p,): standard deviations of the logarithms.
     """
 
     free: tuple[str, ...]
     center: FloatArray
     x: FloatArray
     starts: FloatArray
-    delay: float = DELAY
     noise: float = FIRST_NOISE
     length: float = FIRST_LENGTH
     spread: FloatArray = field(default_factory=lambda: np.empty(0))
-    delay_spread: float = DELAY_SPREAD
 
     def values(self) -> dict[str, float]:
         """Return the coefficients by name."""
@@ -61,12 +51,8 @@ class Solution:
     def errors(self, balances: Sequence[HeatBalance]) -> list[FloatArray]:
         """Return predicted minus measured temperature at the nodes of each recording, K; NaN in pauses."""
         values = self.values()
-        return [self.sensed(balance, balance.temperatures(values, start)) - balance.measured
+        return [balance.temperatures(values, start)[:, 0] - balance.measured
                 for balance, start in zip(balances, self.starts, strict=True)]  # fmt: skip
-
-    def sensed(self, balance: HeatBalance, course: FloatArray) -> FloatArray:
-        """Return what the sensor shows at the nodes, shape (n,), of temperatures, shape (n, m)."""
-        return np.interp(balance.t - self.delay, balance.t, course[:, 0])
 
 
 def solved(balances: Sequence[HeatBalance], used: Used, free: Sequence[str], begin: Solution | None = None) -> Solution:
@@ -101,33 +87,29 @@ def _converged(balances: Sequence[HeatBalance], used: Used, solution: Solution) 
         change = np.asarray(np.linalg.solve(normal, -jacobian.T @ residual), dtype=np.float64)
         p = len(solution.x)
         change *= min(1.0, LONGEST_STEP / max(float(np.abs(change[:p]).max(initial=0.0)), 1e-12))
-        deviation = np.sqrt(np.diag(np.linalg.inv(normal)))
-        spread, delay_spread = deviation[:p], float(deviation[-1])
+        spread = np.sqrt(np.diag(np.linalg.inv(normal)))[:p]
         for halving in range(HALVINGS):
             moved = _moved(solution, change * 0.5**halving)
             if _cost(balances, used, moved) <= float(residual @ residual):
                 break
         else:
-            return replace(solution, spread=spread, delay_spread=delay_spread)
-        solution = replace(moved, spread=spread, delay_spread=delay_spread)
+            return replace(solution, spread=spread)
+        solution = replace(moved, spread=spread)
         if (np.abs(change[:p]) < CONVERGED * spread).all():
             break
     return solution
 
 
 def _moved(solution: Solution, change: FloatArray) -> Solution:
-    x, starts = np.split(change[:-1], [len(solution.x)])
+    p = len(solution.x)
     return replace(
-        solution, x=solution.x + x, starts=solution.starts + starts.reshape(solution.starts.shape),
-        delay=max(0.0, solution.delay + float(change[-1])),
-    )  # fmt: skip
+        solution, x=solution.x + change[:p], starts=solution.starts + change[p:].reshape(solution.starts.shape)
+    )
 
 
 def _prior(balances: Sequence[HeatBalance], solution: Solution) -> FloatArray:
     first = np.stack([b.measured[np.isfinite(b.measured)][:1] for b in balances])
-    starts = (solution.starts - first) / START_SPREAD
-    delay = (solution.delay - DELAY) / DELAY_SPREAD
-    return np.concatenate([(solution.x - solution.center) / SPREAD, starts.ravel(), [delay]])
+    return np.concatenate([(solution.x - solution.center) / SPREAD, ((solution.starts - first) / START_SPREAD).ravel()])
 
 
 def _cost(balances: Sequence[HeatBalance], used: Used, solution: Solution) -> float:
@@ -144,18 +126,16 @@ def _linearized(balances: Sequence[HeatBalance], used: Used, solution: Solution)
     residuals, slopes = [], []
     for i, (balance, part, start) in enumerate(zip(balances, used, solution.starts, strict=True)):
         matrix, supply = balance.system(solution.values())
-        course = integrated(balance.t, matrix, supply, start)
-        now = solution.sensed(balance, course)
-        columns = np.zeros((int(part.sum()), p + k * m + 1))
+        now = integrated(balance.t, matrix, supply, start)[:, 0]
+        columns = np.zeros((int(part.sum()), p + k * m))
         for j in range(p):
             changed = replace(solution, x=solution.x + STEP * (np.arange(p) == j)).values()
-            columns[:, j] = ((solution.sensed(balance, balance.temperatures(changed, start)) - now) / STEP)[part]
+            columns[:, j] = ((balance.temperatures(changed, start)[:, 0] - now) / STEP)[part]
         for j, unit in enumerate(np.eye(m)):
             columns[:, p + i * m + j] = integrated(balance.t, matrix, np.zeros_like(supply), unit)[part, 0]
-        columns[:, -1] = -np.gradient(course[:, 0], balance.t)[part]
         residuals.append(weight * (now - balance.measured)[part])
         slopes.append(weight * columns)
-    spreads = np.concatenate([np.full(p, SPREAD), np.full(k * m, START_SPREAD), [DELAY_SPREAD]])
+    spreads = np.concatenate([np.full(p, SPREAD), np.full(k * m, START_SPREAD)])
     return (
         np.concatenate([*residuals, _prior(balances, solution)]),
         np.concatenate([*slopes, np.diag(1.0 / spreads)]),

@@ -14,7 +14,7 @@ from tirefmu.tires.tire import Tire
 from .fitted_temperature import FittedTemperature
 from .heat_balance import BLOCK, EFFECT, HeatBalance
 from .optimum import EFFECT as FRICTION
-from .optimum import QUANTILE, optimum_temperature
+from .optimum import optimum_temperature
 from .selection import check_temperature
 from .solution import SPREAD, Solution, solved
 
@@ -22,11 +22,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: The coefficients that a fit frees, in the logarithm; prior means are their neutral values. The others cannot be
 #: separated from these in recordings at one speed; heat capacities and conductances are relative to THSHARE.
-FREE = (
-    "THCAPS", "THCAPB", "THCAPC", "THCAPG", "THCONS", "THCONB", "THCONG", "THROAD", "THAIR", "THSIDE", "THROLL",
-    "THSHAREX",
-)  # fmt: skip
-STARTS = ("THSTARTS", "THSTARTB", "THSTARTC", "THSTARTG")
+FREE = ("THCAPS", "THCAPC", "THCAPG", "THCONS", "THCONG", "THROAD", "THAIR", "THSIDE", "THROLL", "THSHAREX")
+STARTS = ("THSTARTS", "THSTARTC", "THSTARTG")
 #: A coefficient is determined if the data reduce the standard deviation of its logarithm below this share of the prior.
 DETERMINED = 0.5
 #: The share of the time that the hold-out fit uses.
@@ -62,8 +59,9 @@ def fit_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "
     for recording in recordings:
         check_temperature(recording, column)
     forces = replace(tire, effects=tire.has - {EFFECT})
+    optimum = optimum_temperature(forces, recordings, column) if FRICTION in tire.has else None
     tire = replace(tire, effects={*tire.has, EFFECT})
-    balances = HeatBalance.of_all(tire, recordings, column)
+    balances = [HeatBalance.of(tire, recording, column) for recording in recordings]
     used = [_first_part(balance) for balance in balances]
     early = solved(balances, used, FREE)
     held_out, constant = _held_out(balances, used, early)
@@ -71,13 +69,11 @@ def fit_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "
     errors = np.concatenate([error[np.isfinite(error)] for error in found.errors(balances)])
     values = found.values()
     spread = {name: float(s) for name, s in zip(found.free, found.spread, strict=True)}
-    optimum = optimum_temperature(forces, recordings, column, found.delay) if FRICTION in tire.has else None
     fitted = FittedTemperature(
         column, _rms(errors), held_out, constant, found.length * BLOCK, values,
-        {name: float(np.exp(QUANTILE * s)) for name, s in spread.items()},
+        {name: float(np.exp(1.96 * s)) for name, s in spread.items()},
         tuple(name for name, s in spread.items() if s < DETERMINED * SPREAD),
-        tuple(tuple(map(float, start)) for start in found.starts),
-        (found.delay, QUANTILE * found.delay_spread), optimum,
+        tuple(tuple(map(float, start)) for start in found.starts), optimum,
     )  # fmt: skip
     given = dict(zip(STARTS, fitted.starts[0], strict=True))
     return tire.with_values(**values, **given, THACT=1.0), fitted

@@ -6,8 +6,7 @@ time (state). A fit absorbs much of it in its coefficients, so its residual is s
 weights W with Jacobian J leaves of a function f is f - J H^-1 J^T W f, with H = J^T W J. The variances of both random
 functions are those for which the sums of squared projections of the residual on what is left of them have their
 expected values (method of moments, as Rao's MINQUE, 1971). The noise in these sums is that of projections on functions
-that change faster than any tire, or that of neighboring rows if it is smaller: in a long recording the sampled rows are
-too few for such functions.
+that change faster than any tire.
 
 Both random functions are sums of random Fourier features (Rahimi and Recht, 2007), d = sum of w_k cos(a_k x + b_k) with
 independent w_k. The error of a coefficient is a linear function of the w_k, and so is that of a prediction: what the
@@ -16,7 +15,7 @@ coefficients change minus the function itself.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,13 +23,13 @@ import numpy.typing as npt
 from scipy.optimize import nnls
 from scipy.special import gammaincc, ndtri, stdtrit
 
+from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem
-from .sample import Sample
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Number of features of each random function.
-FEATURES = 120
+#: Number of features of each random function, and largest number of rows.
+FEATURES, MAX_ROWS = 120, 4000
 #: Length scales of the form, as shares of half the range of an input: of slips; of others, by half of the features.
 SLIP_SCALE, SCALES = 0.4, (1.5, 0.4)
 SLIPS = ("kappa", "alpha")
@@ -40,6 +39,8 @@ SLOW, FAST_ROWS, FAST = (0.01, 0.5), 3.0, 0.0015
 FORCES = ("Fx", "Fy")
 #: Normal quantile of 95 % intervals.
 QUANTILE = float(ndtri(0.975))
+#: Least number of rows.
+MIN_ROWS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,22 +124,64 @@ class Discrepancy:
         return np.asarray(self.form**2 * np.sum(form**2, axis=1) / FEATURES + self.state**2 * time)
 
 
-def discrepancies(problem: Problem, samples: Iterable[Sample], inverse: FloatArray) -> tuple[Discrepancy, ...]:
+def discrepancies(problem: Problem, x: FloatArray, inverse: FloatArray) -> tuple[Discrepancy, ...]:
     """Return the error of the form in each channel that a stage fits.
 
-    `samples`: of the channels. `inverse`, shape (n_free, n_free): of J^T W J; 0 for coefficients that are fixed, and
-    along directions that are not identifiable.
+    `x`, shape (n_free,): scaled free values of the solution. `inverse`, shape (n_free, n_free): of J^T W J; 0 for
+    coefficients that are fixed, and along directions that are not identifiable.
     """
-    estimated = (_of_channel(problem, inverse, problem.tire.outputs[sample.channel], sample) for sample in samples)
-    found = [each for each in estimated if each]
+    found = []
+    for channel in np.flatnonzero((problem.weights > 0).any(axis=0)):
+        present = np.flatnonzero(np.isfinite(problem.rows.measured[:, channel]))
+        if len(present) >= MIN_ROWS:
+            sample = _Sample.of(problem, x, int(channel), present)
+            each = _of_channel(problem, inverse, problem.tire.outputs[channel], sample)
+            if each:
+                found.append(each)
     both = [each for each in found if each.channel in FORCES]
     form, state = (max((getattr(each, name) for each in both), default=0.0) for name in ("form", "state"))
     return tuple(replace(each, form=form, state=state) if each in both else each for each in found)
 
 
-def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: Sample) -> Discrepancy | None:
+@dataclass(frozen=True, eq=False)
+class _Sample:
+    """Some rows of a channel at the solution of a stage.
+
+    - `inputs`, shape (n_inputs, n). `jacobian`, shape (n_free, n): of the channel by the scaled free values.
+    - `weight`, `residual`, `computed`, shape (n,). `place`, shape (n,): of each row among all rows, from 0 to 1.
+    - `rows`: number of all rows.
+    """
+
+    inputs: FloatArray
+    jacobian: FloatArray
+    weight: FloatArray
+    residual: FloatArray
+    computed: FloatArray
+    place: FloatArray
+    rows: int
+
+    @classmethod
+    def of(cls, problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[np.int64]) -> _Sample:
+        edges = np.linspace(0, len(present), min(len(present), MAX_ROWS) + 1).astype(np.int64)
+        number = edges[:-1] + np.random.default_rng(0).integers(np.diff(edges))
+        part = replace(problem, rows=_rows(problem.rows, present[number]))
+        jacobian, weight = np.zeros((len(problem.free), len(number))), np.zeros(len(number))
+        start = 0
+        for segments, root, outputs in part.jacobian_chunks(x, len(number)):
+            rows = slice(start, start + len(segments))
+            start = rows.stop
+            weight[rows] = root[channel] ** 2
+            if channel in outputs:
+                free, own = outputs[channel]
+                jacobian[free, rows] = own
+        residual = part.residual(x)[channel]
+        computed = part.rows.measured[:, channel] + residual
+        return cls(part.rows.inputs, jacobian, weight, residual, computed, number / len(present), len(present))
+
+
+def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: _Sample) -> Discrepancy | None:
     """Return the error of the form in a channel; None if the fit leaves nothing of any function of inputs or time."""
-    features = Features.of(sample.rows.inputs, problem.tire.inputs)
+    features = Features.of(sample.inputs, problem.tire.inputs)
     rng = np.random.default_rng(1)
 
     def timed(lengths: FloatArray | float) -> FloatArray:
@@ -147,10 +190,11 @@ def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: Sam
         return np.asarray(np.sqrt(2.0) * np.cos(sample.place[:, None] * waves + phases))
 
     slow = timed(SLOW[0] * (SLOW[1] / SLOW[0]) ** rng.uniform(size=FEATURES))
-    functions = [sample.computed[:, None] * each for each in (features.at(sample.rows.inputs), slow)]
-    responses = [inverse @ (sample.gradient @ each) for each in functions]
+    functions = [sample.computed[:, None] * each for each in (features.at(sample.inputs), slow)]
+    gradient = sample.jacobian * sample.weight * (sample.rows / len(sample.weight))
+    responses = [inverse @ (gradient @ each) for each in functions]
     left = [each - sample.jacobian.T @ own for each, own in zip(functions, responses, strict=True)]
-    fast = max(FAST_ROWS / sample.of, FAST)
+    fast = max(FAST_ROWS / sample.rows, FAST)
     quick = sample.computed[:, None] * np.concatenate([timed(fast), timed(2.0 * fast)], axis=1)
     estimate = _estimated(sample, left, quick)
     if estimate is None:
@@ -161,7 +205,7 @@ def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: Sam
 
 
 def _estimated(
-    sample: Sample, left: Sequence[FloatArray], quick: FloatArray
+    sample: _Sample, left: Sequence[FloatArray], quick: FloatArray
 ) -> tuple[float, float, float, float] | None:
     """Return the standard deviations of form and state, and the chances of such sums of squares under noise alone.
 
@@ -170,7 +214,6 @@ def _estimated(
     weighted = [sample.weight[:, None] * each for each in left]
     fast = sample.weight[:, None] * quick
     noise = float(np.sum((sample.residual @ fast) ** 2) / max(float(np.sum(fast**2)), 1e-300))
-    noise = min(noise, sample.noise)
     expected = noise * np.array([float(np.sum(each**2)) for each in weighted])
     excess = np.array([float(np.sum((sample.residual @ each) ** 2)) for each in weighted]) - expected
     matrix = np.array([[float(np.sum((a.T @ b) ** 2)) / FEATURES for b in left] for a in weighted])
@@ -193,3 +236,9 @@ def _for_few(left: FloatArray) -> float:
     squares = np.linalg.eigvalsh(left) ** 2
     freedom = float(np.sum(squares) ** 2 / np.sum(squares**2))
     return float((stdtrit(freedom, 0.975) / QUANTILE) ** 2)
+
+
+def _rows(rows: Rows, chosen: npt.NDArray[np.int64]) -> Rows:
+    return Rows(
+        rows.inputs[:, chosen], rows.measured[chosen], rows.group[chosen], rows.segment[chosen], rows.weight[chosen]
+    )

@@ -28,8 +28,6 @@ from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
 from .correlated_noise import CorrelatedSums, NoiseCorrelation
 from .discrepancy import Discrepancy, discrepancies
-from .sample import samples_of
-from .sensor_errors import sensor_errors
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -100,16 +98,15 @@ def uncertainty_of_stages(
     last_stage: Mapping[str, str],
     at_bound: Collection[str],
     shape: tuple[int, int],
-    sensors: bool,
 ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame, tuple[Discrepancy, ...]]:
     """Return the uncertainty of a fit in stages: each value is that of the last stage that freed the coefficient.
 
     `ends`: name, problem and solution of each stage, in order. `last_stage`: the last stage that freed each fitted
-    coefficient. `shape`: number of recordings and of outputs. `sensors`: see `uncertainty`. Returns `intervals`: half
-    widths of 95 % intervals. Returns `directions`: directions that are not identifiable. Returns `effective`, shape
-    (n_recordings, n_outputs): effective sample sizes; NaN if not fitted. Returns `covariance`: of the fitted
-    coefficients; see `across_stages`. Returns `complete`: as `covariance`, 0 where it is not known; see
-    `Uncertainty.complete`. Returns `discrepancies`: of each stage, for the coefficients whose last stage it is.
+    coefficient. `shape`: number of recordings and of outputs. Returns `intervals`: half widths of 95 % intervals.
+    Returns `directions`: directions that are not identifiable. Returns `effective`, shape (n_recordings, n_outputs):
+    effective sample sizes; NaN if not fitted. Returns `covariance`: of the fitted coefficients; see `across_stages`.
+    Returns `complete`: as `covariance`, 0 where it is not known; see `Uncertainty.complete`. Returns `discrepancies`:
+    of each stage, for the coefficients whose last stage it is.
     """
     names = list(last_stage)
     intervals: dict[str, float] = {}
@@ -122,7 +119,7 @@ def uncertainty_of_stages(
         last = {name for name in problem.free if last_stage[name] == stage}
         if not last:
             continue
-        known = uncertainty(problem, x, [name for name in problem.free if name in at_bound], sensors=sensors)
+        known = uncertainty(problem, x, [name for name in problem.free if name in at_bound])
         intervals.update({name: half for name, half in known.intervals.items() if name in last})
         block = [name for name in known.covariance.index if name in last]
         covariance.loc[block, block] = known.covariance.loc[block, block]
@@ -136,30 +133,29 @@ def uncertainty_of_stages(
     return intervals, directions, effective, across_stages(covariance), complete, tuple(discrepant)
 
 
-def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = (), *, sensors: bool = False) -> Uncertainty:
+def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> Uncertainty:
     """Return intervals, and directions that are not identifiable, at the solution of a fit.
 
     `problem`: with the weights of the fit. `x`, shape (n_free,): scaled free values of the solution. `fixed`:
-    coefficients at a bound. They are treated as known and have no interval, unless the data do not determine them
-    without the bound: then they are not known, nor are coefficients that trade off with them. `sensors`: whether slow
-    errors of the sensors are possible.
+    coefficients at a bound. They are treated as known and have no interval.
     """
     with one_blas_thread():
-        return _uncertainty(problem, x, fixed, sensors)
+        return _uncertainty(problem, x, fixed)
 
 
-def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors: bool) -> Uncertainty:
+def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncertainty:
     curvature, middle, effective = sandwich(problem, x)
-    if fixed:  # a coefficient at a bound that the data do not determine is not known there
-        _, _, _, vectors, unidentified = _eigenvectors(curvature, middle)
-        unknown = np.sum(vectors[:, unidentified] ** 2, axis=1) > MIN_PART
-        fixed = [name for name, free in zip(problem.free, unknown, strict=True) if name in fixed and not free]
     names = [name for name in problem.free if name not in fixed]
     unfixed = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
     if not unfixed.size:
         return Uncertainty({}, (), effective, pd.DataFrame(dtype=np.float64), pd.DataFrame(dtype=np.float64))
-    block = np.ix_(unfixed, unfixed)
-    spread, along, inverse, vectors, unidentified = _eigenvectors(curvature[block], middle[block])
+    values, vectors = np.linalg.eigh(curvature[np.ix_(unfixed, unfixed)])
+    identified = values > MIN_CURVATURE * max(float(values[-1]), 0.0)
+    inverse = np.where(identified, 1.0 / np.where(identified, values, 1.0), 0.0)
+    # Covariance in the basis of the eigenvectors.
+    spread = vectors.T @ middle[np.ix_(unfixed, unfixed)] @ vectors * np.outer(inverse, inverse)
+    along = np.where(identified, np.sqrt(np.maximum(np.diag(spread), 0.0)), np.inf)
+    unidentified = ~(along <= LARGEST_SD)
     directions = tuple(
         Direction(_members(vectors[:, k], names), float(along[k])) for k in np.flatnonzero(unidentified)
     )  # in the order of the eigenvalues: the least determined first
@@ -170,13 +166,8 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
     variance = np.einsum("ik,kl,il->i", vectors, spread, vectors)
     undetermined = np.sum(vectors[:, unidentified] ** 2, axis=1) > MIN_PART
     scale = problem.scale[unfixed]
-    whole, samples = np.zeros_like(curvature), list(samples_of(problem, x))
-    whole[np.ix_(unfixed, unfixed)] = (vectors * np.where(unidentified, 0.0, inverse)) @ vectors.T
-    found = discrepancies(problem, samples, whole)
+    found = _discrepancies(problem, x, unfixed, (vectors * np.where(unidentified, 0.0, inverse)) @ vectors.T)
     added = sum((each.covariance[np.ix_(unfixed, unfixed)] for each in found), np.zeros((len(names), len(names))))
-    if sensors:
-        errors = scale[:, None] * sensor_errors(problem, x, samples, whole)[unfixed]
-        added = added + errors @ errors.T
     covariance = vectors @ spread @ vectors.T * np.outer(scale, scale) + added
     np.fill_diagonal(covariance, np.maximum(variance, 0.0) * scale**2 + np.diag(added))
     half = np.where(undetermined, np.inf, QUANTILE * np.sqrt(np.diag(covariance)))
@@ -186,19 +177,13 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
     return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete, found)
 
 
-def _eigenvectors(
-    curvature: FloatArray, middle: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, npt.NDArray[np.bool_]]:
-    """Return the covariance in the basis of the eigenvectors, deviations along them, the inverse of the eigenvalues.
-
-    Further the eigenvectors, and which of them are not identifiable.
-    """
-    values, vectors = np.linalg.eigh(curvature)
-    identified = values > MIN_CURVATURE * max(float(values[-1]), 0.0)
-    inverse = np.where(identified, 1.0 / np.where(identified, values, 1.0), 0.0)
-    spread = vectors.T @ middle @ vectors * np.outer(inverse, inverse)
-    along = np.where(identified, np.sqrt(np.maximum(np.diag(spread), 0.0)), np.inf)
-    return spread, along, inverse, vectors, ~(along <= LARGEST_SD)
+def _discrepancies(
+    problem: Problem, x: FloatArray, unfixed: npt.NDArray[np.int64], inverse: FloatArray
+) -> tuple[Discrepancy, ...]:
+    """Return the errors of the form; `inverse` is of the curvature of the unfixed coefficients."""
+    whole = np.zeros((len(problem.free), len(problem.free)))
+    whole[np.ix_(unfixed, unfixed)] = inverse
+    return discrepancies(problem, x, whole)
 
 
 def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -9,8 +9,7 @@ from tirefmu.boundary.errors import FmuError, UnknownName
 from tirefmu.symbolic.added.state import State, rate_unit
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.model.extension import acting_name
-from tirefmu.symbolic.quantities import ACTED_ON, KAPPA_LAGGED, TAN_ALPHA_LAGGED
+from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from tirefmu.symbolic.wheel.quantities import SPIN
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
@@ -202,14 +201,14 @@ def interface(
 def _memory_state(tire: Tire, name: str) -> Variable:
     """Return the state of an effect: in equilibrium at the start, or at a value that the host can set.
 
-    A temperature is an output.
+    An observed state is an output.
     """
     state = tire.symbolic_model.states[name]
     start = None
     if state.has_start_value or not state.settles:
         start = float(quantities_of(tire, {})[f"{name}_start"])
     what = state.description or f"state {name}"
-    causality, typical = ("output", 300.0) if state.is_temperature else ("local", 1.0)
+    causality, typical = ("output", 300.0) if state.observed else ("local", 1.0)
     return Variable(name, causality, state.unit, what, start=start, nominal=typical, group="state")
 
 
@@ -267,11 +266,9 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     named = model.structure.quantities
     own = hub_outputs(inputs == "hub-torque") if inputs in HUB else []
     taken = {*model.parameters, *(q.name for q in (*model.inputs, *model.outputs, *(MOTION if wheel else ()), *own))}
-    # Radii and inputs as they act are first: without the other quantities, variables have the same value references.
+    # The radii are first: without the other quantities, variables have the same value references.
     radii = [name for name in map(model.quantity, ("rolling_radius", "loaded_radius")) if name]
-    effects = [effect for effect in model.added if effect.name in tire.has]
-    first = [*radii, *(acting_name(name) for effect in effects for name in effect.acts_on if name in ACTED_ON)]
-    chosen = dict.fromkeys([*first, *named] if quantities else first)
+    chosen = dict.fromkeys([*radii, *named]) if quantities else radii
     found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
                       nominal=1.0, group="extra", source="FRICTION_USE")]  # fmt: skip
     if wheel:

@@ -80,7 +80,7 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
         },
     )
     if fmi == 2:
-        root.set("numberOfEventIndicators", str(sum(map(is_indicator, variables))))
+        root.set("numberOfEventIndicators", str(len(_indicators(variables))))
     if header.model_exchange:
         _append_interface_type(root, "ModelExchange", fmi, header)
     _append_interface_type(root, "CoSimulation", fmi, header)
@@ -91,7 +91,10 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
     for name, meaning in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", {"name": name, "description": meaning})
     ET.SubElement(root, "DefaultExperiment", {"startTime": "0.0", "stopTime": "1.0", "stepSize": "0.001"})
-    _variables_and_structure(root, fmi, variables)
+    if fmi == 2:
+        _variables_and_structure_2(root, variables)
+    else:
+        _variables_and_structure_3(root, variables)
     if header.has_arrays:
         gather(root, variables)
     return xml_bytes(root)
@@ -197,40 +200,71 @@ def _by_group(variables: Sequence[Variable]) -> tuple[list[int], list[int], list
     return outputs, derivatives, computed
 
 
-def _variables_and_structure(root: ET.Element, fmi: int, variables: Sequence[Variable]) -> None:
-    """Append variables and structure: FMI 2 refers to variables by index, from 1, FMI 3 by value reference."""
+def _indicators(variables: Sequence[Variable]) -> list[int]:
+    """Return the value references of the event indicators, of the states along paths."""
+    return [reference for reference, variable in enumerate(variables) if is_indicator(variable)]
+
+
+def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) -> None:
+    """Append variables and structure for FMI 2, where indices start at 1."""
     listed = ET.SubElement(root, "ModelVariables")
-    unseen = ("independent", "hidden") if fmi == 2 else ("hidden",)
+    unseen = ("independent", "hidden")
     seen = [reference for reference, variable in enumerate(variables) if variable.causality not in unseen]
-    places = {reference: str(index if fmi == 2 else reference) for index, reference in enumerate(seen, start=1)}
-    for reference in seen:
+    indices = {reference: index for index, reference in enumerate(seen, start=1)}
+    for reference in indices:
         variable = variables[reference]
-        about = {"name": variable.name, "valueReference": str(reference), "description": variable.description}
-        about |= _character(variable)
-        if fmi == 2:
-            element = ET.SubElement(ET.SubElement(listed, "ScalarVariable", about), "Real", _numbers(variable))
-        else:
-            element = ET.SubElement(listed, "Float64", {**about, **_numbers(variable)})
+        scalar = ET.SubElement(
+            listed,
+            "ScalarVariable",
+            {
+                "name": variable.name,
+                "valueReference": str(reference),
+                "description": variable.description,
+                **_character(variable),
+            },
+        )
+        real = ET.SubElement(scalar, "Real", _numbers(variable))
         if variable.derivative_of is not None:
-            element.set("derivative", places[variable.derivative_of])
+            real.set("derivative", str(indices[variable.derivative_of]))
     structure = ET.SubElement(root, "ModelStructure")
-    indicators = [reference for reference, variable in enumerate(variables) if is_indicator(variable)]
-    names = ("Output", "ContinuousStateDerivative", "InitialUnknown", "EventIndicator")
-    groups = dict(zip(names, (*_by_group(variables), indicators), strict=True))
+    outputs, derivatives, computed = _by_group(variables)
+    for name, references in (("Outputs", outputs), ("Derivatives", derivatives)):
+        element = ET.SubElement(structure, name) if references else structure
+        for reference in references:
+            known = " ".join(str(indices[depends]) for depends in variables[reference].depends)
+            ET.SubElement(element, "Unknown", {"index": str(indices[reference]), "dependencies": known})
+    unknowns = ET.SubElement(structure, "InitialUnknowns")
+    for reference in computed:
+        # Without a list of dependencies: dependent on all inputs and parameters.
+        ET.SubElement(unknowns, "Unknown", {"index": str(indices[reference])})
 
-    def unknown(parent: ET.Element, name: str, key: str, group: str, reference: int) -> None:
-        """Append an unknown; without a list of dependencies it depends on all inputs and parameters."""
-        depends = [places[cause] for cause in variables[reference].depends]
-        listed = {"dependencies": " ".join(depends)} if group in names[:2] else {}
-        ET.SubElement(parent, name, {key: places[reference], **listed})
 
-    if fmi == 3:
-        for group, references in groups.items():
-            for reference in references:
-                unknown(structure, group, "valueReference", group, reference)
-        return
-    plural = {"Output": "Outputs", "ContinuousStateDerivative": "Derivatives", "InitialUnknown": "InitialUnknowns"}
-    for group in (group for group in plural if groups[group]):
-        element = ET.SubElement(structure, plural[group])
-        for reference in groups[group]:
-            unknown(element, "Unknown", "index", group, reference)
+def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) -> None:
+    """Append variables and structure for FMI 3, which refers to variables by value reference."""
+    listed = ET.SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(variables):
+        if variable.causality == "hidden":
+            continue
+        element = ET.SubElement(
+            listed,
+            "Float64",
+            {
+                "name": variable.name,
+                "valueReference": str(reference),
+                "description": variable.description,
+                **_character(variable),
+                **_numbers(variable),
+            },
+        )
+        if variable.derivative_of is not None:
+            element.set("derivative", str(variable.derivative_of))
+    structure = ET.SubElement(root, "ModelStructure")
+    outputs, derivatives, computed = _by_group(variables)
+    for name, references in (("Output", outputs), ("ContinuousStateDerivative", derivatives)):
+        for reference in references:
+            known = " ".join(map(str, variables[reference].depends))
+            ET.SubElement(structure, name, {"valueReference": str(reference), "dependencies": known})
+    for reference in computed:
+        ET.SubElement(structure, "InitialUnknown", {"valueReference": str(reference)})
+    for reference in _indicators(variables):
+        ET.SubElement(structure, "EventIndicator", {"valueReference": str(reference)})

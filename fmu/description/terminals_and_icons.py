@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import struct
 import xml.etree.ElementTree as ET
+import zlib
 from collections.abc import Sequence
-from importlib.resources import files
+from functools import cache
 
 from tirefmu.symbolic.wheel import quantities as hub
 
 from .hub_variables import BRAKE, TORQUES
 from .model_description import xml_bytes
 from .variables import Variable
+
+#: Edge of the icon in pixels, and the rings of the wheel in it as shares of half the edge: outer radius and colour.
+SIZE = 64
+RINGS = ((0.97, (30, 30, 34)), (0.62, (176, 182, 190)), (0.52, (236, 238, 241)), (0.17, (110, 116, 124)))
 
 #: The terminals of the inputs and outputs that are not in `HUB_TERMINALS`, by causality.
 TERMINALS = {"input": "wheel", "output": "contact"}
@@ -33,10 +39,40 @@ def pictures(fmi: int, variables: Sequence[Variable]) -> dict[str, bytes]:
     >>> sorted(pictures(2, ())), sorted(pictures(3, ()))
     (['model.png'], ['terminalsAndIcons/icon.png', 'terminalsAndIcons/terminalsAndIcons.xml'])
     """
-    icon = (files(__package__) / "icon.png").read_bytes()
     if fmi == 2:
-        return {"model.png": icon}
-    return {"terminalsAndIcons/icon.png": icon, "terminalsAndIcons/terminalsAndIcons.xml": terminals(variables)}
+        return {"model.png": icon()}
+    return {"terminalsAndIcons/icon.png": icon(), "terminalsAndIcons/terminalsAndIcons.xml": terminals(variables)}
+
+
+@cache
+def icon() -> bytes:
+    r"""Return a wheel as a PNG file, with a transparent background.
+
+    Source: W3C, Portable Network Graphics (PNG) Specification, third edition.
+
+    >>> icon()[:8]
+    b'\x89PNG\r\n\x1a\n'
+    """
+    middle = (SIZE - 1) / 2
+    rows = []
+    for y in range(SIZE):
+        pixels = [_pixel(((x - middle) ** 2 + (y - middle) ** 2) / (SIZE / 2) ** 2) for x in range(SIZE)]
+        rows.append(b"\0" + b"".join(pixels))  # 0: no filter
+    parts = (
+        (b"IHDR", struct.pack(">IIBBBBB", SIZE, SIZE, 8, 6, 0, 0, 0)),
+        (b"IDAT", zlib.compress(b"".join(rows), 9)),
+        (b"IEND", b""),
+    )
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+        for name, content in parts
+    )
+
+
+def _pixel(radius_squared: float) -> bytes:
+    """Return red, green, blue and opacity at a distance from the hub."""
+    inside = [colour for radius, colour in RINGS if radius_squared <= radius**2]
+    return bytes((*inside[-1], 255)) if inside else bytes(4)
 
 
 def terminals(variables: Sequence[Variable]) -> bytes:

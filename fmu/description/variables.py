@@ -10,8 +10,8 @@ from math import inf, isfinite
 from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Coefficient, Option, Quantity
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.options import signs
+from tirefmu.symbolic.quantities import BEYOND
 from tirefmu.tires import Tire
 
 
@@ -133,9 +133,8 @@ def read_inputs(tire: Tire) -> set[str]:
     ['phit']
     """
     reached = tire.symbolic_model.reached({*tire.outputs, *map(tire.symbolic_model.quantity, LENGTHS)}, tire.has)
-    own = {quantity.name for quantity in model_named(tire.model).inputs}
-    unread = {name for effect, name in tire.symbolic_model.on_demand if effect not in tire.has}
-    return {name for name in tire.inputs if name in own | reached} - unread
+    idle = {name for name in BEYOND if name not in reached}
+    return set(tire.inputs) - idle - {name for effect, name in tire.symbolic_model.on_demand if effect not in tire.has}
 
 
 def direct_feedthrough(model: Model) -> dict[str, set[str]]:

@@ -39,8 +39,8 @@ FLAGS = (
 SMALL = ("-Os", "-fno-inline")
 RARE = frozenset(
     {
-        "chain_rule.c", "changes.c", "derivatives.c", "events.c", "fmi3_not_offered.c", "hub_derivatives.c",
-        "instance.c", "life_cycle.c", "saved_state.c",
+        "chain_rule.c", "derivatives.c", "events.c", "fmi3_not_offered.c", "hub_derivatives.c", "instance.c",
+        "life_cycle.c", "saved_state.c",
     }
 )  # fmt: skip
 #: The headers that are written for one tire, in a folder of their own; the files that include one of them.

@@ -21,7 +21,7 @@ from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 from tirefmu.tires.roads.opencrg import read_crg
 
 from ..description.arrays import with_arrays
-from ..description.documentation import header_license, index_html, license_of
+from ..description.documentation import LICENSE, header_license, index_html
 from ..description.interface import AXES, HUB, INPUTS, Interface, interface
 from ..description.model_description import Header, model_description, with_token
 from ..description.terminals_and_icons import pictures
@@ -238,7 +238,7 @@ def _described(
     packaged = {
         "modelDescription.xml": description,
         "documentation/index.html": index_html(iso, header, named),
-        "documentation/licenses/license.txt": license_of("tirefmu").encode(),
+        "documentation/licenses/license.txt": LICENSE.encode(),
         "documentation/licenses/fmi-headers.txt": header_license(fmi_headers() / f"fmi{fmi}Functions.h"),
         "resources/tire.tir": _tir(iso),
     }

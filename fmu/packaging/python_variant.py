@@ -15,7 +15,6 @@ from tirefmu.boundary.errors import FmuError
 from tirefmu.tires import Tire
 from tirefmu.tires.code.printed import code_file
 
-from ..description.documentation import license_of
 from ..description.model_description import xml_bytes
 from ..description.variables import Variable
 
@@ -30,10 +29,7 @@ def python_contents(
     description with the capabilities of pythonfmu, its binaries and modules, and the tire's Python files. Raises
     `FmuError` if pythonfmu is not installed.
     """
-    licenses = license_of("pythonfmu")
-    # Not by import: an FMU of this kind that runs in this process imports its own copy of pythonfmu.
-    distribution = importlib.metadata.distribution("pythonfmu")
-    installed = Path(str(distribution.locate_file("pythonfmu")))
+    installed, license_text = _pythonfmu()
     # Python identifies a module by name: two tires in one process need two names.
     slave = f"tire_{re.sub('[^0-9a-f]', '', token)}"
     summary = {"model": tire.model, "variables": [_variable_json(variable) for variable in variables]}
@@ -44,7 +40,7 @@ def python_contents(
     }
     return {
         "modelDescription.xml": _with_capabilities(description),
-        "documentation/licenses/pythonfmu.txt": f"pythonfmu {distribution.version}\n\n{licenses}".encode(),
+        "documentation/licenses/pythonfmu.txt": license_text.encode(),
         "resources/slavemodule.txt": slave.encode(),
         f"resources/{slave}.py": (files("tirefmu.fmu") / "packaging" / "python_slave.py").read_bytes(),
         "resources/state_laws.py": (files("tirefmu.generated") / "numpy" / "state_laws.py").read_bytes(),
@@ -83,3 +79,15 @@ def _with_capabilities(native: bytes) -> bytes:
     # The required tool is Python with NumPy.
     element.attrib.update({**attributes, "needsExecutionTool": "true"})
     return xml_bytes(root)
+
+
+def _pythonfmu() -> tuple[Path, str]:
+    """Return the folder of the installed pythonfmu, and its license."""
+    # Not by import: an FMU of this kind that runs in this process imports its own copy of pythonfmu.
+    try:
+        installed = importlib.metadata.distribution("pythonfmu")
+    except importlib.metadata.PackageNotFoundError as error:
+        raise FmuError("the Python variant of an FMU needs the package pythonfmu: pip install pythonfmu") from error
+    licenses = [path for path in installed.files or () if re.search("licen[sc]e", path.name, re.IGNORECASE)]
+    texts = [path.read_text(encoding="utf-8") for path in licenses]
+    return Path(str(installed.locate_file("pythonfmu"))), "\n".join([f"pythonfmu {installed.version}", "", *texts])

@@ -17,8 +17,8 @@ from .written_headers import model_config, tire_values
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c", "arrays.c")}
 STI = ("sti.c", "sti_entries.c")
 COMMON = (
-    "values.c", "outputs.c", "instance.c", "life_cycle.c", "access.c", "stepping.c", "derivatives.c", "changes.c",
-    "tangents.c", "chain_rule.c", "events.c", "continuous.c", "saved_state.c",
+    "values.c", "outputs.c", "instance.c", "life_cycle.c", "access.c", "stepping.c", "derivatives.c", "tangents.c",
+    "terms.c", "chain_rule.c", "events.c", "continuous.c", "saved_state.c",
 )  # fmt: skip
 #: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.
 _WHEEL = ("wheel_inputs.c", "standstill.c")
@@ -27,7 +27,7 @@ CONTACT = {"slip": ("slip_inputs.c",), "wheel": _WHEEL, "hub": _HUB, "hub-torque
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = (
     "state.h", "outputs.h", "instance.h", "arrays.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h",
-    "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "changes.h", "tangents.h", "chain_rule.h",
+    "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "tangents.h", "terms.h", "chain_rule.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
 STI_HEADER, STI_TIRE = "sti.h", "sti_tire.h"

@@ -17,8 +17,7 @@ from tirefmu.tires.property_file.writing import tir_text
 from ..description.interface import interface
 from ..description.system_structure import Component, parameter_mapping, parameter_set, system_structure
 from ..description.variables import Variable
-from ..simulation.archive import unpacked
-from ..simulation.simulate import read_description
+from ..simulation.connectors import connectors
 from .export import c_identifier, checked_interface, export, fmi_version, write_file, write_zip
 
 #: Names of four tires.
@@ -108,14 +107,10 @@ def export_system(
 
 def _connected(path: Path, fmi: int, tires: Sequence[Component]) -> Component:
     """Return the vehicle of a system with its connections checked: names, causality and units."""
-    with unpacked(path) as folder:
-        described = read_description(path, folder)
-    found = int(described.fmiVersion[0])
+    found, listed = connectors(path)
     if found != fmi:
         raise FmuError(f"{path}: the vehicle is of FMI {found}, the tires are of FMI {fmi}")
     ends = {f"{tire.name}_{variable.name}": variable for tire in tires for variable in tire.connectors}
-    ports = [variable for variable in described.modelVariables if variable.causality in ("input", "output")]
-    listed = [port for port in ports if port.type in ("Real", "Float64")]
     variables = []
     for each in listed:
         tire = ends.get(each.name)
@@ -125,10 +120,10 @@ def _connected(path: Path, fmi: int, tires: Sequence[Component]) -> Component:
             raise FmuError(f"{path}: the tires have no {visible(each.name)[:60]}{hint}")
         if tire and tire.causality == each.causality:
             raise FmuError(f"{path}: {each.name} is an {tire.causality} of the tire and of the vehicle")
-        if tire and each.unit not in (None, "", tire.unit):
+        if tire and each.unit not in ("", tire.unit):
             raise FmuError(f"{path}: {each.name} has the unit {visible(each.unit)[:20]}, that of the tire {tire.unit}")
         unit = tire.unit if tire else ""
-        variables.append(Variable(each.name, each.causality, unit, each.description or ""))
+        variables.append(Variable(each.name, each.causality, unit, each.description))
     if not {each.name for each in listed} & set(ends):
         raise FmuError(
             f"{path}: no input or output of the vehicle is named as one of a tire, such as {next(iter(ends))}"

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from math import inf, isfinite
 
 from tirefmu.boundary.escaping import c_string
-from tirefmu.symbolic.added.state import SPEED, couplings
+from tirefmu.symbolic.added.state import SPEED
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.printers.definitions import comment
 from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES, SPIN
@@ -102,7 +102,6 @@ def model_config(shown: Interface) -> str:
         comment("By extra output, by state."),
         *table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
         *(table("MEMORY_TABLE", _memory(shown)) if shown.memory else ()),
-        *_temperatures(shown),
         *_arrays(shown),
         *table("STATE_NOMINALS", [repr(float(nominal)) for nominal in shown.state_nominals] or ["0.0"]),
     ]
@@ -205,7 +204,6 @@ def _memory(shown: Interface) -> list[str]:
     model, names = shown.tire.symbolic_model, [state.name for state in shown.memory]
     prefix, laws = model.name.upper(), {
         "accumulation": "SUM", "hysteresis": "PATH", "play": "PLAY", "oscillator": "POSITION", SPEED: "VELOCITY",
-        "temperature": "NODE",
     }  # fmt: skip
     entries = []
     for state in shown.memory:
@@ -219,17 +217,6 @@ def _memory(shown: Interface) -> list[str]:
         ]  # fmt: skip
         entries.append(f"{{{', '.join(fields)}}}")
     return entries
-
-
-def _temperatures(shown: Interface) -> Iterable[str]:
-    """Yield the number of temperatures, their indices among the states, and the lines of their exchange of heat."""
-    names, drives = [state.name for state in shown.memory], shown.tire.symbolic_model.drives
-    nodes = [state.name for state in shown.memory if state.is_temperature]
-    yield f"#define N_TEMPERATURES {len(nodes)}"
-    if nodes:
-        lines = {(a, b): str(drives.index(line)) for line, a, b in couplings(shown.memory)}
-        yield from table("TEMPERATURES", [str(names.index(name)) for name in nodes])
-        yield from table("EXCHANGE", [f"{{{', '.join(lines.get((a, b), '-1') for b in nodes)}}}" for a in nodes])
 
 
 def _inputs(shown: Interface) -> Iterable[str]:

@@ -180,22 +180,12 @@ def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
     ...     slave.run(slice(0, 1), np.zeros(1), np.array([[0.02]]), ["alpha"], ["Fz"])
     array([[220.]])
     """
-    with instances(path, 1) as (slave,):
-        yield slave
-
-
-@contextmanager
-def instances(path: str | os.PathLike[str], n: int) -> Iterator[list[Slave]]:
-    """Unpack an FMU and create `n` instances of it in this process, as `loaded` does."""
     with unpacked(path) as folder:
-        description = read_description(path, folder)
-        slaves: list[Slave] = []
         try:
-            for _ in range(n):
-                slaves.append(Slave(description, folder))
-            yield slaves
+            slave = Slave(read_description(path, folder), folder)
+            try:
+                yield slave
+            finally:
+                slave.fmu.freeInstance()
         except Rejected as error:
             raise FmuError(f"{path}: {excerpt(error)}") from error
-        finally:
-            for slave in slaves:
-                slave.fmu.freeInstance()

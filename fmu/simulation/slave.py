@@ -94,19 +94,12 @@ class Slave:
         known = {variable.name: variable.valueReference for variable in self.description.modelVariables}
         return [known[name] for name in names]
 
-    def set_reals(self, references: Sequence[int], values: Sequence[float]) -> None:
-        """Set real variables."""
-        (self.fmu.setFloat64 if self.version_3 else self.fmu.setReal)(references, values)
-
-    def get_reals(self, references: Sequence[int]) -> list[float]:
-        """Return the values of real variables."""
-        return list((self.fmu.getFloat64 if self.version_3 else self.fmu.getReal)(references))
-
     def begin(self, time: float, starts: Mapping[str, float] | None = None) -> None:
         """Reset the instance, set start values of real variables, and initialize it at a time."""
         self.fmu.reset()
         if starts:
-            self.set_reals(self.references(list(starts)), list(starts.values()))
+            set_reals = self.fmu.setFloat64 if self.version_3 else self.fmu.setReal
+            set_reals(self.references(list(starts)), list(starts.values()))
         if self.version_3:
             self.fmu.enterInitializationMode(startTime=time)
         else:

@@ -54,8 +54,6 @@ Status instance_get(Instance *self, const unsigned references[], size_t n, doubl
             }
             if (references[i] >= FIRST_EXTRA)
                 state_compute_extras(&self->state);
-            else if (references[i] >= FIRST_DERIVATIVE)
-                state_compute_rates(&self->state);
         }
         values[i] = self->state.values[references[i]];
     }

@@ -114,3 +114,20 @@ void chain_forward(const double values[N_SLOTS], double tangents[N_SLOTS])
         tangents[FIRST_RESULT + i] = sum;
     }
 }
+
+void chain_backward(const double values[N_SLOTS], double adjoints[N_SLOTS])
+{
+    double by[N_OPERANDS];
+    size_t i, k;
+
+    for (i = N_OPERATIONS; i-- > 0;) {
+        const unsigned short *row = operations[i];
+
+        if (adjoints[FIRST_RESULT + i] == 0.0)
+            continue;
+        partials(row, values, values[FIRST_RESULT + i], by);
+        for (k = 0; k < N_OPERANDS; k++)
+            if (by[k] != 0.0)
+                adjoints[row[FIRST_OPERAND + k]] += by[k] * adjoints[FIRST_RESULT + i];
+    }
+}

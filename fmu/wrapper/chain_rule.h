@@ -18,7 +18,9 @@ unsigned chain_quantity(unsigned i);
 /* Compute the value of every slot. */
 void chain_values(const double inputs[N_INPUTS], const double parameters[N_PARAMETERS], double turning,
                   double values[N_SLOTS]);
-/* From the tangents of the leaves to the tangents of every slot. */
+/* Forward mode: from the tangents of the leaves to the tangents of every slot. */
 void chain_forward(const double values[N_SLOTS], double tangents[N_SLOTS]);
+/* Reverse mode: from weights of slots to the derivatives of the weighted sum by the leaves. */
+void chain_backward(const double values[N_SLOTS], double adjoints[N_SLOTS]);
 
 #endif

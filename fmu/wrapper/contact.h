@@ -32,9 +32,15 @@ typedef struct {
     double motion[N_MOTION];
 } Tangent;
 
+/* The rolling radius at the given angular speed of the wheel, m, and its derivatives by the leaves of chain_rule.h. */
+typedef struct {
+    double length, by[N_LEAVES];
+} Radius;
+
 /* Whether contact_differentiate is valid here: no correction of standstill is active. */
 int contact_is_smooth(const State *state);
-/* Compute `given`, and the speed and sliding of `motion`, for seeds in the model's signs by value reference. */
-void contact_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent);
+/* Compute `given`, and the speed and sliding of `motion`, for seeds in the model's signs by value reference.  Slip
+   inputs need no radius. */
+void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent);
 
 #endif

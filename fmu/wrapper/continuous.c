@@ -56,7 +56,7 @@ static Status copy_shown(Instance *self, size_t first, double shown[], size_t n,
         return STATUS_ERROR;
     if (self->state.mode == INSTANTIATED)
         return instance_refuse(self, STATUS_ERROR, "there are no %s while instantiated", what);
-    state_compute_rates(&self->state);
+    state_compute_outputs(&self->state);
     for (i = 0; i < n; i++)
         shown[i] = self->state.values[first == FIRST_STATE ? reference_of(i) : first + i];
     return instance_expect_finite(self, shown, n, what);

@@ -226,15 +226,27 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
 
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) { return (fmi2Status) instance_set_time(c, time); }
 
-/* Functions of an array of states, derivatives or indicators. */
-#define ARRAY(Function, Number, call)                                     \
-    fmi2Status fmi2##Function(fmi2Component c, Number values[], size_t n) \
-    {                                                                     \
-        return (fmi2Status) call(c, values, n);                           \
-    }
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx)
+{
+    return (fmi2Status) instance_set_states(c, x, nx);
+}
 
-ARRAY(SetContinuousStates, const fmi2Real, instance_set_states)
-ARRAY(GetDerivatives, fmi2Real, instance_get_rates)
-ARRAY(GetEventIndicators, fmi2Real, instance_get_indicators)
-ARRAY(GetContinuousStates, fmi2Real, instance_get_states)
-ARRAY(GetNominalsOfContinuousStates, fmi2Real, instance_get_nominals)
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx)
+{
+    return (fmi2Status) instance_get_rates(c, derivatives, nx);
+}
+
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni)
+{
+    return (fmi2Status) instance_get_indicators(c, eventIndicators, ni);
+}
+
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx)
+{
+    return (fmi2Status) instance_get_states(c, x, nx);
+}
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx)
+{
+    return (fmi2Status) instance_get_nominals(c, x_nominal, nx);
+}

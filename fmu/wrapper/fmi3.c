@@ -303,18 +303,34 @@ fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
     return (fmi3Status) instance_set_time(instance, time);
 }
 
-/* Functions of an array of states, derivatives or indicators. */
-#define ARRAY(Function, Number, call)                                           \
-    fmi3Status fmi3##Function(fmi3Instance instance, Number values[], size_t n) \
-    {                                                                           \
-        return (fmi3Status) call(instance, values, n);                          \
-    }
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates)
+{
+    return (fmi3Status) instance_set_states(instance, continuousStates, nContinuousStates);
+}
 
-ARRAY(SetContinuousStates, const fmi3Float64, instance_set_states)
-ARRAY(GetContinuousStateDerivatives, fmi3Float64, instance_get_rates)
-ARRAY(GetEventIndicators, fmi3Float64, instance_get_indicators)
-ARRAY(GetContinuousStates, fmi3Float64, instance_get_states)
-ARRAY(GetNominalsOfContinuousStates, fmi3Float64, instance_get_nominals)
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
+                                             size_t nContinuousStates)
+{
+    return (fmi3Status) instance_get_rates(instance, derivatives, nContinuousStates);
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators)
+{
+    return (fmi3Status) instance_get_indicators(instance, eventIndicators, nEventIndicators);
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates)
+{
+    return (fmi3Status) instance_get_states(instance, continuousStates, nContinuousStates);
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
+                                             size_t nContinuousStates)
+{
+    return (fmi3Status) instance_get_nominals(instance, nominals, nContinuousStates);
+}
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
 {

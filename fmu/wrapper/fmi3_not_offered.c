@@ -8,42 +8,94 @@
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 
-#define NOT_OFFERED(function, ...)                                     \
-    fmi3Status function(__VA_ARGS__)                                   \
-    {                                                                  \
-        return (fmi3Status) instance_unsupported(instance, #function); \
-    }
-/* Accepted for no clocks. */
-#define OF_CLOCKS(function, ...)                                                                                     \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences, \
-                        __VA_ARGS__)                                                                                 \
-    {                                                                                                                \
-        return (fmi3Status) instance_lacks_type(instance, nValueReferences, "Clock");                                \
-    }
+#define UNSUPPORTED(function) return (fmi3Status) instance_unsupported(instance, #function)
+#define LACKS(type) return (fmi3Status) instance_lacks_type(instance, nValueReferences, type)
 
 /* ---------------------------------------------------------------- dependencies, structure */
 
-NOT_OFFERED(fmi3GetNumberOfVariableDependencies, fmi3Instance instance, fmi3ValueReference valueReference,
-            size_t *nDependencies)
-NOT_OFFERED(fmi3GetVariableDependencies, fmi3Instance instance, fmi3ValueReference dependent,
-            size_t elementIndicesOfDependent[], fmi3ValueReference independents[],
-            size_t elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[], size_t nDependencies)
-NOT_OFFERED(fmi3EnterConfigurationMode, fmi3Instance instance)
-NOT_OFFERED(fmi3ExitConfigurationMode, fmi3Instance instance)
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference valueReference,
+                                               size_t *nDependencies)
+{
+    UNSUPPORTED(fmi3GetNumberOfVariableDependencies);
+}
+
+fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
+                                       size_t elementIndicesOfDependent[], fmi3ValueReference independents[],
+                                       size_t elementIndicesOfIndependents[],
+                                       fmi3DependencyKind dependencyKinds[], size_t nDependencies)
+{
+    UNSUPPORTED(fmi3GetVariableDependencies);
+}
+
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) { UNSUPPORTED(fmi3EnterConfigurationMode); }
+
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) { UNSUPPORTED(fmi3ExitConfigurationMode); }
 
 /* ---------------------------------------------------------------- clocks and events */
 
-OF_CLOCKS(fmi3GetIntervalDecimal, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
-OF_CLOCKS(fmi3GetIntervalFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
-OF_CLOCKS(fmi3GetShiftDecimal, fmi3Float64 shifts[])
-OF_CLOCKS(fmi3GetShiftFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
-OF_CLOCKS(fmi3SetIntervalDecimal, const fmi3Float64 intervals[])
-OF_CLOCKS(fmi3SetIntervalFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-OF_CLOCKS(fmi3SetShiftDecimal, const fmi3Float64 shifts[])
-OF_CLOCKS(fmi3SetShiftFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                  size_t nValueReferences, fmi3Float64 intervals[],
+                                  fmi3IntervalQualifier qualifiers[])
+{
+    LACKS("Clock");
+}
 
-NOT_OFFERED(fmi3EvaluateDiscreteStates, fmi3Instance instance)
-NOT_OFFERED(fmi3GetOutputDerivatives, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-            size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
-NOT_OFFERED(fmi3ActivateModelPartition, fmi3Instance instance, fmi3ValueReference clockReference,
-            fmi3Float64 activationTime)
+fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                   size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+                                   fmi3IntervalQualifier qualifiers[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                               size_t nValueReferences, fmi3Float64 shifts[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                  size_t nValueReferences, const fmi3Float64 intervals[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                   size_t nValueReferences, const fmi3UInt64 counters[],
+                                   const fmi3UInt64 resolutions[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                               size_t nValueReferences, const fmi3Float64 shifts[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                size_t nValueReferences, const fmi3UInt64 counters[],
+                                const fmi3UInt64 resolutions[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) { UNSUPPORTED(fmi3EvaluateDiscreteStates); }
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                                    size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
+                                    size_t nValues)
+{
+    UNSUPPORTED(fmi3GetOutputDerivatives);
+}
+
+fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clockReference,
+                                      fmi3Float64 activationTime)
+{
+    UNSUPPORTED(fmi3ActivateModelPartition);
+}

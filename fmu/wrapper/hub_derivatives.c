@@ -16,10 +16,18 @@ static double parameter(const State *state, size_t i) { return state->values[FIR
 /* The change of the model's loaded radius. */
 static double radius_change(State *state, const double seeds[N_VALUES])
 {
-    Changes changes;
+    double values[N_SLOTS], tangents[N_SLOTS];
+    Tangent tangent = {0};
+    Radius radius;
 
-    changes_at_contact(&changes, state, seeds);
-    return change_of_slot(&changes, ACTING, chain_quantity(LOADED_RADIUS));
+    tangent_find_radius(state, &radius);
+    tangent_find(state, seeds, &radius, &tangent);
+    tangent_find_values(state, ACTING, values);
+    memcpy(tangents, tangent.acting, N_INPUTS * sizeof *tangents);
+    memcpy(tangents + FIRST_PARAMETER_LEAF, seeds + FIRST_PARAMETER, N_PARAMETERS * sizeof *seeds);
+    tangents[TURNING_LEAF] = 0.0;
+    chain_forward(values, tangents);
+    return tangents[chain_quantity(LOADED_RADIUS)];
 }
 
 /* By the theorem of implicit functions: the loaded radius under the spring's load is the given one. */

@@ -3,8 +3,7 @@
  * Direct states and hystereses along lags have exact updates.  A state that is driven by forces is integrated in steps
  * that grow with the time since the inputs have changed: the drive is a parabola through start, middle and end of a
  * step, and the values there are found by iteration, as in tirefmu's evaluation of a table.  A step whose values are not
- * found is halved.  Temperatures change slowly: forces at the middle of the whole step, with the temperatures of its
- * start, heat the tire, and the nodes exchange heat exactly.  model_config.h has FIRST_STEP (as a share of the shortest time constant), GROWTH (the ratio of a step
+ * found is halved.  model_config.h has FIRST_STEP (as a share of the shortest time constant), GROWTH (the ratio of a step
  * to the one before) and the limits of the iteration.
  */
 #include "memory.h"
@@ -21,7 +20,7 @@
 /* By state: the index of its input, its first line in the results of `drives`, its kind, whether it is direct, whether
    it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities.  The speed of an
    oscillator is the state behind its position; both are direct. */
-typedef enum { BALANCE, SUM, PATH, PLAY, POSITION, VELOCITY, NODE } Law;
+typedef enum { BALANCE, SUM, PATH, PLAY, POSITION, VELOCITY } Law;
 typedef struct {
     int input, line;
     Law law;
@@ -42,7 +41,7 @@ unsigned memory_event(size_t i) { return (unsigned) TABLE[i].event; }
 
 int memory_input(size_t i) { return TABLE[i].input; }
 
-static int is_driven(size_t i) { return !memory_is_direct(i) && TABLE[i].law != NODE; }
+static int is_driven(size_t i) { return !memory_is_direct(i); }
 
 static int settles(size_t i) { return TABLE[i].law != SUM && !memory_is_path(i); }
 
@@ -160,7 +159,7 @@ static int step_driven(State *state, double inputs[3][N_INPUTS], double memory[3
     int moving = 1, found = 1;
 
     for (i = 0; i < N_MEMORY; i++)
-        if (!memory_is_direct(i)) /* temperatures have their values at the start of the whole step */
+        if (is_driven(i))
             memory[1][i] = memory[2][i] = memory[0][i];
     put(memory[0], inputs[0]);
     find_lines(state, inputs[0], lines[0]);
@@ -242,117 +241,18 @@ static double fastest(const State *state, const double lines[])
     return found;
 }
 
-/* The states that are no temperatures, and the lagged slips; `given` has the inputs, `lines` the lines there. */
-static void advance_others(State *state, const double lines[N_DRIVES], double h)
+void memory_advance(State *state, double h)
 {
-    double first[N_MEMORY], begin = 0.0, end = 0.0, size = FIRST_STEP / fastest(state, lines);
+    double given[N_INPUTS], lines[N_DRIVES], first[N_MEMORY], begin = 0.0, end = 0.0, size;
 
+    memcpy(given, state->contact.inputs, sizeof given);
+    find_lines(state, given, lines);
     memcpy(first, state->continuous.memory, sizeof first);
+    size = FIRST_STEP / fastest(state, lines);
     for (; end < h; size *= GROWTH, begin = end) {
         end = size < h - begin ? begin + size : h; /* also for an infinite size */
         advance_part(state, lines, first, begin, end, 0, state->continuous.memory);
     }
-}
-
-#if N_TEMPERATURES > 0
-enum { N_NODES = N_TEMPERATURES };
-/* More heat than this is not exchanged in a step, as a multiple of the stored heat: the temperatures are NaN. */
-#define MAX_EXCHANGE 1e6
-#define REMAINDER 1e-17
-
-static const int NODES[N_NODES] = TEMPERATURES, LINES[N_NODES][N_NODES] = EXCHANGE;
-
-/* result = x + share matrix y */
-static void apply(double matrix[N_NODES][N_NODES], const double y[N_NODES], double share, const double x[N_NODES],
-                  double result[N_NODES])
-{
-    size_t i, j;
-
-    for (i = 0; i < N_NODES; i++) {
-        double sum = 0.0;
-        for (j = 0; j < N_NODES; j++)
-            sum += matrix[i][j] * y[j];
-        result[i] = x[i] + share * sum;
-    }
-}
-
-/* The temperatures after h seconds of x' = A x + b, where `lines` give A and b: x grows by (exp(A h) - 1)/(A h) x' h, a
-   series in parts of the step in which the norm of A h is at most 1/2. */
-static void exchange_heat(const double lines[N_DRIVES], double h, double memory[N_MEMORY])
-{
-    double matrix[N_NODES][N_NODES], flow[N_NODES], sum[N_NODES], next[N_NODES], size = 0.0, parts, bound;
-    size_t i, j;
-    int k, terms = 1;
-
-    for (i = 0; i < N_NODES; i++) {
-        const size_t node = (size_t) NODES[i];
-        double row = 0.0;
-        for (j = 0; j < N_NODES; j++) {
-            matrix[i][j] = h * (i == j ? -rate(lines, node) : LINES[i][j] < 0 ? 0.0 : lines[LINES[i][j]]);
-            row += fabs(matrix[i][j]);
-        }
-        flow[i] = h * rate(lines, node) * (target(lines, node) - memory[node]);
-        size = row > size ? row : size;
-    }
-    if (!(size < MAX_EXCHANGE)) {
-        for (i = 0; i < N_NODES; i++)
-            memory[NODES[i]] = NAN;
-        return;
-    }
-    parts = fmax(1.0, ceil(2.0 * size));
-    for (i = 0; i < N_NODES; i++) {
-        flow[i] /= parts;
-        for (j = 0; j < N_NODES; j++)
-            matrix[i][j] /= parts;
-    }
-    for (bound = size / parts; bound > REMAINDER; bound *= size / parts / terms)
-        terms++;
-    for (; parts > 0.0; parts--) {
-        memcpy(sum, flow, sizeof sum);
-        for (k = terms; k > 1; k--) {
-            apply(matrix, sum, 1.0 / k, flow, next);
-            memcpy(sum, next, sizeof sum);
-        }
-        for (i = 0; i < N_NODES; i++)
-            memory[NODES[i]] += sum[i];
-        apply(matrix, sum, 1.0, flow, next);
-        memcpy(flow, next, sizeof flow);
-    }
-}
-#endif
-
-/* Temperatures from the forces at the middle of the step, then the other states and the slips from its start. */
-void memory_advance(State *state, double h)
-{
-    double lines[N_DRIVES];
-    const int others = N_MEMORY > N_TEMPERATURES;
-#if N_TEMPERATURES > 0
-    double middle[N_INPUTS], values[N_MEMORY], warmed[N_MEMORY];
-    const Continuous start = state->continuous;
-    size_t i;
-
-    memcpy(values, start.memory, sizeof values);
-    memcpy(warmed, start.memory, sizeof warmed);
-    slips_advance(state, 0.5 * h);
-    slips_acting(state, middle);
-    slips_advance(state, 0.5 * h);
-    if (others) {
-        find_lines(state, state->contact.inputs, lines);
-        follow_inputs(lines, start.memory, 0.5 * h, values);
-        state->continuous = start;
-    }
-    put(values, middle);
-    find_lines(state, middle, lines);
-    exchange_heat(lines, h, warmed);
-#endif
-    if (others) {
-        find_lines(state, state->contact.inputs, lines);
-        advance_others(state, lines, h);
-    }
-#if N_TEMPERATURES > 0
-    for (i = 0; i < N_NODES; i++)
-        state->continuous.memory[NODES[i]] = warmed[NODES[i]];
-#endif
 }
 
 /* ---------------------------------------------------------------- derivatives */
@@ -369,7 +269,7 @@ void memory_rates(const State *state, double rates[N_MEMORY], double events[N_ME
     find_lines(state, given, at_given);
     find_lines(state, acting, at_acting);
     for (i = 0; i < N_MEMORY; i++) {
-        const double *lines = memory_is_direct(i) ? at_given : at_acting;
+        const double *lines = is_driven(i) ? at_acting : at_given;
         const double u = target(lines, i), r = rate(lines, i), x = given[TABLE[i].input];
 
         events[i] = TABLE[i].law == PATH ? u : 0.0;

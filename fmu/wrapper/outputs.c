@@ -26,19 +26,20 @@ void state_find_contact(State *state)
 
 #if N_MEMORY > 0
 /* Before the end of initialization a state is in equilibrium, or has its start value. */
-static void show_memory(State *state, double states[])
+static void show_memory(State *state, double states[], double rates[])
 {
-    double inputs[N_INPUTS];
+    double inputs[N_INPUTS], events[N_MEMORY];
     size_t i;
 
     memcpy(inputs, state->contact.inputs, sizeof inputs);
     memory_fill(state, inputs);
     for (i = 0; i < N_MEMORY; i++)
         states[i] = inputs[memory_input(i)];
+    memory_rates(state, rates, events);
 }
 #endif
 
-/* Write the states and the derivatives of slips and distance to the values, in the host's signs. */
+/* Write the states and their derivatives to the values, in the host's signs. */
 static void show_states(State *state)
 {
 #if N_STATES > 0
@@ -47,7 +48,7 @@ static void show_states(State *state)
 
     slips_show(state, states, rates);
 #if N_MEMORY > 0
-    show_memory(state, states + FIRST_MEMORY - FIRST_STATE);
+    show_memory(state, states + FIRST_MEMORY - FIRST_STATE, rates + FIRST_MEMORY - FIRST_STATE);
 #endif
 #ifdef DISTANCE
     states[N_STATES - 1] = state->continuous.distance;
@@ -83,24 +84,6 @@ void state_compute_outputs(State *state)
 #endif
     show_states(state);
     state->known = OUTPUTS_KNOWN;
-}
-
-void state_compute_rates(State *state)
-{
-#if N_MEMORY > 0
-    double *rates = state->values + FIRST_DERIVATIVE + FIRST_MEMORY - FIRST_STATE, events[N_MEMORY];
-    size_t i;
-#endif
-
-    state_compute_outputs(state);
-    if (state->known >= RATES_KNOWN)
-        return;
-#if N_MEMORY > 0
-    memory_rates(state, rates, events);
-    for (i = 0; i < N_MEMORY; i++)
-        rates[i] *= value_direction((unsigned) (FIRST_DERIVATIVE + FIRST_MEMORY - FIRST_STATE + i));
-#endif
-    state->known = RATES_KNOWN;
 }
 
 static double share(double force, double limit) { return limit != 0.0 ? force / limit : 0.0; }
@@ -144,7 +127,7 @@ void state_compute_extras(State *state)
     double rates[N_MEMORY + 1], events[N_MEMORY + 1] = {0.0};
     size_t i;
 
-    state_compute_rates(state);
+    state_compute_outputs(state);
     if (state->known >= EXTRAS_KNOWN)
         return;
     slips_acting(state, inputs);

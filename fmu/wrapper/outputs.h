@@ -6,10 +6,8 @@
 
 /* Compute the load, the contact and the relaxation lengths. */
 void state_find_contact(State *state);
-/* Direct feedthrough: the forces, and the states as the host reads them. */
+/* Direct feedthrough: the forces, the states as the host reads them, and their derivatives. */
 void state_compute_outputs(State *state);
-/* The derivatives of the states of effects need their lines, which are computed only if the host reads one of them. */
-void state_compute_rates(State *state);
 /* The extra outputs need the model's named quantities, which are computed only if the host reads one of them. */
 void state_compute_extras(State *state);
 /* Integrate the states of slips and effects over h seconds with constant inputs. */

@@ -38,11 +38,12 @@ int contact_is_smooth(const State *state)
     return 1;
 }
 
-void contact_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent)
+void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
 {
     size_t i;
 
     (void) state;
+    (void) radius;
     memset(tangent->motion, 0, sizeof tangent->motion);
     for (i = 0; i < N_INPUTS; i++)
         tangent->given[i] = HOST_INDEX[i] < 0 ? 0.0 : seeds[FIRST_INPUT + (size_t) HOST_INDEX[i]];

@@ -116,7 +116,7 @@ typedef struct {
 } Continuous;
 
 /* How far values are computed for the present inputs, parameters, states and mode; each needs the ones before it. */
-typedef enum { NOTHING, LOAD_KNOWN, CONTACT_KNOWN, OUTPUTS_KNOWN, RATES_KNOWN, EXTRAS_KNOWN } Known;
+typedef enum { NOTHING, LOAD_KNOWN, CONTACT_KNOWN, OUTPUTS_KNOWN, EXTRAS_KNOWN } Known;
 
 /* Everything that changes in an instance: a copy is a saved state, the bytes a serialized one.  The road is that of the
    instance, also after a state has been restored. */

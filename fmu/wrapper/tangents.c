@@ -1,4 +1,4 @@
-/* The changes of the model's slots.  See tangents.h. */
+/* Tangents of the model's inputs, and the values of its operations.  See tangents.h. */
 #include "tangents.h"
 
 #include "chain_rule.h"
@@ -7,44 +7,42 @@
 
 #include <string.h>
 
-void changes_at_contact(Changes *changes, State *state, const double seeds[N_VALUES])
+void tangent_find_values(State *state, Point point, double values[N_SLOTS])
 {
-    Tangent *tangent = &changes->tangent;
+    double inputs[N_INPUTS];
 
-    changes->state = state;
-    changes->seeds = seeds;
-    memset(changes->known, 0, sizeof changes->known);
-    contact_differentiate(state, seeds, tangent);
+    if (point == ACTING)
+        slips_acting(state, inputs);
+    else
+        memcpy(inputs, state->contact.inputs, sizeof inputs);
+    if (point != GIVEN)
+        memory_fill(state, inputs);
+    chain_values(inputs, model_parameters(state), 0.0, values);
+}
+
+void tangent_find_radius(const State *state, Radius *radius)
+{
+#if WHEEL
+    double values[N_SLOTS], adjoints[N_SLOTS] = {0.0};
+
+    chain_values(state->contact.inputs, model_parameters(state),
+                 host_value(state, FIRST_INPUT + HOST_TURNING), values);
+    adjoints[ROLLING_RADIUS] = 1.0;
+    chain_backward(values, adjoints);
+    radius->length = values[ROLLING_RADIUS];
+    memcpy(radius->by, adjoints, sizeof radius->by);
+#else
+    (void) state;
+    memset(radius, 0, sizeof *radius);
+#endif
+}
+
+void tangent_find(State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
+{
+    contact_differentiate(state, seeds, radius, tangent);
     slips_differentiate(state, seeds, tangent);
     memcpy(tangent->direct, tangent->given, sizeof tangent->direct);
 #if N_MEMORY > 0
     memory_differentiate(state, seeds, tangent);
 #endif
-}
-
-static void find_slots(Changes *changes, Point point)
-{
-    const Tangent *tangent = &changes->tangent;
-    const double *moved = point == GIVEN ? tangent->given : point == DIRECT ? tangent->direct : tangent->acting;
-    double inputs[N_INPUTS], values[N_SLOTS], *slots = changes->slots[point];
-
-    if (point == ACTING)
-        slips_acting(changes->state, inputs);
-    else
-        memcpy(inputs, changes->state->contact.inputs, sizeof inputs);
-    if (point != GIVEN)
-        memory_fill(changes->state, inputs);
-    chain_values(inputs, model_parameters(changes->state), 0.0, values);
-    memcpy(slots, moved, N_INPUTS * sizeof *moved);
-    memcpy(slots + FIRST_PARAMETER_LEAF, changes->seeds + FIRST_PARAMETER, N_PARAMETERS * sizeof *slots);
-    slots[TURNING_LEAF] = 0.0;
-    chain_forward(values, slots);
-    changes->known[point] = 1;
-}
-
-double change_of_slot(Changes *changes, Point point, unsigned slot)
-{
-    if (!changes->known[point])
-        find_slots(changes, point);
-    return changes->slots[point][slot];
 }

@@ -16,7 +16,6 @@
 #include "standstill.h"
 
 #include <math.h>
-#include <string.h>
 
 #define PI 3.14159265358979323846
 #define STANDSTILL_SPEED 1e-12
@@ -135,29 +134,14 @@ int contact_is_smooth(const State *state)
            state->contact.speed >= LIMIT_END * standstill_speed(state) && state->contact.speed >= LOWEST_SPEED;
 }
 
-/* The rolling radius at the given angular speed of the wheel, m, and its change for changes of the model's inputs. */
-static double rolling_radius_change(const State *state, const double seeds[N_VALUES], const double given[N_INPUTS],
-                                    double *radius)
-{
-    double values[N_SLOTS], tangents[N_SLOTS];
-
-    chain_values(state->contact.inputs, model_parameters(state), host_value(state, FIRST_INPUT + HOST_TURNING), values);
-    memcpy(tangents, given, N_INPUTS * sizeof *given);
-    memcpy(tangents + FIRST_PARAMETER_LEAF, seeds + FIRST_PARAMETER, N_PARAMETERS * sizeof *seeds);
-    tangents[TURNING_LEAF] = seeds[FIRST_INPUT + HOST_TURNING];
-    chain_forward(values, tangents);
-    *radius = values[ROLLING_RADIUS];
-    return tangents[ROLLING_RADIUS];
-}
-
-void contact_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent)
+void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
 {
     const Contact *contact = &state->contact;
     const double *moved = seeds + FIRST_INPUT;
     const double speed = contact->speed, turning = host_value(state, FIRST_INPUT + HOST_TURNING);
     const double by_speed = host_value(state, FIRST_INPUT + HOST_SPEED) < 0.0 ? -1.0 : 1.0;
     double *given = tangent->given, *sliding = tangent->motion + SLIDING, slip[N_SLIPS];
-    double radius, radius_moved;
+    double radius_moved = radius->by[TURNING_LEAF] * moved[HOST_TURNING];
     size_t i;
 
     for (i = 0; i < N_INPUTS; i++)
@@ -168,9 +152,12 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], Tan
 #ifdef SPEED
     given[SPEED] = contact->frame * moved[HOST_SPEED];
 #endif
-    radius_moved = rolling_radius_change(state, seeds, given, &radius);
+    for (i = 0; i < N_INPUTS; i++)
+        radius_moved += radius->by[i] * given[i];
+    for (i = 0; i < N_PARAMETERS; i++)
+        radius_moved += radius->by[FIRST_PARAMETER_LEAF + i] * seeds[FIRST_PARAMETER + i];
     tangent->motion[ROLLING] = by_speed * moved[HOST_SPEED];
-    sliding[LONGITUDINAL] = turning * radius_moved + radius * moved[HOST_TURNING] - moved[HOST_SPEED];
+    sliding[LONGITUDINAL] = turning * radius_moved + radius->length * moved[HOST_TURNING] - moved[HOST_SPEED];
     sliding[LATERAL] = moved[HOST_SIDEWAYS];
     tangent->motion[YAWING] = 0.0;
     for (i = 0; i < N_SLIPS; i++)

@@ -8,23 +8,20 @@
 #include <stdint.h>
 #include <string.h>
 
-#define WIDE 1
 #define N_INPUTS BRUSH_N_INPUTS
 #define N_RESULTS 3
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
+/* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
 
-/* Numbers of a vector: two in code for one row at a time; in kernels (WIDE) as many as fit into a register. */
+   Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
+   the polynomials are tirefmu's own: those of tangent and arcus tangent have the least maximum of the relative error
+   over the reduced range, by Remez's exchange in 50 digits; those of sine (exactly 1 at pi/2), exp and log interpolate in
+   60 digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
+   |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
+
 #if defined(LANES)
-#elif !defined(WIDE)
-#define LANES 2
 #elif defined(__AVX512F__)
 #define LANES 8
 #elif defined(__AVX__)
@@ -33,123 +30,7 @@
 #define LANES 2
 #endif
 
-/* Two numbers, or LANES in kernels: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
-   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
-   compiler is allowed to fuse multiplications. */
-#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
-#define VECTORS 1
-typedef double pair __attribute__((vector_size(8*LANES)));
-typedef uint64_t pair_bits __attribute__((vector_size(8*LANES)));
-#define PAIR(a, b) ((pair){a, b})
-#define PAIR_AT(x, i) ((x)[i])
-#else
-#define VECTORS 0
-typedef struct { double at[2]; } pair;
-#define PAIR(a, b) ((pair){{a, b}})
-#define PAIR_AT(x, i) ((x).at[i])
-#endif
-
-/* What computes: a vector, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
-   of one number takes the first one of a vector. */
-#if VECTORS
-typedef pair number;
-typedef pair_bits number_bits;
-#define NUMBER_EACH(x) ((x) - (number){0.0})
-#define NUMBER_BITS(x) ((number_bits)(x))
-#define NUMBER_VALUE(bits) ((number)(bits))
-#define NUMBER_WHERE(condition) ((number_bits)(condition))
-#define NUMBER_ALONE(function, x) (function((number){x})[0])
-#else
-typedef double number;
-typedef uint64_t number_bits;
-#define NUMBER_EACH(x) (x)
-#define NUMBER_BITS(x) bits_of(x)
-#define NUMBER_VALUE(bits) double_of(bits)
-#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
-#define NUMBER_ALONE(function, x) (function(x))
-static inline uint64_t bits_of(double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-static inline double double_of(uint64_t bits)
-{
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-#endif
-
-/* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
-   all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
-   the Elementary Functions, 1980); the polynomials are tirefmu's own: that of the sine interpolates in 60 digits at the
-   Chebyshev nodes of the reduced range, as with it the sine of pi/2 is exactly 1, and factors of low speed are exactly 0
-   at standstill; so do those of exp and log; those of tangent and arcus tangent have the least maximum of the relative
-   error (Remez's exchange in 50 digits); rounded to double. The error, measured against 36 digits, is below 3 units in
-   the last place; that of a power about |y log x| more.
-   Arguments that the reduction does not cover (huge angles, infinities, NaN) go to math.h. */
-
-/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
-#define ROUNDING 6755399441055744.0
-
-/* Up to here exp is neither 0 nor infinite nor subnormal. */
-#define LARGEST_EXPONENT 700.0
-
-static EXPANDED number number_choose(number_bits where, number then, number otherwise)
-{
-    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
-}
-
-/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-static EXPANDED number number_tan(number x)
-{
-    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const number z = r*r;
-    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
-        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
-        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
-    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
-}
-
-static EXPANDED number number_exp(number x)
-{
-    const number rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const number r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const number r2 = r*r, r4 = r2*r2;
-    const number tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return NUMBER_VALUE((NUMBER_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-
-/* Of normal positive numbers. */
-static EXPANDED number number_log(number x)
-{
-    const number mantissa = NUMBER_VALUE((NUMBER_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
-    /* A whole number in the lowest bits of 2^52. */
-    const number exponent = NUMBER_VALUE((NUMBER_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const number_bits upper = NUMBER_WHERE(mantissa > 1.4142135623730951);
-    const number m = number_choose(upper, 0.5*mantissa, mantissa);
-    const number n = number_choose(upper, exponent + 1.0, exponent);
-    const number s = (m - 1.0)/(m + 1.0);
-    const number z = s*s, z2 = z*z, z4 = z2*z2;
-    const number series = z*((0.666666666666667 + z*0.3999999999989889)
-        + z2*(0.28571428626253836 + z*0.22222211089379496)
-        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
-    return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
-}
-
-/* LANES rows at a time: the elementary functions on vectors. Where a reduction does not cover the argument (angles beyond
-   1e7, exp beyond 700, log of 0 and subnormals, infinities) they give NaN: the caller of the kernel computes that row
-   again separately. */
-
-typedef pair lanes;
+typedef double lanes __attribute__((vector_size(8*LANES)));
 
 typedef int64_t lane_bits __attribute__((vector_size(8*LANES)));
 
@@ -181,22 +62,69 @@ static inline lanes lanes_sqrt(lanes x)
 
 static inline lanes lanes_square(lanes x) { return x*x; }
 
-/* NaN beyond 1e7, see LARGEST_ANGLE. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
+#define LANES_ROUNDING 6755399441055744.0
+
+/* x - n q pi for a whole number n of up to 8 digits; pi in two parts where products are not rounded before they are
+   subtracted, in three parts otherwise, of which the first product with n is exact. */
+#ifdef __FP_FAST_FMA
+#define LANES_WITHOUT(x, n, q) (((x) - (n)*((q)*3.141592653589793)) - (n)*((q)*1.2246467991473532e-16))
+#else
+#define LANES_WITHOUT(x, n, q) ((((x) - (n)*((q)*3.141592651605606)) - (n)*((q)*1.9841871583270443e-09)) \
+    - (n)*((q)*1.034036596358821e-18))
+#endif
+
+/* NaN beyond 1.8e7, where the multiple of pi that is next to the angle is no longer exact. */
 static inline lanes lanes_checked_angle(lanes angle)
 {
-    return angle + 0.0*(angle*1.8e301);
+    return angle + 0.0*(angle*1e301);
 }
 
-static inline lanes lanes_tan(lanes x) { return number_tan(lanes_checked_angle(x)); }
+/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
+static inline lanes lanes_tan(lanes x)
+{
+    const lanes rounded = x*0.6366197723675814 + LANES_ROUNDING;
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(x), rounded - LANES_ROUNDING, 0.5);
+    const lanes z = r*r;
+    const lanes sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
+    const lanes cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
+    const lane_bits odd = ((lane_bits)rounded << 63) >> 63;
+    return choose(odd, -cosine, sine)/choose(odd, sine, cosine);
+}
 
 static inline lanes lanes_exp(lanes x)
 {
-    return choose(lanes_absolute(x) <= LARGEST_EXPONENT, number_exp(x), each(NAN));
+    const lanes rounded = x*1.4426950408889634 + LANES_ROUNDING;
+    const lanes n = rounded - LANES_ROUNDING;
+    const lanes r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
+    const lanes r2 = r*r, r4 = r2*r2;
+    const lanes tail = ((0.5000000000000001 + r*0.16666666666666669)
+        + r2*(0.041666666666623824 + r*0.008333333333330039))
+        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
+        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
+        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
+    const lanes power = (lanes)(((lane_bits)rounded + 1023) << 52);
+    return choose(lanes_absolute(x) <= 700.0, power*(1.0 + (r + r2*tail)), each(NAN));
 }
 
 static inline lanes lanes_log(lanes x)
 {
-    return choose((x >= DBL_MIN) & (x <= DBL_MAX), number_log(x), each(NAN));
+    const lane_bits bits = (lane_bits)x;
+    const lanes mantissa = (lanes)((bits & 0x000fffffffffffff) | 0x3ff0000000000000);
+    /* A whole number in the lowest bits of 2^52; the sign bit is 0 wherever the result is used. */
+    const lanes exponent = (lanes)((bits >> 52) | 0x4330000000000000) - 4503599627371519.0;
+    const lane_bits upper = mantissa > 1.4142135623730951;
+    const lanes m = choose(upper, 0.5*mantissa, mantissa);
+    const lanes n = choose(upper, exponent + 1.0, exponent);
+    const lanes s = (m - 1.0)/(m + 1.0);
+    const lanes z = s*s, z2 = z*z, z4 = z2*z2;
+    const lanes series = z*((0.666666666666667 + z*0.3999999999989889)
+        + z2*(0.28571428626253836 + z*0.22222211089379496)
+        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
+    const lanes value = n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
+    return choose((x >= 2.2250738585072014e-308) & (x <= 1.7976931348623157e308), value, each(NAN));
 }
 
 static inline lanes lanes_pow(lanes x, lanes y)
@@ -265,35 +193,35 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes alpha = *(const lanes_in_array *)(inputs + BRUSH_alpha*BLOCK + i);
         const lanes Fz = *(const lanes_in_array *)(inputs + BRUSH_Fz*BLOCK + i);
 
-        /* Contact patch with bristles */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
-        const lanes load_ratio = F_z/FNOMIN; /* [tirefmu] load per nominal load */
+        const lanes tan_alpha = lanes_tan(alpha); /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
+        const lanes rolling = choose(lanes_absolute(1.0 + kappa) < 1e-06, each(1e-06), lanes_absolute(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
+        const lanes load_ratio = (1.0/FNOMIN)*F_z; /* [tirefmu] load per nominal load */
+        const lanes slip_x = kappa/rolling; /* [3.2.3] theoretical longitudinal slip: sliding per rolling velocity */
         const lanes stiffness_ratio = lanes_pow(load_ratio, each(NSTIFF)); /* [tirefmu] slip stiffness per that at nominal load */
         const lanes friction_ratio = lanes_pow(load_ratio, each(NMU)); /* [tirefmu] friction per that at nominal load */
+        const lanes a = PATCH*lanes_pow(load_ratio, each(NPATCH)); /* [tirefmu] half length of the contact patch */
         const lanes mu_x = MUX*friction_ratio; /* [tirefmu] longitudinal friction */
         const lanes mu_y = MUY*friction_ratio; /* [tirefmu] lateral friction */
         const lanes K_xkappa = CKAPPA*stiffness_ratio; /* [3.2.2] longitudinal slip stiffness */
-        const lanes K_yalpha = CALPHA*side*stiffness_ratio; /* [3.2.1] cornering stiffness */
-        const lanes a = PATCH*lanes_pow(load_ratio, each(NPATCH)); /* [tirefmu] half length of the contact patch */
-        const lanes tan_alpha = lanes_tan(alpha); /* [3.2.3] lateral sliding velocity of the wheel per forward velocity */
-        const lanes rolling = choose(lanes_absolute(1.0 + kappa) < 1e-06, each(1e-06), lanes_absolute(1.0 + kappa)); /* [3.2.3] rolling velocity per forward velocity, limited to positive values */
-        const lanes slip_x = kappa/rolling; /* [3.2.3] theoretical longitudinal slip: sliding per rolling velocity */
-        const lanes slip_y = tan_alpha/rolling; /* [3.2.3] theoretical side slip: sliding per rolling velocity */
+        const lanes K_yalpha = (CALPHA*side)*stiffness_ratio; /* [3.2.1] cornering stiffness */
+        const lanes D_t = 0.3333333333333333*a; /* [3.2.1] pneumatic trail at zero slip */
         const lanes reach_x = 0.3333333333333333*K_xkappa*slip_x/(F_z*mu_x); /* [3.2.3] psi of the longitudinal slip alone */
+        const lanes slip_y = tan_alpha/rolling; /* [3.2.3] theoretical side slip: sliding per rolling velocity */
+        const lanes sliding_squared = lanes_square(kappa)*lanes_square(mu_x) + lanes_square(mu_y)*lanes_square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
         const lanes reach_y = 0.3333333333333333*K_yalpha*slip_y/(F_z*mu_y); /* [3.2.3] psi of the side slip alone */
         const lanes psi_squared = lanes_square(reach_x) + lanes_square(reach_y); /* [3.2.3] psi squared, beyond full sliding too */
+        const lanes sliding_nonzero = choose(sliding_squared < 1e-30, each(1e-30), sliding_squared); /* [tirefmu] the same, limited to positive values */
         const lanes psi_bounded = choose(psi_squared >= 1.0, each(1.0), choose(psi_squared < 1e-30, each(1e-30), psi_squared)); /* [3.2.3] psi squared */
         const lanes psi = lanes_sqrt(psi_bounded); /* [3.2.3] share of the contact patch that slides */
-        const lanes sliding_squared = lanes_square(kappa)*lanes_square(mu_x) + lanes_square(mu_y)*lanes_square(tan_alpha); /* [tirefmu] sliding velocity weighted with friction, squared */
-        const lanes sliding_nonzero = choose(sliding_squared < 1e-30, each(1e-30), sliding_squared); /* [tirefmu] the same, limited to positive values */
         const lanes sliding = F_z*lanes_square(psi)*(3.0 - 2.0*psi)/lanes_sqrt(sliding_nonzero); /* [tirefmu] load on the sliding part per weighted sliding velocity */
         const lanes sticking = lanes_square(1.0 - psi)/rolling; /* [3.2.3] share of the slip stiffness on the sticking part, per rolling velocity */
+        const lanes arm_sliding = 9.0*lanes_square(1.0 - psi)/(3.0 - 2.0*psi); /* [3.2.1] arm of the sliding part per trail at zero slip */
         const lanes F_y_sticking = K_yalpha*sticking; /* [3.2.3] side force of the sticking part per tan(alpha) */
         const lanes F_y_sliding = side*sliding*lanes_square(mu_y); /* [3.2.3] side force of the sliding part per tan(alpha) */
         const lanes Fx = choose(Fz <= 1e-06, each(0.0), kappa*(K_xkappa*sticking + sliding*lanes_square(mu_x))); /* [3.2.3] longitudinal force */
         const lanes Fy = choose(Fz <= 1e-06, each(0.0), tan_alpha*(F_y_sliding + F_y_sticking)); /* [3.2.3] side force */
-        const lanes D_t = 0.3333333333333333*a; /* [3.2.1] pneumatic trail at zero slip */
-        const lanes arm_sliding = 9.0*lanes_square(1.0 - psi)/(3.0 - 2.0*psi); /* [3.2.1] arm of the sliding part per trail at zero slip */
         const lanes trail = D_t*(F_y_sliding*arm_sliding + F_y_sticking*(1.0 - 4.0*psi))/(F_y_sliding + F_y_sticking); /* [3.2.1] pneumatic trail */
         const lanes Mz = -Fy*trail; /* [3.2.1] aligning moment */
 

@@ -8,23 +8,20 @@
 #include <stdint.h>
 #include <string.h>
 
-#define WIDE 1
 #define N_INPUTS FIALA_N_INPUTS
 #define N_RESULTS 4
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
+/* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
 
-/* Numbers of a vector: two in code for one row at a time; in kernels (WIDE) as many as fit into a register. */
+   Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
+   the polynomials are tirefmu's own: those of tangent and arcus tangent have the least maximum of the relative error
+   over the reduced range, by Remez's exchange in 50 digits; those of sine (exactly 1 at pi/2), exp and log interpolate in
+   60 digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
+   |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
+
 #if defined(LANES)
-#elif !defined(WIDE)
-#define LANES 2
 #elif defined(__AVX512F__)
 #define LANES 8
 #elif defined(__AVX__)
@@ -33,96 +30,7 @@
 #define LANES 2
 #endif
 
-/* Two numbers, or LANES in kernels: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
-   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
-   compiler is allowed to fuse multiplications. */
-#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
-#define VECTORS 1
-typedef double pair __attribute__((vector_size(8*LANES)));
-typedef uint64_t pair_bits __attribute__((vector_size(8*LANES)));
-#define PAIR(a, b) ((pair){a, b})
-#define PAIR_AT(x, i) ((x)[i])
-#else
-#define VECTORS 0
-typedef struct { double at[2]; } pair;
-#define PAIR(a, b) ((pair){{a, b}})
-#define PAIR_AT(x, i) ((x).at[i])
-#endif
-
-/* What computes: a vector, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
-   of one number takes the first one of a vector. */
-#if VECTORS
-typedef pair number;
-typedef pair_bits number_bits;
-#define NUMBER_EACH(x) ((x) - (number){0.0})
-#define NUMBER_BITS(x) ((number_bits)(x))
-#define NUMBER_VALUE(bits) ((number)(bits))
-#define NUMBER_WHERE(condition) ((number_bits)(condition))
-#define NUMBER_ALONE(function, x) (function((number){x})[0])
-#else
-typedef double number;
-typedef uint64_t number_bits;
-#define NUMBER_EACH(x) (x)
-#define NUMBER_BITS(x) bits_of(x)
-#define NUMBER_VALUE(bits) double_of(bits)
-#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
-#define NUMBER_ALONE(function, x) (function(x))
-static inline uint64_t bits_of(double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-static inline double double_of(uint64_t bits)
-{
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-#endif
-
-static EXPANDED number number_sgn(number x)
-{
-    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
-        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
-}
-
-/* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
-   all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
-   the Elementary Functions, 1980); the polynomials are tirefmu's own: that of the sine interpolates in 60 digits at the
-   Chebyshev nodes of the reduced range, as with it the sine of pi/2 is exactly 1, and factors of low speed are exactly 0
-   at standstill; so do those of exp and log; those of tangent and arcus tangent have the least maximum of the relative
-   error (Remez's exchange in 50 digits); rounded to double. The error, measured against 36 digits, is below 3 units in
-   the last place; that of a power about |y log x| more.
-   Arguments that the reduction does not cover (huge angles, infinities, NaN) go to math.h. */
-
-/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
-#define ROUNDING 6755399441055744.0
-
-static EXPANDED number number_choose(number_bits where, number then, number otherwise)
-{
-    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
-}
-
-/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-static EXPANDED number number_tan(number x)
-{
-    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const number z = r*r;
-    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
-        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
-        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
-    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
-}
-
-/* LANES rows at a time: the elementary functions on vectors. Where a reduction does not cover the argument (angles beyond
-   1e7, exp beyond 700, log of 0 and subnormals, infinities) they give NaN: the caller of the kernel computes that row
-   again separately. */
-
-typedef pair lanes;
+typedef double lanes __attribute__((vector_size(8*LANES)));
 
 typedef int64_t lane_bits __attribute__((vector_size(8*LANES)));
 
@@ -144,6 +52,12 @@ static inline lanes lanes_absolute(lanes x)
     return (lanes)((lane_bits)x & INT64_MAX);
 }
 
+/* The size, which is not negative, with the sign of x. */
+static inline lanes with_sign_of(lanes size, lanes x)
+{
+    return (lanes)((lane_bits)size | ((lane_bits)x & INT64_MIN));
+}
+
 static inline lanes lanes_sqrt(lanes x)
 {
     lanes root;
@@ -156,15 +70,43 @@ static inline lanes lanes_square(lanes x) { return x*x; }
 
 static inline lanes lanes_cube(lanes x) { return x*x*x; }
 
-static inline lanes lanes_sgn(lanes x) { return number_sgn(x); }
-
-/* NaN beyond 1e7, see LARGEST_ANGLE. */
-static inline lanes lanes_checked_angle(lanes angle)
+/* x - x makes NaN of NaN. */
+static inline lanes lanes_sgn(lanes x)
 {
-    return angle + 0.0*(angle*1.8e301);
+    return (lanes)((lane_bits)with_sign_of(each(1.0), x) & (x != 0.0)) + (x - x);
 }
 
-static inline lanes lanes_tan(lanes x) { return number_tan(lanes_checked_angle(x)); }
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
+#define LANES_ROUNDING 6755399441055744.0
+
+/* x - n q pi for a whole number n of up to 8 digits; pi in two parts where products are not rounded before they are
+   subtracted, in three parts otherwise, of which the first product with n is exact. */
+#ifdef __FP_FAST_FMA
+#define LANES_WITHOUT(x, n, q) (((x) - (n)*((q)*3.141592653589793)) - (n)*((q)*1.2246467991473532e-16))
+#else
+#define LANES_WITHOUT(x, n, q) ((((x) - (n)*((q)*3.141592651605606)) - (n)*((q)*1.9841871583270443e-09)) \
+    - (n)*((q)*1.034036596358821e-18))
+#endif
+
+/* NaN beyond 1.8e7, where the multiple of pi that is next to the angle is no longer exact. */
+static inline lanes lanes_checked_angle(lanes angle)
+{
+    return angle + 0.0*(angle*1e301);
+}
+
+/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
+static inline lanes lanes_tan(lanes x)
+{
+    const lanes rounded = x*0.6366197723675814 + LANES_ROUNDING;
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(x), rounded - LANES_ROUNDING, 0.5);
+    const lanes z = r*r;
+    const lanes sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
+    const lanes cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
+    const lane_bits odd = ((lane_bits)rounded << 63) >> 63;
+    return choose(odd, -cosine, sine)/choose(odd, sine, cosine);
+}
 
 /* Tables through a kernel that computes BLOCK rows at a time. Inputs and results lie quantity by quantity, row after
    row, which is how several rows get into one vector register. */
@@ -229,24 +171,24 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes Fz = *(const lanes_in_array *)(inputs + FIALA_Fz*BLOCK + i);
         const lanes V = *(const lanes_in_array *)(inputs + FIALA_V*BLOCK + i);
 
-        /* Fiala tire */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
         const lanes tan_alpha = lanes_tan(alpha); /* [tirefmu] tangent of the side slip angle */
+        const lanes F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
+        const lanes My = choose(Fz <= 1e-06, each(0.0), (ROLLING_RESISTANCE*sense)*F_z*lanes_sgn(V)); /* [Adams] rolling resistance moment */
         const lanes S_square = lanes_square(kappa) + lanes_square(tan_alpha); /* [Adams] comprehensive slip, squared */
+        const lanes F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
         const lanes S_square_inside = choose((S_square >= 1.0) | (S_square <= 0.0), each(1.0), S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
         const lanes S_s_alpha = choose(S_square <= 0.0, each(0.0), lanes_sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
         const lanes U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
         const lanes mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
         const lanes mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
         const lanes F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
-        const lanes F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
-        const lanes Fx = choose(Fz <= 1e-06, each(0.0), choose(lanes_absolute(F_x_linear) <= 0.5*F_x_limit, F_x_linear, F_x_limit*lanes_sgn(F_x_linear) - 0.25*lanes_square(F_x_limit)/F_x_linear)); /* [Adams] longitudinal force */
         const lanes F_y_limit = F_z*mu_y; /* [Adams] largest side force */
-        const lanes F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
+        const lanes Fx = choose(Fz <= 1e-06, each(0.0), choose(lanes_absolute(F_x_linear) <= 0.5*F_x_limit, F_x_linear, F_x_limit*lanes_sgn(F_x_linear) - 0.25*lanes_square(F_x_limit)/F_x_linear)); /* [Adams] longitudinal force */
         const lanes sliding_y = choose(lanes_absolute(F_y_linear) >= 3.0*F_y_limit, lanes_sgn(F_y_linear), 0.3333333333333333*F_y_linear/F_y_limit); /* [Adams] 1 - H with the sense of the side force: share of the contact that slides */
         const lanes Fy = choose(Fz <= 1e-06, each(0.0), F_y_limit*sliding_y*(3.0 + lanes_square(sliding_y) - 3.0*lanes_absolute(sliding_y))); /* [Adams] side force */
-        const lanes Mz = choose(Fz <= 1e-06, each(0.0), -3.0*F_y_limit*sliding_y*t_0*lanes_cube(1.0 - lanes_absolute(sliding_y))); /* [Adams] aligning moment */
-        const lanes My = choose(Fz <= 1e-06, each(0.0), F_z*ROLLING_RESISTANCE*sense*lanes_sgn(V)); /* [Adams] rolling resistance moment */
+        const lanes Mz = choose(Fz <= 1e-06, each(0.0), (-3.0*t_0)*F_y_limit*sliding_y*lanes_cube(1.0 - lanes_absolute(sliding_y))); /* [Adams] aligning moment */
 
         *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;
         *(lanes_in_array *)(results + 1*STRIDE + i) = Fy;

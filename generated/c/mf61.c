@@ -17,25 +17,13 @@
 #define CALLED
 #endif
 
-/* Numbers of a vector: two in code for one row at a time; in kernels (WIDE) as many as fit into a register. */
-#if defined(LANES)
-#elif !defined(WIDE)
-#define LANES 2
-#elif defined(__AVX512F__)
-#define LANES 8
-#elif defined(__AVX__)
-#define LANES 4
-#else
-#define LANES 2
-#endif
-
-/* Two numbers, or LANES in kernels: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
+/* Two numbers: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
    computed one after the other. The operations are the same, and so are all results to the last bit, unless the
    compiler is allowed to fuse multiplications. */
 #if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
 #define VECTORS 1
-typedef double pair __attribute__((vector_size(8*LANES)));
-typedef uint64_t pair_bits __attribute__((vector_size(8*LANES)));
+typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t pair_bits __attribute__((vector_size(16)));
 #define PAIR(a, b) ((pair){a, b})
 #define PAIR_AT(x, i) ((x)[i])
 #else
@@ -48,8 +36,8 @@ typedef struct { double at[2]; } pair;
 /* No less than the size of both numbers, or NaN. */
 #define PAIR_SIZE(x) (fabs(PAIR_AT(x, 0)) + fabs(PAIR_AT(x, 1)))
 
-/* What computes: a vector, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
-   of one number takes the first one of a vector. */
+/* What computes: a pair, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
+   of one number takes the first one of a pair. */
 #if VECTORS
 typedef pair number;
 typedef pair_bits number_bits;
@@ -1006,218 +994,202 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double LIMITS = parameters[MF61_LIMITS];
     const double SIGNS = parameters[MF61_SIGNS];
 
-    /* Inputs */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
     const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
-    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
-    const double kappa_raised = (LIMITS > 0.5 ? (KPUMIN > fade*kappa ? KPUMIN : fade*kappa) : fade*kappa); /* [MFeval] kappa, with limits not below the lowest */
-    const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
-    const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
-    const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
-    const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
-    const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
     const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
+    const double omega_1 = 1.0362694300518136*V*(1.0 + kappa)/UNLOADED_RADIUS; /* [2.5] wheel speed */
+    const double C_x = LCX*PCX1; /* [4.E11] shape factor */
+    const double E_Hyphi = (LIMITS > 0.5 ? (PHYP4 > 1.0 ? 1.0 : PHYP4) : PHYP4); /* [4.87] shift by spin, curvature */
+    const double C_y = LCY*PCY1; /* [4.E21] shape factor */
+    const double C_y_g0 = LCY*PCY1; /* [4.E21] shape factor */
+    const double C_xalpha = RCX1; /* [4.E55] shape of G_xa */
+    const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
+    const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
+    const double M_y_near_locked = fast_sin(0.5*PI*(1.0 + kappa)*fabs(V)/VXLOW); /* [MFeval] fade near the locked wheel */
+    const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
+    const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
     const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
     const double F_zl = (LIMITS > 0.5 ? (FZMIN > F_z_limited ? FZMIN : F_z_limited) : F_z_limited); /* [MFeval] load of the deflection, not below FZMIN with limits */
-    const double F_zm = (LIMITS > 0.5 ? (F_z_limited <= 0.0 ? 0.0 : F_zl) : F_z_limited); /* [MFeval] load of the aligning moment, the same but on the ground */
-
-    /* Normalized inputs */
-    const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dfz = (F_z_limited - F_z01)/F_z01; /* [4.E2a] normalized change in load */
     const double dpi = (p_in - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
-    const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
-    const double V_c = sqrt(1.0 + square(tan_alpha))*fabs(V); /* [2.12] speed of the contact point */
-    const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
-    const double alpha_star = (SLIP_ANGLE > 0.5 ? alpha_in : tan_alpha*sgn(V)); /* [4.E3] lateral slip alpha* */
     const double gamma_star = (SLIP_ANGLE > 0.5 ? gamma_in : fast_sin(gamma_in)); /* [4.E4] inclination gamma* */
+    const double F_zx = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z_limited ? cube(F_z_limited)/square(FZMIN) : F_z_limited)); /* [MFeval] load of M_x */
+    const double F_zy = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z ? square(F_z)/FZMIN : F_z)); /* [MFeval] load of M_y */
+    const double F_zm = (LIMITS > 0.5 ? (F_z_limited <= 0.0 ? 0.0 : F_zl) : F_z_limited); /* [MFeval] load of the aligning moment, the same but on the ground */
+    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
+    const double kappa_raised = (LIMITS > 0.5 ? (KPUMIN > fade*kappa ? KPUMIN : fade*kappa) : fade*kappa); /* [MFeval] kappa, with limits not below the lowest */
+    const double R_omega_1 = UNLOADED_RADIUS*(Q_RE0 + Q_V1*square(UNLOADED_RADIUS)*square(omega_1)/square(LONGVL)); /* [P 1] free radius of the turning wheel */
+    const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
+    const double c_zn = VERTICAL_STIFFNESS*(1.0 + PFZ1*dpi); /* [P 5] vertical stiffness at this pressure */
+    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
+    const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
+    const double K_xkappa = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi))*exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
+    const double K_ygamma0 = F_z_limited*LKYC*(1.0 + PPY5*dpi)*(PKY6 + PKY7*dfz); /* [4.E30] camber stiffness */
+    const double D_Hyphi = (PHYP2 + PHYP3*dfz)*sgn(V); /* [4.86] shift by spin, peak */
+    const double E_xalpha = (LIMITS > 0.5 ? (REX1 + REX2*dfz > 1.0 ? 1.0 : REX1 + REX2*dfz) : REX1 + REX2*dfz); /* [4.E56] curvature of G_xa */
+    const double S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
+    const double E_ykappa = (LIMITS > 0.5 ? (REY1 + REY2*dfz > 1.0 ? 1.0 : REY1 + REY2*dfz) : REY1 + REY2*dfz); /* [4.E64] curvature of G_yk */
+    const double sink = FNOMIN*(DREFF*fast_atan(BREFF*F_z/FNOMIN) + FREFF*F_z/FNOMIN)/c_zn; /* [P 7] by how much load lowers the effective radius */
+    const double F_zy_share = (F_zy <= 0.0 ? 1e-60 : F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads, above 0 */
+    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
+    const double B_xalpha = LXAL*(RBX1 + RBX3*square(gamma_star))/sqrt(1.0 + square(RBX2)*square(kappa_in)); /* [4.E54] stiffness of G_xa */
+    const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
+    const double K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*(CONVENTION > 0.5 ? QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*fabs(gamma_star) : QDZ10 + dfz*(SIGNS > 0.5 ? -QDZ8*QDZ9 : QDZ8*QDZ9) + QDZ11*dfz*fabs(gamma_in)); /* [4.99] camber torque stiffness */
+    const double S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
+    const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
+    const double kappa_x = S_Hx + kappa_in; /* [4.E10] longitudinal slip, shifted */
+    const double E_x = (LIMITS > 0.5 ? (LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)) > 1.0 ? 1.0 : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))) : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))); /* [4.E14] curvature factor */
+    const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
+    const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
+    const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
+    const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
+    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
+    const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
+    const double R_e_1 = R_omega_1 - sink; /* [P 7] effective rolling radius */
+    const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - fast_atan(G_xa0_u)); /* [4.1] B x bent by E */
+    const double omega_2 = V*(1.0 + kappa)/R_e_1; /* [2.5] wheel speed */
+    const double V_c = sqrt(1.0 + square(tan_alpha))*fabs(V); /* [2.12] speed of the contact point */
+    const double alpha_star = (SLIP_ANGLE > 0.5 ? alpha_in : tan_alpha*sgn(V)); /* [4.E3] lateral slip alpha* */
     const double slide = (CONVENTION > 0.5 ? 1.0 + LMUV*sqrt(1e-60 + square(kappa_in) + square(tan_alpha))*fabs(V)/LONGVL : 1.0); /* [4.E7] by how much slip speed lowers friction */
+    const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
+    const double G_xa_u = B_xalpha*(RHX1 + alpha_star); /* [4.1] B x */
+    const double B_ykappa = LYKA*(RBY1 + RBY4*square(gamma_star))/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
+    const double B_ykappa_g0 = LYKA*RBY1/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
+    const double alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
+    const double R_omega_2 = UNLOADED_RADIUS*(Q_RE0 + Q_V1*square(UNLOADED_RADIUS)*square(omega_2)/square(LONGVL)); /* [P 1] free radius of the turning wheel */
+    const double G_xa_v = G_xa_u - E_xalpha*(G_xa_u - fast_atan(G_xa_u)); /* [4.1] B x bent by E */
+    const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
+    const double G_xa0_w = C_xalpha*fast_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
+    const double cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
+    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
+    const double G_xa_w = C_xalpha*fast_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
+    const double G_yk_g0_u = B_ykappa_g0*(S_Hyk + kappa_in); /* [4.1] B x */
+    const double G_yk_g00_u = B_ykappa_g0*S_Hyk; /* [4.1] B x */
+    const double R_e_2 = R_omega_2 - sink; /* [P 7] effective rolling radius */
+    const double G_yk_g0_v = G_yk_g0_u - E_ykappa*(G_yk_g0_u - fast_atan(G_yk_g0_u)); /* [4.1] B x bent by E */
+    const double G_yk_g00_v = G_yk_g00_u - E_ykappa*(G_yk_g00_u - fast_atan(G_yk_g00_u)); /* [4.1] B x bent by E */
     const double LMUX_star = (CONVENTION > 0.5 ? LMUX/slide : LMUX); /* [4.E7] friction scale of Fx */
     const double LMUY_star = (CONVENTION > 0.5 ? LMUY/slide : LMUY); /* [4.E7] friction scale of Fy */
+    const double omega = V*(1.0 + kappa)/R_e_2; /* [2.5] wheel speed */
+    const double G_yk_u = B_ykappa*(S_Hyk + kappa_in); /* [4.1] B x */
+    const double G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
+    const double G_yk_v = G_yk_u - E_ykappa*(G_yk_u - fast_atan(G_yk_u)); /* [4.1] B x bent by E */
+    const double G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - fast_atan(G_yk0_u)); /* [4.1] B x bent by E */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
     const double LMUY_shift = (CONVENTION > 0.5 ? 10.0*LMUY_star/(1.0 + 9.0*LMUY_star) : LMUY_star); /* [4.E8] friction scale of the shifts of Fy */
-
-    /* Effective rolling radius */
-    const double c_zn = VERTICAL_STIFFNESS*(1.0 + PFZ1*dpi); /* [P 5] vertical stiffness at this pressure */
-    const double sink = FNOMIN*(DREFF*fast_atan(BREFF*F_z/FNOMIN) + FREFF*F_z/FNOMIN)/c_zn; /* [P 7] by how much load lowers the effective radius */
-    const double omega_1 = 1.0362694300518136*V*(1.0 + kappa)/UNLOADED_RADIUS; /* [2.5] wheel speed */
-    const double R_omega_1 = UNLOADED_RADIUS*(Q_RE0 + Q_V1*square(UNLOADED_RADIUS)*square(omega_1)/square(LONGVL)); /* [P 1] free radius of the turning wheel */
-    const double R_e_1 = R_omega_1 - sink; /* [P 7] effective rolling radius */
-    const double omega_2 = V*(1.0 + kappa)/R_e_1; /* [2.5] wheel speed */
-    const double R_omega_2 = UNLOADED_RADIUS*(Q_RE0 + Q_V1*square(UNLOADED_RADIUS)*square(omega_2)/square(LONGVL)); /* [P 1] free radius of the turning wheel */
-    const double R_e_2 = R_omega_2 - sink; /* [P 7] effective rolling radius */
-    const double omega = V*(1.0 + kappa)/R_e_2; /* [2.5] wheel speed */
-
-    /* Turn slip */
-    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
-    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
-    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
+    const double mu_x_loaded = LMUX_star*(1.0 - PDX3*square(gamma_in))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*square(dpi)); /* [4.E13] peak friction */
+    const double mu_y_loaded = LMUY_star*(1.0 - PDY3*square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
+    const double mu_y_loaded_g0 = LMUY_star*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
+    const double B_t = LKY*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))*(CONVENTION > 0.5 ? 1.0 + QBZ5*fabs(gamma_star) + QBZ6*square(gamma_star) : 1.0 + QBZ4*gamma_in + QBZ5*fabs(gamma_in))/LMUY_star; /* [4.E40] stiffness factor of the trail */
+    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
+    const double G_yk_g0_w = RCY1*fast_atan(G_yk_g0_v); /* [4.1] angle of the Magic Formula */
+    const double G_yk_g00_w = RCY1*fast_atan(G_yk_g00_v); /* [4.1] angle of the Magic Formula */
+    const double mu_x = (F_z_limited <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
+    const double mu_y_pressed = (F_z_limited <= 0.0 ? 0.0 : mu_y_loaded); /* [4.E23] peak friction, 0 off the ground */
+    const double G_yk_w = C_ykappa*fast_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
+    const double G_yk0_w = C_ykappa*fast_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
+    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
+    const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
-    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
-    const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
     const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
-    const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
     const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
     const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
     const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
     const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
-
-    /* Longitudinal force, pure slip */
-    const double S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
-    const double kappa_x = S_Hx + kappa_in; /* [4.E10] longitudinal slip, shifted */
-    const double C_x = LCX*PCX1; /* [4.E11] shape factor */
-    const double mu_x_loaded = LMUX_star*(1.0 - PDX3*square(gamma_in))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*square(dpi)); /* [4.E13] peak friction */
-    const double mu_x = (F_z_limited <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
+    const double G_yk_g0 = fast_cos(G_yk_g0_w)/fast_cos(G_yk_g00_w); /* [4.E74] G_yk without inclination */
+    const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
+    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
+    const double D_Drphi = M_zphi_inf/fast_sin(0.5*PI*QDRP1); /* [4.94] peak of the moment by spin */
     const double D_x = F_z_limited*mu_x*zeta_1; /* [4.E12] peak factor */
-    const double E_x = (LIMITS > 0.5 ? (LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)) > 1.0 ? 1.0 : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))) : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))); /* [4.E14] curvature factor */
-    const double K_xkappa = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi))*exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-    const double B_x = K_xkappa/(1e-06*sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
     const double S_Vx = F_z_limited*LMUX_shift*LVX*fade_smooth*zeta_1*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
-    const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
-    const double F_x0_v = F_x0_u - E_x*(F_x0_u - fast_atan(F_x0_u)); /* [4.1] B x bent by E */
-    const double F_x0_w = C_x*fast_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
-    const double F_x0 = (S_Vx + D_x*fast_sin(F_x0_w))*sgn1(V); /* [4.E9] longitudinal force in pure slip */
-
-    /* Side force, pure slip */
     const double K_yalpha_g0 = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*PKY2*(1.0 + PPY2*dpi)))); /* [4.E25] cornering stiffness */
-    const double K_yalpha1_g0 = K_yalpha_g0 + 1e-06*sgn1(K_yalpha_g0); /* [4.E39] cornering stiffness, not 0 */
     const double K_yalpha = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
-    const double K_yalpha1 = K_yalpha + 1e-06*sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
-    const double K_ygamma0 = F_z_limited*LKYC*(1.0 + PPY5*dpi)*(PKY6 + PKY7*dfz); /* [4.E30] camber stiffness */
-    const double D_Hyphi = (PHYP2 + PHYP3*dfz)*sgn(V); /* [4.86] shift by spin, peak */
+    const double D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(CONVENTION > 0.5 ? 1.0 + QDZ3*fabs(gamma_star) + QDZ4*square(gamma_star) : 1.0 + QDZ3*gamma_in + QDZ4*square(gamma_in))*(CONVENTION > 0.5 ? sgn(V) : 1.0)/F_z01; /* [4.E43] peak factor of the trail */
+    const double B_x = K_xkappa/(1e-06*sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
+    const double S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
+    const double D_y = F_z_limited*mu_y_loaded*zeta_2; /* [4.E22] peak factor */
+    const double D_y_g0 = F_z_limited*mu_y_loaded_g0*zeta_2; /* [4.E22] peak factor */
+    const double S_Vy_g0 = F_z_limited*LMUY_shift*LVY*fade_smooth*zeta_2*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
+    const double D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
+    const double S_Vy = fade_smooth*(S_Vygamma + F_z_limited*LMUY_shift*LVY*zeta_2*(PVY1 + PVY2*dfz)); /* [4.E29] vertical shift */
+    const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
+    const double B_Drphi = K_zgammar0/(D_Drphi*QDRP1*(1.0 - eps_gamma)); /* [4.98] stiffness of the moment by spin */
+    const double F_x0_v = F_x0_u - E_x*(F_x0_u - fast_atan(F_x0_u)); /* [4.1] B x bent by E */
+    const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
+    const double M_zphi90 = 2.0*G_yk*M_zphi_inf*fast_atan(QCRP2*UNLOADED_RADIUS*fabs(phit_in))/PI; /* [4.103] moment by spin at 90 deg of slip */
+    const double F_x0_w = C_x*fast_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
+    const double D_rphi = D_Drphi*fast_sin(QDRP1*fast_atan(B_Drphi*UNLOADED_RADIUS*phit_in)); /* [4.93] moment by spin */
+    const double F_x0 = (S_Vx + D_x*fast_sin(F_x0_w))*sgn1(V); /* [4.E9] longitudinal force in pure slip */
+    const double K_yalpha1_g0 = K_yalpha_g0 + 1e-06*sgn1(K_yalpha_g0); /* [4.E39] cornering stiffness, not 0 */
+    const double B_y_g0 = K_yalpha_g0/(1e-06*sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
     const double K_Hyphi = (D_Hyphi*K_yalpha1_g0 == 0.0 ? 1.0 : D_Hyphi*K_yalpha1_g0*PHYP1); /* [4.88] cornering stiffness times shift; 1 where there is no shift */
     const double B_Hyphi = K_ygamma0/(K_Hyphi*(1.0 - eps_gamma)); /* [4.88] shift by spin, stiffness */
-    const double E_Hyphi = (LIMITS > 0.5 ? (PHYP4 > 1.0 ? 1.0 : PHYP4) : PHYP4); /* [4.87] shift by spin, curvature */
+    const double K_yalpha1 = K_yalpha + 1e-06*sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
+    const double B_y = K_yalpha/(1e-06*sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
+    const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
+    const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
+    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + D_rphi)); /* [4.92] moment by spin */
+    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
+    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
+    const double D_r = -1.0 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*fast_cos(alpha_star)*sgn(V); /* [4.E47] peak factor of the residual moment */
+    const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
     const double S_Hyphi_u = B_Hyphi*R_0_phi; /* [4.1] B x */
     const double S_Hyphi_v = S_Hyphi_u - E_Hyphi*(S_Hyphi_u - fast_atan(S_Hyphi_u)); /* [4.1] B x bent by E */
+    const double zeta_7_cosine_size = fabs(zeta_7_cosine); /* [4.104] its size */
+    const double zeta_7_beyond_1 = (zeta_7_cosine > 0.0 ? 0.0 : 2.0); /* [4.104] zeta_7 where the size is above 1: its real part */
+    const double zeta_7_below_1 = (zeta_7_cosine_size >= 1.0 ? 0.0 : zeta_7_cosine); /* [4.104] the same where its size is below 1 */
+    const double zeta_7_above_1 = (zeta_7_cosine_size > 1.0 ? zeta_7_cosine_size : 2.0); /* [4.104] its size where that is above 1 */
+    const double zeta_7 = (zeta_7_cosine_size >= 1.0 ? zeta_7_beyond_1 : 2.0*acos(zeta_7_below_1)/PI); /* [4.104] shape factor of the residual moment with turn slip, C_r */
+    const double zeta_7_imaginary = 2.0*log(zeta_7_above_1 + sqrt(-1.0 + square(zeta_7_above_1)))/PI; /* [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result */
+    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
     const double S_Hyphi_w = PHYP1*fast_atan(S_Hyphi_v); /* [4.1] angle of the Magic Formula */
+    const double alpha_teq = (CONVENTION > 0.5 ? slip_alpha_teq : fast_atan(slip_alpha_teq))*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
+    const double M_y_full = -LMY*UNLOADED_RADIUS*pow(F_zy_share, QSY7)*pow(p_in/NOMPRES, QSY8)*(M_y_speed + square(gamma_in)*(QSY5 + F_zy_share*QSY6))*(CONVENTION > 0.5 ? F_z_limited : FNOMIN); /* [4.E70] rolling resistance moment of the rolling wheel */
     const double S_Hyphi = D_Hyphi*sgn(V)*fast_sin(S_Hyphi_w); /* [4.80] shift by spin */
-    const double S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
+    const double trail_u = B_t*alpha_teq; /* [4.1] B x */
+    const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
+    const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
+    const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
     const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + S_Hyphi - S_Vygamma/K_yalpha1)); /* [4.84] shift by spin */
-    const double S_Hy = fade_smooth*(-1.0 + zeta_4 + LHY*(PHY1 + PHY2*dfz) + zeta_0*(-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1); /* [4.E27] horizontal shift */
-    const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
-    const double C_y = LCY*PCY1; /* [4.E21] shape factor */
-    const double mu_y_loaded = LMUY_star*(1.0 - PDY3*square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
-    const double D_y = F_z_limited*mu_y_loaded*zeta_2; /* [4.E22] peak factor */
-    const double E_y = (LIMITS > 0.5 ? (LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)) > 1.0 ? 1.0 : LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y))) : LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y))); /* [4.E24] curvature factor */
-    const double B_y = K_yalpha/(1e-06*sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
-    const double S_Vy = fade_smooth*(S_Vygamma + F_z_limited*LMUY_shift*LVY*zeta_2*(PVY1 + PVY2*dfz)); /* [4.E29] vertical shift */
-    const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
-    const double F_y0_v = F_y0_u - E_y*(F_y0_u - fast_atan(F_y0_u)); /* [4.1] B x bent by E */
-    const double F_y0_w = C_y*fast_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
-    const double F_y0 = (S_Vy + D_y*fast_sin(F_y0_w))*(SLIP_ANGLE > 0.5 ? 1.0 : sgn1(V)); /* [4.E19] side force in pure slip */
     const double zeta_4_g0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + S_Hyphi)); /* [4.84] shift by spin */
     const double S_Hy_g0 = fade_smooth*(-1.0 + zeta_4_g0 + LHY*(PHY1 + PHY2*dfz)); /* [4.E27] horizontal shift */
     const double alpha_y_g0 = S_Hy_g0 + alpha_star; /* [4.E20] slip angle, shifted */
-    const double C_y_g0 = LCY*PCY1; /* [4.E21] shape factor */
-    const double mu_y_loaded_g0 = LMUY_star*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
-    const double D_y_g0 = F_z_limited*mu_y_loaded_g0*zeta_2; /* [4.E22] peak factor */
     const double E_y_g0 = (LIMITS > 0.5 ? (LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz) > 1.0 ? 1.0 : LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz)) : LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz)); /* [4.E24] curvature factor */
-    const double B_y_g0 = K_yalpha_g0/(1e-06*sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
-    const double S_Vy_g0 = F_z_limited*LMUY_shift*LVY*fade_smooth*zeta_2*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
     const double F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
-    const double F_y0_g0_v = F_y0_g0_u - E_y_g0*(F_y0_g0_u - fast_atan(F_y0_g0_u)); /* [4.1] B x bent by E */
-    const double F_y0_g0_w = C_y_g0*fast_atan(F_y0_g0_v); /* [4.1] angle of the Magic Formula */
-    const double F_y0_g0 = (S_Vy_g0 + D_y_g0*fast_sin(F_y0_g0_w))*(SLIP_ANGLE > 0.5 ? 1.0 : sgn1(V)); /* [4.E19] side force in pure slip */
-    const double mu_y_pressed = (F_z_limited <= 0.0 ? 0.0 : mu_y_loaded); /* [4.E23] peak friction, 0 off the ground */
-
-    /* Forces, combined slip */
-    const double B_xalpha = LXAL*(RBX1 + RBX3*square(gamma_star))/sqrt(1.0 + square(RBX2)*square(kappa_in)); /* [4.E54] stiffness of G_xa */
-    const double E_xalpha = (LIMITS > 0.5 ? (REX1 + REX2*dfz > 1.0 ? 1.0 : REX1 + REX2*dfz) : REX1 + REX2*dfz); /* [4.E56] curvature of G_xa */
-    const double C_xalpha = RCX1; /* [4.E55] shape of G_xa */
-    const double G_xa_u = B_xalpha*(RHX1 + alpha_star); /* [4.1] B x */
-    const double G_xa_v = G_xa_u - E_xalpha*(G_xa_u - fast_atan(G_xa_u)); /* [4.1] B x bent by E */
-    const double G_xa_w = C_xalpha*fast_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
-    const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
-    const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - fast_atan(G_xa0_u)); /* [4.1] B x bent by E */
-    const double G_xa0_w = C_xalpha*fast_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
-    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
-    const double S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
-    const double E_ykappa = (LIMITS > 0.5 ? (REY1 + REY2*dfz > 1.0 ? 1.0 : REY1 + REY2*dfz) : REY1 + REY2*dfz); /* [4.E64] curvature of G_yk */
-    const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
-    const double B_ykappa = LYKA*(RBY1 + RBY4*square(gamma_star))/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double G_yk_u = B_ykappa*(S_Hyk + kappa_in); /* [4.1] B x */
-    const double G_yk_v = G_yk_u - E_ykappa*(G_yk_u - fast_atan(G_yk_u)); /* [4.1] B x bent by E */
-    const double G_yk_w = C_ykappa*fast_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
-    const double G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
-    const double G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - fast_atan(G_yk0_u)); /* [4.1] B x bent by E */
-    const double G_yk0_w = C_ykappa*fast_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
-    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
-    const double D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
-    const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
-    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-    const double B_ykappa_g0 = LYKA*RBY1/sqrt(1.0 + square(RBY2)*square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double G_yk_g0_u = B_ykappa_g0*(S_Hyk + kappa_in); /* [4.1] B x */
-    const double G_yk_g0_v = G_yk_g0_u - E_ykappa*(G_yk_g0_u - fast_atan(G_yk_g0_u)); /* [4.1] B x bent by E */
-    const double G_yk_g0_w = RCY1*fast_atan(G_yk_g0_v); /* [4.1] angle of the Magic Formula */
-    const double G_yk_g00_u = B_ykappa_g0*S_Hyk; /* [4.1] B x */
-    const double G_yk_g00_v = G_yk_g00_u - E_ykappa*(G_yk_g00_u - fast_atan(G_yk_g00_u)); /* [4.1] B x bent by E */
-    const double G_yk_g00_w = RCY1*fast_atan(G_yk_g00_v); /* [4.1] angle of the Magic Formula */
-
-    /* Aligning moment */
-    const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
-    const double alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
-    const double alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
-    const double B_t = LKY*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))*(CONVENTION > 0.5 ? 1.0 + QBZ5*fabs(gamma_star) + QBZ6*square(gamma_star) : 1.0 + QBZ4*gamma_in + QBZ5*fabs(gamma_in))/LMUY_star; /* [4.E40] stiffness factor of the trail */
-    const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
-    const double D_t = F_zm*LTR*UNLOADED_RADIUS*zeta_5*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(CONVENTION > 0.5 ? 1.0 + QDZ3*fabs(gamma_star) + QDZ4*square(gamma_star) : 1.0 + QDZ3*gamma_in + QDZ4*square(gamma_in))*(CONVENTION > 0.5 ? sgn(V) : 1.0)/F_z01; /* [4.E43] peak factor of the trail */
-    const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
-    const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
-    const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
-    const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
-    const double D_Drphi = M_zphi_inf/fast_sin(0.5*PI*QDRP1); /* [4.94] peak of the moment by spin */
-    const double K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*(CONVENTION > 0.5 ? QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*fabs(gamma_star) : QDZ10 + dfz*(SIGNS > 0.5 ? -QDZ8*QDZ9 : QDZ8*QDZ9) + QDZ11*dfz*fabs(gamma_in)); /* [4.99] camber torque stiffness */
-    const double B_Drphi = K_zgammar0/(D_Drphi*QDRP1*(1.0 - eps_gamma)); /* [4.98] stiffness of the moment by spin */
-    const double D_rphi = D_Drphi*fast_sin(QDRP1*fast_atan(B_Drphi*UNLOADED_RADIUS*phit_in)); /* [4.93] moment by spin */
-    const double M_zphi90 = 2.0*G_yk*M_zphi_inf*fast_atan(QCRP2*UNLOADED_RADIUS*fabs(phit_in))/PI; /* [4.103] moment by spin at 90 deg of slip */
-    const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
-    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
-    const double zeta_7_cosine_size = fabs(zeta_7_cosine); /* [4.104] its size */
-    const double zeta_7_below_1 = (zeta_7_cosine_size >= 1.0 ? 0.0 : zeta_7_cosine); /* [4.104] the same where its size is below 1 */
-    const double zeta_7_above_1 = (zeta_7_cosine_size > 1.0 ? zeta_7_cosine_size : 2.0); /* [4.104] its size where that is above 1 */
-    const double zeta_7_beyond_1 = (zeta_7_cosine > 0.0 ? 0.0 : 2.0); /* [4.104] zeta_7 where the size is above 1: its real part */
-    const double zeta_7 = (zeta_7_cosine_size >= 1.0 ? zeta_7_beyond_1 : 2.0*acos(zeta_7_below_1)/PI); /* [4.104] shape factor of the residual moment with turn slip, C_r */
-    const double zeta_7_imaginary = 2.0*log(zeta_7_above_1 + sqrt(-1.0 + square(zeta_7_above_1)))/PI; /* [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result */
-    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + D_rphi)); /* [4.92] moment by spin */
-    const double D_r = -1.0 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*fast_cos(alpha_star)*sgn(V); /* [4.E47] peak factor of the residual moment */
-    const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
-    const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
-    const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
-    const double alpha_teq = (CONVENTION > 0.5 ? slip_alpha_teq : fast_atan(slip_alpha_teq))*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
-    const double tan_alpha_req = (CONVENTION > 0.5 ? alpha_r : fast_tan(alpha_r)); /* [4.E78] the same as a slip */
-    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
-    const double alpha_req = (CONVENTION > 0.5 ? slip_alpha_req : fast_atan(slip_alpha_req))*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
-    const double trail_u = B_t*alpha_teq; /* [4.1] B x */
-    const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
     const double trail_w = C_t*fast_atan(trail_v); /* [4.1] angle of the Magic Formula */
+    const double S_Hy = fade_smooth*(-1.0 + zeta_4 + LHY*(PHY1 + PHY2*dfz) + zeta_0*(-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1); /* [4.E27] horizontal shift */
+    const double F_y0_g0_v = F_y0_g0_u - E_y_g0*(F_y0_g0_u - fast_atan(F_y0_g0_u)); /* [4.1] B x bent by E */
+    const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
+    const double alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
+    const double E_y = (LIMITS > 0.5 ? (LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)) > 1.0 ? 1.0 : LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y))) : LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y))); /* [4.E24] curvature factor */
+    const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
+    const double tan_alpha_req = (CONVENTION > 0.5 ? alpha_r : fast_tan(alpha_r)); /* [4.E78] the same as a slip */
     const double trail = D_t*cos_alpha*fade_smooth*(CONVENTION > 0.5 ? 1.0 : LFZO)*fast_cos(trail_w); /* [4.E73] pneumatic trail */
+    const double F_y0_g0_w = C_y_g0*fast_atan(F_y0_g0_v); /* [4.1] angle of the Magic Formula */
+    const double F_y0_v = F_y0_u - E_y*(F_y0_u - fast_atan(F_y0_u)); /* [4.1] B x bent by E */
+    const double F_y0_g0 = (S_Vy_g0 + D_y_g0*fast_sin(F_y0_g0_w))*(SLIP_ANGLE > 0.5 ? 1.0 : sgn1(V)); /* [4.E19] side force in pure slip */
+    const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+    const double F_y0_w = C_y*fast_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
+    const double alpha_req = (CONVENTION > 0.5 ? slip_alpha_req : fast_atan(slip_alpha_req))*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
+    const double F_y1 = F_y0_g0*(CONVENTION > 0.5 ? G_yk_g0 : G_yk); /* [4.E74] side force that the trail carries */
+    const double F_y0 = (S_Vy + D_y*fast_sin(F_y0_w))*(SLIP_ANGLE > 0.5 ? 1.0 : sgn1(V)); /* [4.E19] side force in pure slip */
     const double M_zr_w = fast_atan(B_r*alpha_req); /* [4.E75] angle of the residual moment */
+    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double s = LS*UNLOADED_RADIUS*(CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
+    const double M_x_hump = QSX4*fast_cos(QSX5*fast_atan(square(F_zx)*square(QSX6)/square(FNOMIN)))*fast_sin(QSX7*gamma_in + QSX8*fast_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
     const double M_zr_grown = exp(M_zr_w*zeta_7_imaginary); /* [MFeval] exponential of the same */
     const double M_zr_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr_grown + 0.5/M_zr_grown) : 1.0)*fast_cos(M_zr_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
     const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_req))); /* [4.E75] residual moment */
-    const double s = LS*UNLOADED_RADIUS*(CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
-    const double G_yk_g0 = fast_cos(G_yk_g0_w)/fast_cos(G_yk_g00_w); /* [4.E74] G_yk without inclination */
-    const double F_y1 = F_y0_g0*(CONVENTION > 0.5 ? G_yk_g0 : G_yk); /* [4.E74] side force that the trail carries */
     const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
-
-    /* Overturning and rolling resistance moment */
-    const double F_zx = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z_limited ? cube(F_z_limited)/square(FZMIN) : F_z_limited)); /* [MFeval] load of M_x */
-    const double M_x_hump = QSX4*fast_cos(QSX5*fast_atan(square(F_zx)*square(QSX6)/square(FNOMIN)))*fast_sin(QSX7*gamma_in + QSX8*fast_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
     const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
-    const double F_zy = (CONVENTION > 0.5 ? F_z_limited : (FZMIN > F_z ? square(F_z)/FZMIN : F_z)); /* [MFeval] load of M_y */
-    const double F_zy_share = (F_zy <= 0.0 ? 1e-60 : F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads, above 0 */
-    const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
-    const double M_y_near_locked = fast_sin(0.5*PI*(1.0 + kappa)*fabs(V)/VXLOW); /* [MFeval] fade near the locked wheel */
-    const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
-    const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
-    const double M_y_full = -LMY*UNLOADED_RADIUS*pow(F_zy_share, QSY7)*pow(p_in/NOMPRES, QSY8)*(M_y_speed + square(gamma_in)*(QSY5 + F_zy_share*QSY6))*(CONVENTION > 0.5 ? F_z_limited : FNOMIN); /* [4.E70] rolling resistance moment of the rolling wheel */
-    const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-    const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
 
     results[0] = Fx;
     results[1] = Fy;
@@ -1289,61 +1261,47 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double SLIP_ANGLE = parameters[MF61_SLIP_ANGLE];
     const double LIMITS = parameters[MF61_LIMITS];
 
-    /* Inputs */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
-    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
-    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
-    const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
-    const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
-    const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
-    const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
     const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
-    const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
-
-    /* Normalized inputs */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
+    const double omega_1 = 1.0362694300518136*V*(1.0 + kappa)/UNLOADED_RADIUS; /* [2.5] wheel speed */
+    const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
+    const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
+    const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
     const double dfz = (F_z_limited - F_z01)/F_z01; /* [4.E2a] normalized change in load */
     const double dpi = (p_in - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
-    const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
-    const double V_c = sqrt(1.0 + square(tan_alpha))*fabs(V); /* [2.12] speed of the contact point */
     const double gamma_star = (SLIP_ANGLE > 0.5 ? gamma_in : fast_sin(gamma_in)); /* [4.E4] inclination gamma* */
-
-    /* Effective rolling radius */
-    const double c_zn = VERTICAL_STIFFNESS*(1.0 + PFZ1*dpi); /* [P 5] vertical stiffness at this pressure */
-    const double sink = FNOMIN*(DREFF*fast_atan(BREFF*F_z/FNOMIN) + FREFF*F_z/FNOMIN)/c_zn; /* [P 7] by how much load lowers the effective radius */
-    const double omega_1 = 1.0362694300518136*V*(1.0 + kappa)/UNLOADED_RADIUS; /* [2.5] wheel speed */
+    const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
     const double R_omega_1 = UNLOADED_RADIUS*(Q_RE0 + Q_V1*square(UNLOADED_RADIUS)*square(omega_1)/square(LONGVL)); /* [P 1] free radius of the turning wheel */
+    const double c_zn = VERTICAL_STIFFNESS*(1.0 + PFZ1*dpi); /* [P 5] vertical stiffness at this pressure */
+    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
+    const double K_xkappa = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi))*exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
+    const double c_x = LONGITUDINAL_STIFFNESS*(1.0 + PCFX3*dpi)*(1.0 + PCFX1*dfz + PCFX2*square(dfz)); /* [P 17] longitudinal stiffness of the standing tire */
+    const double c_y = LATERAL_STIFFNESS*(1.0 + PCFY3*dpi)*(1.0 + PCFY1*dfz + PCFY2*square(dfz)); /* [P 18] lateral stiffness of the standing tire */
+    const double sink = FNOMIN*(DREFF*fast_atan(BREFF*F_z/FNOMIN) + FREFF*F_z/FNOMIN)/c_zn; /* [P 7] by how much load lowers the effective radius */
+    const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
+    const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
+    const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
+    const double sigma_x = fabs(K_xkappa/c_x); /* [P 19] longitudinal relaxation length */
+    const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
+    const double sigma_kappa = SIGX + SIGK*sigma_x; /* [tirefmu] relaxation length that acts on kappa */
     const double R_e_1 = R_omega_1 - sink; /* [P 7] effective rolling radius */
     const double omega_2 = V*(1.0 + kappa)/R_e_1; /* [2.5] wheel speed */
+    const double V_c = sqrt(1.0 + square(tan_alpha))*fabs(V); /* [2.12] speed of the contact point */
     const double R_omega_2 = UNLOADED_RADIUS*(Q_RE0 + Q_V1*square(UNLOADED_RADIUS)*square(omega_2)/square(LONGVL)); /* [P 1] free radius of the turning wheel */
+    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double R_e_2 = R_omega_2 - sink; /* [P 7] effective rolling radius */
     const double omega = V*(1.0 + kappa)/R_e_2; /* [2.5] wheel speed */
-
-    /* Turn slip */
-    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
-    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
-    const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
     const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
-
-    /* Longitudinal force, pure slip */
-    const double K_xkappa = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi))*exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-
-    /* Side force, pure slip */
     const double K_yalpha = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
-
-    /* Relaxation */
-    const double c_x = LONGITUDINAL_STIFFNESS*(1.0 + PCFX3*dpi)*(1.0 + PCFX1*dfz + PCFX2*square(dfz)); /* [P 17] longitudinal stiffness of the standing tire */
-    const double c_y = LATERAL_STIFFNESS*(1.0 + PCFY3*dpi)*(1.0 + PCFY1*dfz + PCFY2*square(dfz)); /* [P 18] lateral stiffness of the standing tire */
-    const double sigma_x = fabs(K_xkappa/c_x); /* [P 19] longitudinal relaxation length */
     const double sigma_y = fabs(K_yalpha/c_y); /* [P 19] lateral relaxation length */
-
-    /* Transient slip */
-    const double sigma_kappa = SIGX + SIGK*sigma_x; /* [tirefmu] relaxation length that acts on kappa */
     const double sigma_alpha = SIGK*sigma_y + SIGY*(1.0 + SIGC*dfz); /* [tirefmu] relaxation length that acts on tan(alpha) */
 
     results[0] = sigma_kappa;
@@ -1753,29 +1711,19 @@ void mf61_relaxation_straight(const double inputs[], const double parameters[], 
     const double SIGC = parameters[MF61_SIGC];
     const double SIGK = parameters[MF61_SIGK];
 
-    /* Inputs */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
-
-    /* Normalized inputs */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
-    const double dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
     const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
     const double gamma_star = fast_sin(gamma); /* [4.E4] inclination gamma* */
-
-    /* Longitudinal force, pure slip */
+    const double dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
     const double K_xkappa = F_z*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi))*exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-
-    /* Side force, pure slip */
-    const double K_yalpha = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
-
-    /* Relaxation */
     const double c_x = LONGITUDINAL_STIFFNESS*(1.0 + PCFX3*dpi)*(1.0 + PCFX1*dfz + PCFX2*square(dfz)); /* [P 17] longitudinal stiffness of the standing tire */
     const double c_y = LATERAL_STIFFNESS*(1.0 + PCFY3*dpi)*(1.0 + PCFY1*dfz + PCFY2*square(dfz)); /* [P 18] lateral stiffness of the standing tire */
+    const double K_yalpha = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
     const double sigma_x = fabs(K_xkappa/c_x); /* [P 19] longitudinal relaxation length */
-    const double sigma_y = fabs(K_yalpha/c_y); /* [P 19] lateral relaxation length */
-
-    /* Transient slip */
     const double sigma_kappa = SIGX + SIGK*sigma_x; /* [tirefmu] relaxation length that acts on kappa */
+    const double sigma_y = fabs(K_yalpha/c_y); /* [P 19] lateral relaxation length */
     const double sigma_alpha = SIGK*sigma_y + SIGY*(1.0 + SIGC*dfz); /* [tirefmu] relaxation length that acts on tan(alpha) */
 
     results[0] = sigma_kappa;

@@ -8,23 +8,26 @@
 #include <stdint.h>
 #include <string.h>
 
-#define WIDE 1
 #define N_INPUTS MF61_N_INPUTS
 #define N_RESULTS 5
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
+#define PI 3.14159265358979323846
 
-/* Numbers of a vector: two in code for one row at a time; in kernels (WIDE) as many as fit into a register. */
+static inline double square(double x) { return x*x; }
+
+static inline double fourth(double x) { return (x*x)*(x*x); }
+
+/* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
+
+   Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
+   the polynomials are tirefmu's own: those of tangent and arcus tangent have the least maximum of the relative error
+   over the reduced range, by Remez's exchange in 50 digits; those of sine (exactly 1 at pi/2), exp and log interpolate in
+   60 digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
+   |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
+
 #if defined(LANES)
-#elif !defined(WIDE)
-#define LANES 2
 #elif defined(__AVX512F__)
 #define LANES 8
 #elif defined(__AVX__)
@@ -33,178 +36,7 @@
 #define LANES 2
 #endif
 
-/* Two numbers, or LANES in kernels: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
-   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
-   compiler is allowed to fuse multiplications. */
-#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
-#define VECTORS 1
-typedef double pair __attribute__((vector_size(8*LANES)));
-typedef uint64_t pair_bits __attribute__((vector_size(8*LANES)));
-#define PAIR(a, b) ((pair){a, b})
-#define PAIR_AT(x, i) ((x)[i])
-#else
-#define VECTORS 0
-typedef struct { double at[2]; } pair;
-#define PAIR(a, b) ((pair){{a, b}})
-#define PAIR_AT(x, i) ((x).at[i])
-#endif
-
-/* What computes: a vector, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
-   of one number takes the first one of a vector. */
-#if VECTORS
-typedef pair number;
-typedef pair_bits number_bits;
-#define NUMBER_EACH(x) ((x) - (number){0.0})
-#define NUMBER_BITS(x) ((number_bits)(x))
-#define NUMBER_VALUE(bits) ((number)(bits))
-#define NUMBER_WHERE(condition) ((number_bits)(condition))
-#define NUMBER_ALONE(function, x) (function((number){x})[0])
-#else
-typedef double number;
-typedef uint64_t number_bits;
-#define NUMBER_EACH(x) (x)
-#define NUMBER_BITS(x) bits_of(x)
-#define NUMBER_VALUE(bits) double_of(bits)
-#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
-#define NUMBER_ALONE(function, x) (function(x))
-static inline uint64_t bits_of(double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-static inline double double_of(uint64_t bits)
-{
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-#endif
-
-#define PI 3.14159265358979323846
-
-static inline double square(double x) { return x*x; }
-
-static inline double fourth(double x) { return (x*x)*(x*x); }
-
-static EXPANDED number number_sgn(number x)
-{
-    return NUMBER_VALUE((NUMBER_BITS(NUMBER_EACH(1.0)) & NUMBER_WHERE(x != 0.0))
-        | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))) | NUMBER_WHERE(x != x));
-}
-
-static EXPANDED number number_sgn1(number x)
-{
-    return NUMBER_VALUE(NUMBER_BITS(NUMBER_EACH(1.0)) | (NUMBER_WHERE(x < 0.0) & NUMBER_BITS(NUMBER_EACH(-0.0)))
-        | NUMBER_WHERE(x != x));
-}
-
-/* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
-   all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
-   the Elementary Functions, 1980); the polynomials are tirefmu's own: that of the sine interpolates in 60 digits at the
-   Chebyshev nodes of the reduced range, as with it the sine of pi/2 is exactly 1, and factors of low speed are exactly 0
-   at standstill; so do those of exp and log; those of tangent and arcus tangent have the least maximum of the relative
-   error (Remez's exchange in 50 digits); rounded to double. The error, measured against 36 digits, is below 3 units in
-   the last place; that of a power about |y log x| more.
-   Arguments that the reduction does not cover (huge angles, infinities, NaN) go to math.h. */
-
-/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
-#define ROUNDING 6755399441055744.0
-
-/* Up to here exp is neither 0 nor infinite nor subnormal. */
-#define LARGEST_EXPONENT 700.0
-
-static EXPANDED number number_choose(number_bits where, number then, number otherwise)
-{
-    return NUMBER_VALUE((NUMBER_BITS(then) & where) | (NUMBER_BITS(otherwise) & ~where));
-}
-
-/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
-   shift is 0, the cosine where it is 1/2. */
-static EXPANDED number number_shifted_sin(number angle, number shift)
-{
-    const number rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const number n = (rounded - ROUNDING) - shift;
-    const number r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const number z = r*r, z2 = z*z, z4 = z2*z2;
-    const number series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return NUMBER_VALUE(NUMBER_BITS(r + r*z*series) ^ (NUMBER_BITS(rounded) << 63));
-}
-
-static EXPANDED number number_sin(number x) { return number_shifted_sin(x, NUMBER_EACH(0.0)); }
-
-static EXPANDED number number_cos(number x) { return number_shifted_sin(x, NUMBER_EACH(0.5)); }
-
-/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
-static EXPANDED number number_tan(number x)
-{
-    const number rounded = x*0.6366197723675814 + ROUNDING, n = 0.5*(rounded - ROUNDING);
-    const number r = ((x - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const number z = r*r;
-    const number sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
-        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
-    const number cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
-        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
-    const number_bits odd = 0 - (NUMBER_BITS(rounded) & 1);
-    return number_choose(odd, -cosine, sine)/number_choose(odd, sine, cosine);
-}
-
-/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-static EXPANDED number number_atan(number x)
-{
-    const number a = NUMBER_VALUE(NUMBER_BITS(x) & ~NUMBER_BITS(NUMBER_EACH(-0.0))), unit = NUMBER_EACH(1.0);
-    const number_bits beyond = NUMBER_WHERE(a > 0.41421356237309503), within = NUMBER_WHERE(a <= 2.414213562373095);
-    const number shifted = NUMBER_VALUE(NUMBER_BITS(unit) & beyond), near = NUMBER_VALUE(NUMBER_BITS(unit) & within);
-    const number eighths = (shifted + 1.0) - near;
-    const number t = (NUMBER_VALUE(NUMBER_BITS(a) & within) - shifted)/(NUMBER_VALUE(NUMBER_BITS(a) & beyond) + near);
-    const number z = t*t, z2 = z*z, z4 = z2*z2;
-    const number series = ((-0.3333333333333015 + z*0.19999999999088983)
-        + z2*(-0.14285714195263263 + z*0.11111106653657138))
-        + z4*(((-0.09090782413881009 + z*0.07690068317754889)
-        + z2*(-0.06641121318562959 + z*0.05692539545490282))
-        + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const number size = eighths*0.7853981633974483 + (t + t*z*series);
-    return NUMBER_VALUE(NUMBER_BITS(size) | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))));
-}
-
-static EXPANDED number number_exp(number x)
-{
-    const number rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const number r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const number r2 = r*r, r4 = r2*r2;
-    const number tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return NUMBER_VALUE((NUMBER_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-
-/* Of normal positive numbers. */
-static EXPANDED number number_log(number x)
-{
-    const number mantissa = NUMBER_VALUE((NUMBER_BITS(x) & 0x000fffffffffffff) | 0x3ff0000000000000);
-    /* A whole number in the lowest bits of 2^52. */
-    const number exponent = NUMBER_VALUE((NUMBER_BITS(x) >> 52) | 0x4330000000000000) - 4503599627371519.0;
-    const number_bits upper = NUMBER_WHERE(mantissa > 1.4142135623730951);
-    const number m = number_choose(upper, 0.5*mantissa, mantissa);
-    const number n = number_choose(upper, exponent + 1.0, exponent);
-    const number s = (m - 1.0)/(m + 1.0);
-    const number z = s*s, z2 = z*z, z4 = z2*z2;
-    const number series = z*((0.666666666666667 + z*0.3999999999989889)
-        + z2*(0.28571428626253836 + z*0.22222211089379496)
-        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
-    return n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
-}
-
-/* LANES rows at a time: the elementary functions on vectors. Where a reduction does not cover the argument (angles beyond
-   1e7, exp beyond 700, log of 0 and subnormals, infinities) they give NaN: the caller of the kernel computes that row
-   again separately. */
-
-typedef pair lanes;
+typedef double lanes __attribute__((vector_size(8*LANES)));
 
 typedef int64_t lane_bits __attribute__((vector_size(8*LANES)));
 
@@ -221,9 +53,20 @@ static inline lanes choose(lane_bits condition, lanes then, lanes otherwise)
     return (lanes)(((lane_bits)then & condition) | ((lane_bits)otherwise & ~condition));
 }
 
+static inline lanes one_where(lane_bits condition)
+{
+    return (lanes)((lane_bits)each(1.0) & condition);
+}
+
 static inline lanes lanes_absolute(lanes x)
 {
     return (lanes)((lane_bits)x & INT64_MAX);
+}
+
+/* The size, which is not negative, with the sign of x. */
+static inline lanes with_sign_of(lanes size, lanes x)
+{
+    return (lanes)((lane_bits)size | ((lane_bits)x & INT64_MIN));
 }
 
 static inline lanes lanes_sqrt(lanes x)
@@ -240,32 +83,136 @@ static inline lanes lanes_cube(lanes x) { return x*x*x; }
 
 static inline lanes lanes_fourth(lanes x) { return (x*x)*(x*x); }
 
-static inline lanes lanes_sgn(lanes x) { return number_sgn(x); }
-
-static inline lanes lanes_sgn1(lanes x) { return number_sgn1(x); }
-
-/* NaN beyond 1e7, see LARGEST_ANGLE. */
-static inline lanes lanes_checked_angle(lanes angle)
+/* x - x makes NaN of NaN. */
+static inline lanes lanes_sgn(lanes x)
 {
-    return angle + 0.0*(angle*1.8e301);
+    return (lanes)((lane_bits)with_sign_of(each(1.0), x) & (x != 0.0)) + (x - x);
 }
 
-static inline lanes lanes_sin(lanes x) { return number_sin(lanes_checked_angle(x)); }
+static inline lanes lanes_sgn1(lanes x)
+{
+    return with_sign_of(each(1.0), x + 0.0) + (x - x);
+}
 
-static inline lanes lanes_cos(lanes x) { return number_cos(lanes_checked_angle(x)); }
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
+#define LANES_ROUNDING 6755399441055744.0
 
-static inline lanes lanes_tan(lanes x) { return number_tan(lanes_checked_angle(x)); }
+/* x - n q pi for a whole number n of up to 8 digits; pi in two parts where products are not rounded before they are
+   subtracted, in three parts otherwise, of which the first product with n is exact. */
+#ifdef __FP_FAST_FMA
+#define LANES_WITHOUT(x, n, q) (((x) - (n)*((q)*3.141592653589793)) - (n)*((q)*1.2246467991473532e-16))
+#else
+#define LANES_WITHOUT(x, n, q) ((((x) - (n)*((q)*3.141592651605606)) - (n)*((q)*1.9841871583270443e-09)) \
+    - (n)*((q)*1.034036596358821e-18))
+#endif
 
-static inline lanes lanes_atan(lanes x) { return number_atan(x); }
+/* NaN beyond 1.8e7, where the multiple of pi that is next to the angle is no longer exact. */
+static inline lanes lanes_checked_angle(lanes angle)
+{
+    return angle + 0.0*(angle*1e301);
+}
+
+/* The fixed factor of an arcus tangent: of an angle of such a product the sine needs no check. */
+static inline double limited(double factor)
+{
+    return factor + 0.0*(factor*1e301);
+}
+
+/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
+   shift is 0, the cosine where it is 1/2. */
+static inline lanes lanes_shifted_sin(lanes angle, double shift)
+{
+    const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
+    const lanes n = (rounded - LANES_ROUNDING) - shift;
+    const lanes r = LANES_WITHOUT(angle, n, 1.0);
+    const lanes z = r*r;
+    const lanes series = -0.16666666666666666 + z*(0.008333333333333316 + z*(-0.00019841269841254955
+        + z*(2.755731921915843e-06 + z*(-2.5052107616384595e-08 + z*(1.6058977272815506e-10
+        + z*(-7.643969031052769e-13 + z*2.731428986122616e-15))))));
+    return (lanes)((lane_bits)(r + r*z*series) ^ ((lane_bits)rounded << 63));
+}
+
+static inline lanes lanes_sin(lanes x)
+{
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.0);
+}
+
+static inline lanes lanes_cos(lanes x)
+{
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.5);
+}
+
+static inline lanes lanes_limited_sin(lanes x)
+{
+    return lanes_shifted_sin(x, 0.0);
+}
+
+static inline lanes lanes_limited_cos(lanes x)
+{
+    return lanes_shifted_sin(x, 0.5);
+}
+
+/* Sine over cosine of what remains next to 0 of multiples of pi/2, or the reciprocal with the other sign. */
+static inline lanes lanes_tan(lanes x)
+{
+    const lanes rounded = x*0.6366197723675814 + LANES_ROUNDING;
+    const lanes r = LANES_WITHOUT(lanes_checked_angle(x), rounded - LANES_ROUNDING, 0.5);
+    const lanes z = r*r;
+    const lanes sine = r + r*z*(-0.1666666666666663 + z*(0.008333333333322118 + z*(-0.0001984126982958893
+        + z*(2.755731362117812e-06 + z*(-2.5050747731531878e-08 + z*1.5896228416925448e-10)))));
+    const lanes cosine = 1.0 + z*(-0.5 + z*(0.04166666666659654 + z*(-0.0013888888877611868
+        + z*(2.480158070734838e-05 + z*(-2.7555523114049664e-07 + z*2.0645119096199667e-09)))));
+    const lane_bits odd = ((lane_bits)rounded << 63) >> 63;
+    return choose(odd, -cosine, sine)/choose(odd, sine, cosine);
+}
+
+/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8): three forms of
+   numerator and denominator that differ by factors of 0 and 1. NaN at infinity. */
+static inline lanes lanes_atan(lanes x)
+{
+    const lanes a = lanes_absolute(x);
+    const lane_bits beyond = a > 0.41421356237309503, within = a <= 2.414213562373095;
+    const lanes shifted = one_where(beyond), near = one_where(within);
+    const lanes base = choose(within, (lanes)((lane_bits)each(0.7853981633974483) & beyond), each(1.5707963267948966));
+    const lanes t = (a*near - shifted)/(a*shifted + near);
+    const lanes z = t*t;
+    const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
+        + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
+        + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
+    return with_sign_of(base + (t + t*z*series), x);
+}
 
 static inline lanes lanes_exp(lanes x)
 {
-    return choose(lanes_absolute(x) <= LARGEST_EXPONENT, number_exp(x), each(NAN));
+    const lanes rounded = x*1.4426950408889634 + LANES_ROUNDING;
+    const lanes n = rounded - LANES_ROUNDING;
+    const lanes r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
+    const lanes r2 = r*r, r4 = r2*r2;
+    const lanes tail = ((0.5000000000000001 + r*0.16666666666666669)
+        + r2*(0.041666666666623824 + r*0.008333333333330039))
+        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
+        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
+        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
+    const lanes power = (lanes)(((lane_bits)rounded + 1023) << 52);
+    return choose(lanes_absolute(x) <= 700.0, power*(1.0 + (r + r2*tail)), each(NAN));
 }
 
 static inline lanes lanes_log(lanes x)
 {
-    return choose((x >= DBL_MIN) & (x <= DBL_MAX), number_log(x), each(NAN));
+    const lane_bits bits = (lane_bits)x;
+    const lanes mantissa = (lanes)((bits & 0x000fffffffffffff) | 0x3ff0000000000000);
+    /* A whole number in the lowest bits of 2^52; the sign bit is 0 wherever the result is used. */
+    const lanes exponent = (lanes)((bits >> 52) | 0x4330000000000000) - 4503599627371519.0;
+    const lane_bits upper = mantissa > 1.4142135623730951;
+    const lanes m = choose(upper, 0.5*mantissa, mantissa);
+    const lanes n = choose(upper, exponent + 1.0, exponent);
+    const lanes s = (m - 1.0)/(m + 1.0);
+    const lanes z = s*s, z2 = z*z, z4 = z2*z2;
+    const lanes series = z*((0.666666666666667 + z*0.3999999999989889)
+        + z2*(0.28571428626253836 + z*0.22222211089379496)
+        + z4*((0.1818289243253687 + z*0.15331611722055008) + z2*0.14617807153417325));
+    const lanes value = n*0.6931471803691238 + (2.0*s + (s*series + n*1.9082149292705877e-10));
+    return choose((x >= 2.2250738585072014e-308) & (x <= 1.7976931348623157e308), value, each(NAN));
 }
 
 static inline lanes lanes_pow(lanes x, lanes y)
@@ -489,124 +436,114 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes p = *(const lanes_in_array *)(inputs + MF61_p*BLOCK + i);
         const lanes V = *(const lanes_in_array *)(inputs + MF61_V*BLOCK + i);
 
-        /* Inputs */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz < 1e-100, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
-        const lanes dfz = (F_z - F_z01)/F_z01; /* [4.E2a] normalized change in load */
-        const lanes dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
+        const lanes dpi = (1.0/NOMPRES)*(p - NOMPRES); /* [4.E2b] normalized change in pressure */
         const lanes tan_alpha = lanes_tan(alpha); /* [2.11] lateral slip */
-        const lanes V_c = lanes_sqrt(1.0 + lanes_square(tan_alpha))*lanes_absolute(V); /* [2.12] speed of the contact point */
-        const lanes cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
-        const lanes alpha_star = tan_alpha*lanes_sgn(V); /* [4.E3] lateral slip alpha* */
         const lanes gamma_star = lanes_sin(gamma); /* [4.E4] inclination gamma* */
-
-        /* Longitudinal force, pure slip */
+        const lanes M_y_near_locked = lanes_sin((0.5*PI/VXLOW)*(1.0 + kappa)*lanes_absolute(V)); /* [MFeval] fade near the locked wheel */
+        const lanes dfz = (1.0/F_z01)*(F_z - F_z01); /* [4.E2a] normalized change in load */
+        const lanes F_zx = choose(FZMIN > F_z, (1.0/square(FZMIN))*lanes_cube(F_z), F_z); /* [MFeval] load of M_x */
+        const lanes F_zy = choose(FZMIN > F_z, (1.0/FZMIN)*lanes_square(F_z), F_z); /* [MFeval] load of M_y */
+        const lanes K_yalpha_g0 = (F_z01*LKY*PKY1)*(1.0 + PPY1*dpi)*lanes_limited_sin(limited(PKY4)*lanes_atan((1.0/(F_z01*PKY2))*F_z/(1.0 + PPY2*dpi))); /* [4.E25] cornering stiffness */
         const lanes S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
-        const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
         const lanes mu_x_loaded = LMUX*(1.0 - PDX3*lanes_square(gamma))*(PDX1 + PDX2*dfz)*(1.0 + PPX3*dpi + PPX4*lanes_square(dpi)); /* [4.E13] peak friction */
-        const lanes mu_x = choose(F_z <= 0.0, each(0.0), mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
-        const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
-        const lanes E_x = LEX*(1.0 - PEX4*lanes_sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
         const lanes K_xkappa = F_z*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*lanes_square(dpi))*lanes_exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-        const lanes B_x = K_xkappa/(1e-06*lanes_sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
-        const lanes S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
-        const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
-        const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
-        const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
-        const lanes F_x0 = (S_Vx + D_x*lanes_sin(F_x0_w))*lanes_sgn1(V); /* [4.E9] longitudinal force in pure slip */
-
-        /* Side force, pure slip */
-        const lanes K_yalpha_g0 = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*lanes_sin(PKY4*lanes_atan(F_z/(F_z01*PKY2*(1.0 + PPY2*dpi)))); /* [4.E25] cornering stiffness */
-        const lanes K_yalpha = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*(1.0 - PKY3*lanes_absolute(gamma_star))*lanes_sin(PKY4*lanes_atan(F_z/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*lanes_square(gamma_star))))); /* [4.E25] cornering stiffness */
-        const lanes K_yalpha1 = K_yalpha + 1e-06*lanes_sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
+        const lanes S_Vx = (LMUX*LVX)*F_z*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
         const lanes K_ygamma0 = F_z*LKYC*(1.0 + PPY5*dpi)*(PKY6 + PKY7*dfz); /* [4.E30] camber stiffness */
-        const lanes S_Vygamma = F_z*LKYC*LMUY*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
-        const lanes S_Hy = LHY*(PHY1 + PHY2*dfz) + (-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1; /* [4.E27] horizontal shift */
-        const lanes alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
-        const lanes mu_y_loaded = LMUY*(1.0 - PDY3*lanes_square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*lanes_square(dpi)); /* [4.E23] peak friction */
-        const lanes D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
-        const lanes E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*lanes_square(gamma_star) - (PEY3 + PEY4*gamma_star)*lanes_sgn1(alpha_y)); /* [4.E24] curvature factor */
-        const lanes B_y = K_yalpha/(1e-06*lanes_sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
-        const lanes S_Vy = S_Vygamma + F_z*LMUY*LVY*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
-        const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
-        const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
-        const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
-        const lanes F_y0 = (S_Vy + D_y*lanes_sin(F_y0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
         const lanes S_Hy_g0 = LHY*(PHY1 + PHY2*dfz); /* [4.E27] horizontal shift */
-        const lanes alpha_y_g0 = S_Hy_g0 + alpha_star; /* [4.E20] slip angle, shifted */
         const lanes mu_y_loaded_g0 = LMUY*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*lanes_square(dpi)); /* [4.E23] peak friction */
-        const lanes D_y_g0 = F_z*mu_y_loaded_g0; /* [4.E22] peak factor */
-        const lanes E_y_g0 = LEY*(1.0 - PEY3*lanes_sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
-        const lanes B_y_g0 = K_yalpha_g0/(1e-06*lanes_sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
-        const lanes S_Vy_g0 = F_z*LMUY*LVY*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
-        const lanes F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
-        const lanes F_y0_g0_v = F_y0_g0_u - E_y_g0*(F_y0_g0_u - lanes_atan(F_y0_g0_u)); /* [4.1] B x bent by E */
-        const lanes F_y0_g0_w = C_y_g0*lanes_atan(F_y0_g0_v); /* [4.1] angle of the Magic Formula */
-        const lanes F_y0_g0 = (S_Vy_g0 + D_y_g0*lanes_sin(F_y0_g0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
-        const lanes mu_y = choose(F_z <= 0.0, each(0.0), mu_y_loaded); /* [4.E23] peak friction; 0 off the ground, as MFeval prints it */
-
-        /* Forces, combined slip */
-        const lanes B_xalpha = LXAL*(RBX1 + RBX3*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
+        const lanes S_Vy_g0 = (LMUY*LVY)*F_z*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
         const lanes E_xalpha = REX1 + REX2*dfz; /* [4.E56] curvature of G_xa */
-        const lanes G_xa_u = B_xalpha*(RHX1 + alpha_star); /* [4.1] B x */
-        const lanes G_xa_v = G_xa_u - E_xalpha*(G_xa_u - lanes_atan(G_xa_u)); /* [4.1] B x bent by E */
-        const lanes G_xa_w = C_xalpha*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
-        const lanes G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - lanes_atan(G_xa0_u)); /* [4.1] B x bent by E */
-        const lanes G_xa0_w = C_xalpha*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
         const lanes S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
         const lanes E_ykappa = REY1 + REY2*dfz; /* [4.E64] curvature of G_yk */
-        const lanes B_ykappa = LYKA*(RBY1 + RBY4*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
-        const lanes G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
-        const lanes G_yk_v = G_yk_u - E_ykappa*(G_yk_u - lanes_atan(G_yk_u)); /* [4.1] B x bent by E */
-        const lanes G_yk_w = C_ykappa*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
-        const lanes G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - lanes_atan(G_yk0_u)); /* [4.1] B x bent by E */
-        const lanes G_yk0_w = C_ykappa*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
-        const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha_star)); /* [4.E67] peak of S_Vyk */
-        const lanes S_Vyk = D_Vyk*LVYKA*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
-        const lanes Fx = choose(Fz < 1e-100, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
-        const lanes Fy = choose(Fz < 1e-100, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-
-        /* Aligning moment */
+        const lanes B_t = (LKY/LMUY)*(1.0 + QBZ4*gamma + QBZ5*lanes_absolute(gamma))*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz)); /* [4.E40] stiffness factor of the trail */
+        const lanes D_t = (LTR*UNLOADED_RADIUS/F_z01)*F_z*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*lanes_square(gamma)); /* [4.E43] peak factor of the trail */
+        const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
+        const lanes E_x = LEX*(1.0 - PEX4*lanes_sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
+        const lanes F_zy_share = choose(F_zy <= 0.0, each(1e-60), (1.0/FNOMIN)*F_zy); /* [MFeval] load of M_y in nominal loads, above 0 */
+        const lanes K_yalpha = (F_z01*LKY*PKY1)*(1.0 + PPY1*dpi)*(1.0 - PKY3*lanes_absolute(gamma_star))*lanes_limited_sin(limited(PKY4)*lanes_atan((1.0/F_z01)*F_z/((1.0 + PPY2*dpi)*(PKY2 + PKY5*lanes_square(gamma_star))))); /* [4.E25] cornering stiffness */
+        const lanes S_Vygamma = (LKYC*LMUY)*F_z*gamma_star*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
+        const lanes mu_y_loaded = LMUY*(1.0 - PDY3*lanes_square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*lanes_square(dpi)); /* [4.E23] peak friction */
+        const lanes D_y_g0 = F_z*mu_y_loaded_g0; /* [4.E22] peak factor */
+        const lanes B_xalpha = LXAL*(RBX1 + RBX3*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
         const lanes S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
+        const lanes S_Vy = S_Vygamma + (LMUY*LVY)*F_z*(PVY1 + PVY2*dfz); /* [4.E29] vertical shift */
+        const lanes V_c = lanes_sqrt(1.0 + lanes_square(tan_alpha))*lanes_absolute(V); /* [2.12] speed of the contact point */
+        const lanes alpha_star = tan_alpha*lanes_sgn(V); /* [4.E3] lateral slip alpha* */
+        const lanes mu_x = choose(F_z <= 0.0, each(0.0), mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
+        const lanes alpha_y_g0 = S_Hy_g0 + alpha_star; /* [4.E20] slip angle, shifted */
+        const lanes B_ykappa = LYKA*(RBY1 + RBY4*lanes_square(gamma_star))/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha_star - RBY3)); /* [4.E62] stiffness of G_yk */
         const lanes alpha_t = S_Ht + alpha_star; /* [4.E34] slip angle of the trail */
-        const lanes alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
-        const lanes B_t = LKY*(1.0 + QBZ4*gamma + QBZ5*lanes_absolute(gamma))*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
-        const lanes D_t = F_z*LTR*UNLOADED_RADIUS*(1.0 - PPZ1*dpi)*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma + QDZ4*lanes_square(gamma))/F_z01; /* [4.E43] peak factor of the trail */
-        const lanes E_t = (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*lanes_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
-        const lanes B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
-        const lanes D_r = F_z*LMUY*UNLOADED_RADIUS*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*lanes_absolute(gamma_star)))*lanes_cos(alpha_star)*lanes_sgn(V); /* [4.E47] peak factor of the residual moment */
-        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
+        const lanes D_r = (LMUY*UNLOADED_RADIUS)*F_z*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*lanes_absolute(gamma_star)))*lanes_cos(alpha_star)*lanes_sgn(V); /* [4.E47] peak factor of the residual moment */
+        const lanes M_y_backward = choose(kappa >= -VXLOW - VXLOW/lanes_absolute(V), M_y_near_locked, each(-1.0)); /* [MFeval] the same, -1 where the wheel turns backward */
+        const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
+        const lanes E_y_g0 = LEY*(1.0 - PEY3*lanes_sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
+        const lanes E_t = (1.0 + (1.0/PI)*(2.0*QEZ4 + (2.0*QEZ5)*gamma_star)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
         const lanes tan_alpha_teq = lanes_tan(alpha_t); /* [4.E77] the same as a slip */
-        const lanes slip_alpha_teq = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
-        const lanes alpha_teq = lanes_atan(slip_alpha_teq)*lanes_sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
+        const lanes B_x = K_xkappa/(1e-06*lanes_sgn1(D_x) + C_x*D_x); /* [4.E16] stiffness factor */
+        const lanes D_y = F_z*mu_y_loaded; /* [4.E22] peak factor */
+        const lanes mu_y = choose(F_z <= 0.0, each(0.0), mu_y_loaded); /* [4.E23] peak friction; 0 off the ground, as MFeval prints it */
+        const lanes M_y_taper = choose(kappa <= -1.0 + VXLOW/lanes_absolute(V), M_y_backward, each(1.0)); /* [MFeval] the same, 1 where the wheel rolls */
+        const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha_star)); /* [4.E67] peak of S_Vyk */
+        const lanes cos_alpha = V/(1e-06 + V_c); /* [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed */
+        const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
+        const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
+        const lanes G_xa_u = B_xalpha*(RHX1 + alpha_star); /* [4.1] B x */
+        const lanes G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
+        const lanes G_xa_v = G_xa_u - E_xalpha*(G_xa_u - lanes_atan(G_xa_u)); /* [4.1] B x bent by E */
+        const lanes G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - lanes_atan(G_xa0_u)); /* [4.1] B x bent by E */
+        const lanes G_yk_u = B_ykappa*(S_Hyk + kappa); /* [4.1] B x */
+        const lanes G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
+        const lanes G_yk_v = G_yk_u - E_ykappa*(G_yk_u - lanes_atan(G_yk_u)); /* [4.1] B x bent by E */
+        const lanes G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - lanes_atan(G_yk0_u)); /* [4.1] B x bent by E */
+        const lanes S_Vyk = D_Vyk*LVYKA*lanes_limited_sin(limited(RVY5)*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
+        const lanes F_x0_w = limited(C_x)*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
+        const lanes B_y_g0 = K_yalpha_g0/(1e-06*lanes_sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
+        const lanes G_xa_w = limited(C_xalpha)*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_xa0_w = limited(C_xalpha)*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
+        const lanes F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
+        const lanes F_y0_g0_v = F_y0_g0_u - E_y_g0*(F_y0_g0_u - lanes_atan(F_y0_g0_u)); /* [4.1] B x bent by E */
+        const lanes G_yk_w = limited(C_ykappa)*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_yk0_w = limited(C_ykappa)*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
+        const lanes F_x0 = (S_Vx + D_x*lanes_limited_sin(F_x0_w))*lanes_sgn1(V); /* [4.E9] longitudinal force in pure slip */
+        const lanes K_yalpha1 = K_yalpha + 1e-06*lanes_sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
+        const lanes B_y = K_yalpha/(1e-06*lanes_sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
+        const lanes S_Hy = LHY*(PHY1 + PHY2*dfz) + (-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1; /* [4.E27] horizontal shift */
+        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
+        const lanes G_xa = lanes_limited_cos(G_xa_w)/lanes_limited_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
+        const lanes B_r = (C_y*QBZ10)*B_y + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
+        const lanes alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
+        const lanes alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
+        const lanes E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*lanes_square(gamma_star) - (PEY3 + PEY4*gamma_star)*lanes_sgn1(alpha_y)); /* [4.E24] curvature factor */
+        const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
+        const lanes F_y0_g0_w = limited(C_y_g0)*lanes_atan(F_y0_g0_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_yk = lanes_limited_cos(G_yk_w)/lanes_limited_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes tan_alpha_req = lanes_tan(alpha_r); /* [4.E78] the same as a slip */
+        const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
+        const lanes slip_alpha_teq = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
+        const lanes F_y0_g0 = (S_Vy_g0 + D_y_g0*lanes_limited_sin(F_y0_g0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
+        const lanes alpha_teq = lanes_atan(slip_alpha_teq)*lanes_sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
+        const lanes F_y0_w = limited(C_y)*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
         const lanes slip_alpha_req = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
+        const lanes Fx = choose(Fz < 1e-100, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
+        const lanes M_y_speed = QSY1 + QSY3*lanes_absolute((1.0/LONGVL)*V) + (QSY2/FNOMIN)*Fx + (QSY4/fourth(LONGVL))*lanes_fourth(V); /* [4.E70] resistance by force and speed */
+        const lanes F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
         const lanes alpha_req = lanes_atan(slip_alpha_req)*lanes_sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
+        const lanes F_y0 = (S_Vy + D_y*lanes_limited_sin(F_y0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
         const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
-        const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
-        const lanes trail = D_t*LFZO*cos_alpha*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes M_zr = D_r/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
-        const lanes s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
-        const lanes F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
-        const lanes Mz = choose(Fz < 1e-100, each(0.0), M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
-
-        /* Overturning and rolling resistance moment */
-        const lanes F_zx = choose(FZMIN > F_z, lanes_cube(F_z)/square(FZMIN), F_z); /* [MFeval] load of M_x */
-        const lanes M_x_hump = QSX4*lanes_cos(QSX5*lanes_atan(lanes_square(F_zx)*square(QSX6)/square(FNOMIN)))*lanes_sin(QSX7*gamma + QSX8*lanes_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
-        const lanes Mx = choose(Fz < 1e-100, each(0.0), LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*lanes_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*lanes_absolute(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*lanes_absolute(gamma)))); /* [4.E69] overturning moment */
-        const lanes F_zy = choose(FZMIN > F_z, lanes_square(F_z)/FZMIN, F_z); /* [MFeval] load of M_y */
-        const lanes F_zy_share = choose(F_zy <= 0.0, each(1e-60), F_zy/FNOMIN); /* [MFeval] load of M_y in nominal loads, above 0 */
-        const lanes M_y_speed = QSY1 + QSY3*lanes_absolute(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*lanes_fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
-        const lanes M_y_near_locked = lanes_sin(0.5*PI*(1.0 + kappa)*lanes_absolute(V)/VXLOW); /* [MFeval] fade near the locked wheel */
-        const lanes M_y_backward = choose(kappa >= -VXLOW - VXLOW/lanes_absolute(V), M_y_near_locked, each(-1.0)); /* [MFeval] the same, -1 where the wheel turns backward */
-        const lanes M_y_taper = choose(kappa <= -1.0 + VXLOW/lanes_absolute(V), M_y_backward, each(1.0)); /* [MFeval] the same, 1 where the wheel rolls */
-        const lanes M_y_full = -FNOMIN*LMY*UNLOADED_RADIUS*lanes_pow(F_zy_share, each(QSY7))*lanes_pow(p/NOMPRES, each(QSY8))*(M_y_speed + lanes_square(gamma)*(QSY5 + F_zy_share*QSY6)); /* [4.E70] rolling resistance moment of the rolling wheel */
+        const lanes Fy = choose(Fz < 1e-100, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+        const lanes trail_w = limited(C_t)*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
+        const lanes M_y_full = -(FNOMIN*LMY*UNLOADED_RADIUS)*lanes_pow(F_zy_share, each(QSY7))*lanes_pow((1.0/NOMPRES)*p, each(QSY8))*(M_y_speed + lanes_square(gamma)*(QSY5 + F_zy_share*QSY6)); /* [4.E70] rolling resistance moment of the rolling wheel */
+        const lanes s = (LS*UNLOADED_RADIUS)*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + (SSZ2/FNOMIN)*Fy); /* [4.E76] moment arm of Fx */
+        const lanes M_x_hump = QSX4*lanes_limited_cos(limited(QSX5)*lanes_atan((square(QSX6)/square(FNOMIN))*lanes_square(F_zx)))*lanes_sin(QSX7*gamma + limited(QSX8)*lanes_atan((QSX9/FNOMIN)*Fy)); /* [M] hump of M_x over load and side force */
+        const lanes trail = D_t*LFZO*cos_alpha*lanes_limited_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes M_y_rolling = choose(V == 0.0, each(0.0), M_y_full*M_y_taper*lanes_sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
         const lanes My = choose(Fz < 1e-100, each(0.0), M_y_rolling); /* [4.E70] rolling resistance moment */
+        const lanes Mz = choose(Fz < 1e-100, each(0.0), M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+        const lanes Mx = choose(Fz < 1e-100, each(0.0), (LMX*UNLOADED_RADIUS)*(F_zx*(M_x_hump + LVMX*QSX1 + (QSX3/FNOMIN)*Fy + QSX10*gamma*lanes_atan((QSX11/FNOMIN)*F_zx) - QSX12*gamma*lanes_absolute(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*lanes_absolute(gamma)))); /* [4.E69] overturning moment */
 
         *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;
         *(lanes_in_array *)(results + 1*STRIDE + i) = Fy;

@@ -8,23 +8,22 @@
 #include <stdint.h>
 #include <string.h>
 
-#define WIDE 1
 #define N_INPUTS MF96_N_INPUTS
 #define N_RESULTS 3
 
-/* Expanded wherever it is called, and nowhere: small code for a routine with many calls. */
-#ifdef __GNUC__
-#define EXPANDED inline __attribute__((always_inline))
-#define CALLED __attribute__((noinline))
-#else
-#define EXPANDED inline
-#define CALLED
-#endif
+static inline double square(double x) { return x*x; }
 
-/* Numbers of a vector: two in code for one row at a time; in kernels (WIDE) as many as fit into a register. */
+/* LANES rows at a time: the vector types of GCC and Clang, and elementary functions on them.
+
+   Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary Functions, 1980);
+   the polynomials are tirefmu's own: those of tangent and arcus tangent have the least maximum of the relative error
+   over the reduced range, by Remez's exchange in 50 digits; those of sine (exactly 1 at pi/2), exp and log interpolate in
+   60 digits at the Chebyshev nodes; rounded to double. The error, measured against 36 digits, is below 3 units in the last
+   place; that of lanes_atan below 12, as its polynomial is shorter than rounding requires; that of lanes_pow about
+   |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
+
 #if defined(LANES)
-#elif !defined(WIDE)
-#define LANES 2
 #elif defined(__AVX512F__)
 #define LANES 8
 #elif defined(__AVX__)
@@ -33,126 +32,7 @@
 #define LANES 2
 #endif
 
-/* Two numbers, or LANES in kernels: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
-   computed one after the other. The operations are the same, and so are all results to the last bit, unless the
-   compiler is allowed to fuse multiplications. */
-#if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
-#define VECTORS 1
-typedef double pair __attribute__((vector_size(8*LANES)));
-typedef uint64_t pair_bits __attribute__((vector_size(8*LANES)));
-#define PAIR(a, b) ((pair){a, b})
-#define PAIR_AT(x, i) ((x)[i])
-#else
-#define VECTORS 0
-typedef struct { double at[2]; } pair;
-#define PAIR(a, b) ((pair){{a, b}})
-#define PAIR_AT(x, i) ((x).at[i])
-#endif
-
-/* What computes: a vector, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
-   of one number takes the first one of a vector. */
-#if VECTORS
-typedef pair number;
-typedef pair_bits number_bits;
-#define NUMBER_EACH(x) ((x) - (number){0.0})
-#define NUMBER_BITS(x) ((number_bits)(x))
-#define NUMBER_VALUE(bits) ((number)(bits))
-#define NUMBER_WHERE(condition) ((number_bits)(condition))
-#define NUMBER_ALONE(function, x) (function((number){x})[0])
-#else
-typedef double number;
-typedef uint64_t number_bits;
-#define NUMBER_EACH(x) (x)
-#define NUMBER_BITS(x) bits_of(x)
-#define NUMBER_VALUE(bits) double_of(bits)
-#define NUMBER_WHERE(condition) (0 - (uint64_t)(condition))
-#define NUMBER_ALONE(function, x) (function(x))
-static inline uint64_t bits_of(double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-static inline double double_of(uint64_t bits)
-{
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-#endif
-
-static inline double square(double x) { return x*x; }
-
-/* Elementary functions without branches and calls, so that a processor overlaps what does not depend on each other, in
-   all lanes of a vector register. Reduction of the argument is the classical one (Cody and Waite, Software Manual for
-   the Elementary Functions, 1980); the polynomials are tirefmu's own: that of the sine interpolates in 60 digits at the
-   Chebyshev nodes of the reduced range, as with it the sine of pi/2 is exactly 1, and factors of low speed are exactly 0
-   at standstill; so do those of exp and log; those of tangent and arcus tangent have the least maximum of the relative
-   error (Remez's exchange in 50 digits); rounded to double. The error, measured against 36 digits, is below 3 units in
-   the last place; that of a power about |y log x| more.
-   Arguments that the reduction does not cover (huge angles, infinities, NaN) go to math.h. */
-
-/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
-#define ROUNDING 6755399441055744.0
-
-/* Up to here exp is neither 0 nor infinite nor subnormal. */
-#define LARGEST_EXPONENT 700.0
-
-/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
-   shift is 0, the cosine where it is 1/2. */
-static EXPANDED number number_shifted_sin(number angle, number shift)
-{
-    const number rounded = (angle*0.3183098861837907 + shift) + ROUNDING;
-    const number n = (rounded - ROUNDING) - shift;
-    const number r = ((angle - n*3.141592651605606) - n*1.9841871583270443e-09) - n*1.034036596358821e-18;
-    const number z = r*r, z2 = z*z, z4 = z2*z2;
-    const number series = ((-0.16666666666666666 + z*0.008333333333333316)
-        + z2*(-0.00019841269841254955 + z*2.755731921915843e-06))
-        + z4*((-2.5052107616384595e-08 + z*1.6058977272815506e-10)
-        + z2*(-7.643969031052769e-13 + z*2.731428986122616e-15));
-    return NUMBER_VALUE(NUMBER_BITS(r + r*z*series) ^ (NUMBER_BITS(rounded) << 63));
-}
-
-static EXPANDED number number_sin(number x) { return number_shifted_sin(x, NUMBER_EACH(0.0)); }
-
-static EXPANDED number number_cos(number x) { return number_shifted_sin(x, NUMBER_EACH(0.5)); }
-
-/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8). */
-static EXPANDED number number_atan(number x)
-{
-    const number a = NUMBER_VALUE(NUMBER_BITS(x) & ~NUMBER_BITS(NUMBER_EACH(-0.0))), unit = NUMBER_EACH(1.0);
-    const number_bits beyond = NUMBER_WHERE(a > 0.41421356237309503), within = NUMBER_WHERE(a <= 2.414213562373095);
-    const number shifted = NUMBER_VALUE(NUMBER_BITS(unit) & beyond), near = NUMBER_VALUE(NUMBER_BITS(unit) & within);
-    const number eighths = (shifted + 1.0) - near;
-    const number t = (NUMBER_VALUE(NUMBER_BITS(a) & within) - shifted)/(NUMBER_VALUE(NUMBER_BITS(a) & beyond) + near);
-    const number z = t*t, z2 = z*z, z4 = z2*z2;
-    const number series = ((-0.3333333333333015 + z*0.19999999999088983)
-        + z2*(-0.14285714195263263 + z*0.11111106653657138))
-        + z4*(((-0.09090782413881009 + z*0.07690068317754889)
-        + z2*(-0.06641121318562959 + z*0.05692539545490282))
-        + z4*(-0.04359096564275717 + z*0.02125985728632481));
-    const number size = eighths*0.7853981633974483 + (t + t*z*series);
-    return NUMBER_VALUE(NUMBER_BITS(size) | (NUMBER_BITS(x) & NUMBER_BITS(NUMBER_EACH(-0.0))));
-}
-
-static EXPANDED number number_exp(number x)
-{
-    const number rounded = x*1.4426950408889634 + ROUNDING, n = rounded - ROUNDING;
-    const number r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
-    const number r2 = r*r, r4 = r2*r2;
-    const number tail = ((0.5000000000000001 + r*0.16666666666666669)
-        + r2*(0.041666666666623824 + r*0.008333333333330039))
-        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
-        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
-        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
-    return NUMBER_VALUE((NUMBER_BITS(rounded) + 1023) << 52)*(1.0 + (r + r2*tail));
-}
-
-/* LANES rows at a time: the elementary functions on vectors. Where a reduction does not cover the argument (angles beyond
-   1e7, exp beyond 700, log of 0 and subnormals, infinities) they give NaN: the caller of the kernel computes that row
-   again separately. */
-
-typedef pair lanes;
+typedef double lanes __attribute__((vector_size(8*LANES)));
 
 typedef int64_t lane_bits __attribute__((vector_size(8*LANES)));
 
@@ -169,9 +49,20 @@ static inline lanes choose(lane_bits condition, lanes then, lanes otherwise)
     return (lanes)(((lane_bits)then & condition) | ((lane_bits)otherwise & ~condition));
 }
 
+static inline lanes one_where(lane_bits condition)
+{
+    return (lanes)((lane_bits)each(1.0) & condition);
+}
+
 static inline lanes lanes_absolute(lanes x)
 {
     return (lanes)((lane_bits)x & INT64_MAX);
+}
+
+/* The size, which is not negative, with the sign of x. */
+static inline lanes with_sign_of(lanes size, lanes x)
+{
+    return (lanes)((lane_bits)size | ((lane_bits)x & INT64_MIN));
 }
 
 static inline lanes lanes_sqrt(lanes x)
@@ -184,21 +75,88 @@ static inline lanes lanes_sqrt(lanes x)
 
 static inline lanes lanes_square(lanes x) { return x*x; }
 
-/* NaN beyond 1e7, see LARGEST_ANGLE. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
+#define LANES_ROUNDING 6755399441055744.0
+
+/* x - n q pi for a whole number n of up to 8 digits; pi in two parts where products are not rounded before they are
+   subtracted, in three parts otherwise, of which the first product with n is exact. */
+#ifdef __FP_FAST_FMA
+#define LANES_WITHOUT(x, n, q) (((x) - (n)*((q)*3.141592653589793)) - (n)*((q)*1.2246467991473532e-16))
+#else
+#define LANES_WITHOUT(x, n, q) ((((x) - (n)*((q)*3.141592651605606)) - (n)*((q)*1.9841871583270443e-09)) \
+    - (n)*((q)*1.034036596358821e-18))
+#endif
+
+/* NaN beyond 1.8e7, where the multiple of pi that is next to the angle is no longer exact. */
 static inline lanes lanes_checked_angle(lanes angle)
 {
-    return angle + 0.0*(angle*1.8e301);
+    return angle + 0.0*(angle*1e301);
 }
 
-static inline lanes lanes_sin(lanes x) { return number_sin(lanes_checked_angle(x)); }
+/* The fixed factor of an arcus tangent: of an angle of such a product the sine needs no check. */
+static inline double limited(double factor)
+{
+    return factor + 0.0*(factor*1e301);
+}
 
-static inline lanes lanes_cos(lanes x) { return number_cos(lanes_checked_angle(x)); }
+/* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
+   shift is 0, the cosine where it is 1/2. */
+static inline lanes lanes_shifted_sin(lanes angle, double shift)
+{
+    const lanes rounded = (angle*0.3183098861837907 + shift) + LANES_ROUNDING;
+    const lanes n = (rounded - LANES_ROUNDING) - shift;
+    const lanes r = LANES_WITHOUT(angle, n, 1.0);
+    const lanes z = r*r;
+    const lanes series = -0.16666666666666666 + z*(0.008333333333333316 + z*(-0.00019841269841254955
+        + z*(2.755731921915843e-06 + z*(-2.5052107616384595e-08 + z*(1.6058977272815506e-10
+        + z*(-7.643969031052769e-13 + z*2.731428986122616e-15))))));
+    return (lanes)((lane_bits)(r + r*z*series) ^ ((lane_bits)rounded << 63));
+}
 
-static inline lanes lanes_atan(lanes x) { return number_atan(x); }
+static inline lanes lanes_cos(lanes x)
+{
+    return lanes_shifted_sin(lanes_checked_angle(x), 0.5);
+}
+
+static inline lanes lanes_limited_sin(lanes x)
+{
+    return lanes_shifted_sin(x, 0.0);
+}
+
+static inline lanes lanes_limited_cos(lanes x)
+{
+    return lanes_shifted_sin(x, 0.5);
+}
+
+/* atan(x), pi/4 + atan((x - 1)/(x + 1)) beyond tan(pi/8), pi/2 - atan(1/x) beyond tan(3 pi/8): three forms of
+   numerator and denominator that differ by factors of 0 and 1. NaN at infinity. */
+static inline lanes lanes_atan(lanes x)
+{
+    const lanes a = lanes_absolute(x);
+    const lane_bits beyond = a > 0.41421356237309503, within = a <= 2.414213562373095;
+    const lanes shifted = one_where(beyond), near = one_where(within);
+    const lanes base = choose(within, (lanes)((lane_bits)each(0.7853981633974483) & beyond), each(1.5707963267948966));
+    const lanes t = (a*near - shifted)/(a*shifted + near);
+    const lanes z = t*t;
+    const lanes series = -0.3333333333326008 + z*(0.19999999982681935 + z*(-0.142857128727868
+        + z*(0.11111054405890605 + z*(-0.09089615001205895 + z*(0.07674318103477003 + z*(-0.06510245162000299
+        + z*(0.05037413797673779 + z*-0.025474199622274877)))))));
+    return with_sign_of(base + (t + t*z*series), x);
+}
 
 static inline lanes lanes_exp(lanes x)
 {
-    return choose(lanes_absolute(x) <= LARGEST_EXPONENT, number_exp(x), each(NAN));
+    const lanes rounded = x*1.4426950408889634 + LANES_ROUNDING;
+    const lanes n = rounded - LANES_ROUNDING;
+    const lanes r = (x - n*0.6931471803691238) - n*1.9082149292705877e-10;
+    const lanes r2 = r*r, r4 = r2*r2;
+    const lanes tail = ((0.5000000000000001 + r*0.16666666666666669)
+        + r2*(0.041666666666623824 + r*0.008333333333330039))
+        + r4*((0.0013888888917367081 + r*0.00019841269863171557)
+        + r2*(2.4801521057868204e-05 + r*2.7557268276905696e-06)
+        + r4*(2.7620201591031547e-07 + r*2.5100472505694996e-08));
+    const lanes power = (lanes)(((lane_bits)rounded + 1023) << 52);
+    return choose(lanes_absolute(x) <= 700.0, power*(1.0 + (r + r2*tail)), each(NAN));
 }
 
 /* Tables through a kernel that computes BLOCK rows at a time. Inputs and results lie quantity by quantity, row after
@@ -356,76 +314,68 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes gamma = *(const lanes_in_array *)(inputs + MF96_gamma*BLOCK + i);
         const lanes Fz = *(const lanes_in_array *)(inputs + MF96_Fz*BLOCK + i);
 
-        /* Normalized inputs */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
-        const lanes dfz = -1.0 + F_z/F_z01; /* [4.E2a] normalized change in load */
         const lanes gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
+        const lanes B_xalpha = (LXA*RBX1)/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
+        const lanes B_ykappa = (LYK*RBY1)/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
+        const lanes dfz = -1.0 + (1.0/F_z01)*F_z; /* [4.E2a] normalized change in load */
         const lanes sign_gamma = gamma_s/lanes_sqrt(1e-06 + lanes_square(gamma_s)); /* [Trento] smoothed sign */
-
-        /* Longitudinal force, pure slip */
+        const lanes K_yalpha_w = 2.0*lanes_atan((1.0/(F_z01*PKY2))*F_z); /* [4.E25] how far K_yalpha is up */
         const lanes S_Hx = LHX*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
-        const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
-        const lanes sign_kappa_x = kappa_x/lanes_sqrt(1e-06 + lanes_square(kappa_x)); /* [Trento] smoothed sign */
         const lanes mu_x = LMUX*(1.0 - PDX3*lanes_square(gamma_s))*(PDX1 + PDX2*dfz); /* [4.E13] peak friction */
-        const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
-        const lanes E_x = LEX*(1.0 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
         const lanes K_xkappa = F_z*LKXK*(PKX1 + PKX2*dfz)*lanes_exp(-PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
-        const lanes B_x = K_xkappa/(C_x*D_x); /* [4.E16] stiffness factor */
-        const lanes S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
-        const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
-        const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
-        const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
-        const lanes F_x0 = S_Vx + D_x*lanes_sin(F_x0_w); /* [4.E9] longitudinal force in pure slip */
-
-        /* Side force, pure slip */
+        const lanes S_Vx = (LMUX*LVX)*F_z*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
         const lanes S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s); /* [4.E27] horizontal shift */
-        const lanes S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
-        const lanes alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
-        const lanes sign_alpha_y = alpha_y/lanes_sqrt(1e-06 + lanes_square(alpha_y)); /* [Trento] smoothed sign */
+        const lanes S_Vy = (LMUY*LVY)*F_z*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz)); /* [4.E29] vertical shift */
         const lanes mu_y = LMUY*(1.0 - PDY3*lanes_square(gamma_s))*(PDY1 + PDY2*dfz); /* [4.E23] peak friction */
-        const lanes D_y = F_z*mu_y; /* [4.E22] peak factor */
-        const lanes E_y = LEY*(1.0 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
-        const lanes K_yalpha_w = 2.0*lanes_atan(F_z/(F_z01*PKY2)); /* [4.E25] how far K_yalpha is up */
-        const lanes K_yalpha = F_z01*LFZ0*LKA*PKY1*(1.0 - PKY3*sign_gamma)*lanes_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
-        const lanes B_y = K_yalpha/(C_y*D_y); /* [4.E26] stiffness factor */
-        const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
-        const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
-        const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
-        const lanes F_y0 = S_Vy + D_y*lanes_sin(F_y0_w); /* [4.E19] side force in pure slip */
-
-        /* Forces, combined slip */
-        const lanes B_xalpha = LXA*RBX1/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
-        const lanes G_xa_w = RCX1*lanes_atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
-        const lanes G_xa_w0 = RCX1*lanes_atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
-        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
-        const lanes B_ykappa = LYK*RBY1/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-        const lanes G_yk_w = RCY1*lanes_atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
-        const lanes G_yk_w0 = RCY1*lanes_atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
-        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
-        const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha)); /* [4.E67] peak of S_Vyk */
-        const lanes S_Vyk = D_Vyk*LVYK*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
-        const lanes Fx = choose(Fz <= 1e-06, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
-        const lanes Fy = choose(Fz <= 1e-06, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
-
-        /* Aligning moment */
-        const lanes S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
         const lanes S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
+        const lanes D_t = (LT*UNLOADED_RADIUS/FNOMIN)*F_z*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*lanes_square(gamma_s)); /* [4.E43] peak factor of the trail */
+        const lanes D_r = (LMR*LMUY*UNLOADED_RADIUS)*F_z*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
+        const lanes kappa_x = S_Hx + kappa; /* [4.E10] longitudinal slip, shifted */
+        const lanes alpha_y = S_Hy + alpha; /* [4.E20] slip angle, shifted */
         const lanes alpha_t = S_Ht + alpha; /* [4.E34] slip angle of the trail */
-        const lanes alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
-        const lanes B_t = LKY*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz))/LMUY; /* [4.E40] stiffness factor of the trail */
-        const lanes D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1.0 + QDZ3*gamma_s + QDZ4*lanes_square(gamma_s))/FNOMIN; /* [4.E43] peak factor of the trail */
+        const lanes sign_kappa_x = kappa_x/lanes_sqrt(1e-06 + lanes_square(kappa_x)); /* [Trento] smoothed sign */
+        const lanes sign_alpha_y = alpha_y/lanes_sqrt(1e-06 + lanes_square(alpha_y)); /* [Trento] smoothed sign */
+        const lanes B_t = (LKY/LMUY)*(1.0 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*lanes_square(dfz)); /* [4.E40] stiffness factor of the trail */
+        const lanes D_x = F_z*mu_x; /* [4.E12] peak factor */
+        const lanes D_y = F_z*mu_y; /* [4.E22] peak factor */
+        const lanes D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/lanes_sqrt(1.0 + square(RVY4)*lanes_square(alpha)); /* [4.E67] peak of S_Vyk */
+        const lanes G_xa_w = limited(RCX1)*lanes_atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
+        const lanes G_xa_w0 = limited(RCX1)*lanes_atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
+        const lanes G_yk_w = limited(RCY1)*lanes_atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
+        const lanes G_yk_w0 = limited(RCY1)*lanes_atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
+        const lanes B_x = (1.0/C_x)*K_xkappa/D_x; /* [4.E16] stiffness factor */
+        const lanes E_x = LEX*(1.0 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*lanes_square(dfz)); /* [4.E14] curvature factor */
+        const lanes E_y = LEY*(1.0 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz); /* [4.E24] curvature factor */
         const lanes E_t = (1.0 + (QEZ4 + QEZ5*gamma_s)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
-        const lanes B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
-        const lanes D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz)); /* [4.E47] peak factor of the residual moment */
+        const lanes K_yalpha = (F_z01*LFZ0*LKA*PKY1)*(1.0 - PKY3*sign_gamma)*lanes_limited_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
+        const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
+        const lanes G_xa = lanes_limited_cos(G_xa_w)/lanes_limited_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
+        const lanes G_yk = lanes_limited_cos(G_yk_w)/lanes_limited_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
+        const lanes S_Vyk = D_Vyk*LVYK*lanes_limited_sin(limited(RVY5)*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
+        const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
+        const lanes B_y = (1.0/C_y)*K_yalpha/D_y; /* [4.E26] stiffness factor */
+        const lanes S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
         const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
+        const lanes F_x0_w = limited(C_x)*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
+        const lanes alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
+        const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
+        const lanes B_r = (C_y*QBZ10)*B_y + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
+        const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
         const lanes alpha_teq = alpha_t*lanes_sqrt(1.0 + kappa_share/(1e-06 + lanes_square(alpha_t))); /* [4.E77] equivalent slip of the trail */
         const lanes alpha_req = alpha_r*lanes_sqrt(1.0 + kappa_share/(1e-06 + lanes_square(alpha_r))); /* [4.E78] equivalent slip of the residual moment */
+        const lanes F_x0 = S_Vx + D_x*lanes_limited_sin(F_x0_w); /* [4.E9] longitudinal force in pure slip */
+        const lanes F_y0_w = limited(C_y)*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
-        const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
-        const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
-        const lanes trail = D_t*lanes_cos(alpha)*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes M_zr = D_r*lanes_cos(alpha)/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
-        const lanes s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
+        const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
+        const lanes Fx = choose(Fz <= 1e-06, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
+        const lanes F_y0 = S_Vy + D_y*lanes_limited_sin(F_y0_w); /* [4.E19] side force in pure slip */
+        const lanes trail_w = limited(C_t)*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
+        const lanes Fy = choose(Fz <= 1e-06, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+        const lanes s = (LS*UNLOADED_RADIUS)*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + (SSZ2/FNOMIN)*Fy); /* [4.E76] moment arm of Fx */
+        const lanes trail = D_t*lanes_cos(alpha)*lanes_limited_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes Mz = choose(Fz <= 1e-06, each(0.0), M_zr + Fx*s - trail*(Fy - S_Vyk)); /* [4.E71] aligning moment */
 
         *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;

@@ -18,25 +18,13 @@
 #define CALLED
 #endif
 
-/* Numbers of a vector: two in code for one row at a time; in kernels (WIDE) as many as fit into a register. */
-#if defined(LANES)
-#elif !defined(WIDE)
-#define LANES 2
-#elif defined(__AVX512F__)
-#define LANES 8
-#elif defined(__AVX__)
-#define LANES 4
-#else
-#define LANES 2
-#endif
-
-/* Two numbers, or LANES in kernels: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
+/* Two numbers: a vector of GCC and Clang; with other compilers, or with ONE_AT_A_TIME, an array whose numbers are
    computed one after the other. The operations are the same, and so are all results to the last bit, unless the
    compiler is allowed to fuse multiplications. */
 #if defined(__GNUC__) && !defined(ONE_AT_A_TIME)
 #define VECTORS 1
-typedef double pair __attribute__((vector_size(8*LANES)));
-typedef uint64_t pair_bits __attribute__((vector_size(8*LANES)));
+typedef double pair __attribute__((vector_size(16)));
+typedef uint64_t pair_bits __attribute__((vector_size(16)));
 #define PAIR(a, b) ((pair){a, b})
 #define PAIR_AT(x, i) ((x)[i])
 #else
@@ -46,8 +34,8 @@ typedef struct { double at[2]; } pair;
 #define PAIR_AT(x, i) ((x).at[i])
 #endif
 
-/* What computes: a vector, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
-   of one number takes the first one of a vector. */
+/* What computes: a pair, in which all bits are set where a comparison holds and none elsewhere, or a number. A function
+   of one number takes the first one of a pair. */
 #if VECTORS
 typedef pair number;
 typedef pair_bits number_bits;

@@ -47,9 +47,9 @@ def column_notes(recording: Recording, *, fitted: bool = True) -> list[str]:
     a.csv: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae), or alpha has ...
     """
     source = recording.source
-    objections = list(defects(recording)) if fitted else []
-    if objections:
-        return [f"{source}: {text}" for text in objections]
+    found = list(defects(recording)) if fitted else []
+    if found:
+        return [f"{source}: {text}" for text in found]
     result = explanation(recording)
     exchanged = result.better and any(result.better[0].hypothesis.exchanges(name) for name in ("alpha", "Fx"))
     if fitted and not exchanged and (unmoved := [f"{source}: {text}" for text in unmoved_slips(recording)]):

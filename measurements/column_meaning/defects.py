@@ -67,10 +67,10 @@ def unmoved_slips(recording: Recording) -> Iterator[str]:
 def _copies(recording: Recording) -> Iterator[str]:
     present = [name for name in _APART if name in recording.table]
     for first, second in combinations(present, 2):
-        values, other = (recording.table[name].to_numpy(dtype=np.float64) for name in (first, second))
+        one, other = (recording.table[name].to_numpy(dtype=np.float64) for name in (first, second))
         if CHANNELS[first].quantity != CHANNELS[second].quantity or recording.table[first].nunique() < 2:
             continue
-        if np.array_equal(np.abs(values), np.abs(other), equal_nan=True):
+        if np.array_equal(np.abs(one), np.abs(other), equal_nan=True):
             yield (
                 f"{first} and {second} have the same numbers: one of them is a copy: name its column "
                 f"(--columns {second}=NAME), or read the table without {second} (--columns {second}=none)"

@@ -71,23 +71,23 @@ def explanation(recording: Recording) -> Explanation:
     if claimed.score < CLEARLY + CONVENTION_COST:
         return Explanation(claimed)
     singles = _scored(recording, list(hypotheses(recording)), claimed)
-    candidates = singles
+    found = singles
     for faults in range(2, MAX_FAULTS + 1):
-        if not candidates or min(candidates[0].score, claimed.score) < CLEARLY + faults * CONVENTION_COST:
+        if not found or min(found[0].score, claimed.score) < CLEARLY + faults * CONVENTION_COST:
             break
         pairs = [
             pair
-            for candidate in candidates[:COMBINED]
+            for candidate in found[:COMBINED]
             for single in singles[: 2 * COMBINED]
             if (pair := combined(candidate.hypothesis, single.hypothesis, recording.signs)) is not None
         ]
-        candidates = sorted([*candidates, *_scored(recording, pairs, claimed)], key=_score)
-    if not candidates:
+        found = sorted([*found, *_scored(recording, pairs, claimed)], key=_score)
+    if not found:
         return Explanation(claimed)
-    best = candidates[0]
+    best = found[0]
     if claimed.score - best.score < CLEARLY:
         return Explanation(claimed)
-    near = _distinct(candidate for candidate in candidates if candidate.score - best.score < HARDLY + WRONG_THRUST)
+    near = _distinct(candidate for candidate in found if candidate.score - best.score < HARDLY + WRONG_THRUST)
     better = [candidate for candidate in near if candidate.score - best.score < HARDLY]
     others = [
         candidate

@@ -70,17 +70,17 @@ def column_meanings(recording: Recording) -> list[ColumnMeaning]:
     ('lateral force, N', 'no column: 0 rad in every row')
     """
     traits = explanation(recording).claimed.traits
-    meanings = []
+    found = []
     for name, channel in CHANNELS.items():
         unit = channel.unit.replace("-", "")
         if name in recording.table:
             read_as = recording.about.get(f"unit of {name}") or unit or "fraction"
             meaning = channel.meaning.split(" (omega")[0]
-            meanings.append(ColumnMeaning(name, f"{meaning}, {read_as}", "; ".join(_evidence(name, traits))))
+            found.append(ColumnMeaning(name, f"{meaning}, {read_as}", "; ".join(_evidence(name, traits))))
         elif name in _NOMINAL:
             value = "nominal" if name in ("Fz", "p", "V") else f"0 {unit}".rstrip()
-            meanings.append(ColumnMeaning(name, f"no column: {value} in every row", ""))
-    return meanings
+            found.append(ColumnMeaning(name, f"no column: {value} in every row", ""))
+    return found
 
 
 def _evidence(name: str, traits: Traits) -> Iterator[str]:

@@ -27,15 +27,15 @@ def radii(recording: Recording) -> dict[str, float]:
     >>> {name: round(radius, 3) for name, radius in radii(Recording(pd.DataFrame(), "iso", "a", about)).items()}
     {'loaded radius': 0.301, 'size of its tire': 0.316}
     """
-    radii = {name: float(recording.about[name]) for name in ("loaded radius", "wheel speed") if name in recording.about}
+    found = {name: float(recording.about[name]) for name in ("loaded radius", "wheel speed") if name in recording.about}
     title = recording.about.get("tireid", "")
     inch = FOOT / 12.0
     if (size := _INCHES.search(title)) is not None:
-        radii["size of its tire"] = 0.5 * inch * float(size["diameter"])
+        found["size of its tire"] = 0.5 * inch * float(size["diameter"])
     elif (size := _METRIC.search(title)) is not None:
         sidewall = 1e-3 * float(size["width"]) * float(size["aspect"]) / 100.0
-        radii["size of its tire"] = 0.5 * inch * float(size["rim"]) + sidewall
-    return {name: radius for name, radius in radii.items() if SMALLEST_RADIUS < radius < LARGEST_RADIUS}
+        found["size of its tire"] = 0.5 * inch * float(size["rim"]) + sidewall
+    return {name: radius for name, radius in found.items() if SMALLEST_RADIUS < radius < LARGEST_RADIUS}
 
 
 def median_radius(radius: NDArray[np.float64]) -> str | None:

@@ -141,7 +141,7 @@ def traits_of(rows: SampledRows) -> Traits:
 
 def _force_sizes(rows: SampledRows, side: float, along: float) -> Iterator[tuple[str, float]]:
     """Yield friction, slip stiffness and largest slip of each force that follows its slip."""
-    traits: dict[str, float] = {}
+    found: dict[str, float] = {}
     for force, slip, other, axis, strength in (
         ("Fy", "alpha", "kappa", "y", side), ("Fx", "kappa", "alpha", "x", along)
     ):  # fmt: skip
@@ -150,21 +150,21 @@ def _force_sizes(rows: SampledRows, side: float, along: float) -> Iterator[tuple
         free = rows.near_zero(other)
         friction = float(np.nanquantile(np.abs(rows[force] / rows.load), 0.98))
         stiffness = abs(rows.slope(force, slip, free & rows.near_zero(slip, least=0.0), rows.load))
-        traits[f"C_{axis}"] = stiffness
-        traits[slip] = rows.largest(slip)
+        found[f"C_{axis}"] = stiffness
+        found[slip] = rows.largest(slip)
         # Without saturation the largest force is no friction; it is only too large, or not.
         saturated = stiffness * rows.largest(slip) >= MIN_SATURATION * friction
         if saturated or friction > SIZES[f"mu_{axis}"].median:
-            traits[f"mu_{axis}"] = friction
-    traits = {name: value for name, value in traits.items() if np.isfinite(value)}
+            found[f"mu_{axis}"] = friction
+    found = {name: value for name, value in found.items() if np.isfinite(value)}
     # A tire with much grip has it in both directions: two forces count by their mean and their ratio.
     for size in ("C", "mu"):
-        along_x, along_y = traits.get(f"{size}_x"), traits.get(f"{size}_y")
+        along_x, along_y = found.get(f"{size}_x"), found.get(f"{size}_y")
         if along_x and along_y:
-            del traits[f"{size}_x"], traits[f"{size}_y"]
+            del found[f"{size}_x"], found[f"{size}_y"]
             yield f"{size}_x/{size}_y", along_x / along_y
             yield f"{size}_xy", float(np.sqrt(along_x * along_y))
-    yield from traits.items()
+    yield from found.items()
 
 
 def _moment_sizes(rows: SampledRows, side: float) -> Iterator[tuple[str, float]]:
@@ -173,11 +173,11 @@ def _moment_sizes(rows: SampledRows, side: float) -> Iterator[tuple[str, float]]
         return
     free = rows.near_zero("kappa")
     # Rows that do not determine the cornering stiffness do not determine the trail either.
-    measured = np.isfinite(rows.slope("Fy", "alpha", free & rows.near_zero("alpha", least=0.0)))
+    known = np.isfinite(rows.slope("Fy", "alpha", free & rows.near_zero("alpha", least=0.0)))
     for size, moment, chosen in (("trail", "Mz", free & rows.near_zero("alpha")), ("arm", "Mx", free)):
         # The slope of a moment that does not follow the force is noise.
         follows = moment in rows and abs(rows.correlation("Fy", moment, chosen)) > WEAK_CORRELATION
-        if follows and (measured or size != "trail"):
+        if follows and (known or size != "trail"):
             yield size, rows.slope(moment, "Fy", chosen)
         elif moment in rows and "Fz" in rows:
             yield f"{moment}/Fz", float(np.nanquantile(np.abs(rows[moment] / rows.load), 0.98))

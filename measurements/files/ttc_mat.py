@@ -69,8 +69,8 @@ def _contract_table(path: Path, table: pd.DataFrame, signs: str, interpretation:
     """Read a table with columns such as alpha and Fz. Its units are treated like those of a CSV header."""
     source = str(path)
     units = dict(_table_units(table))
-    possible = {*CHANNELS, *interpretation.renamed}
-    headers = [f"{name} [{units[name]}]" if units.get(name) and name in possible else name for name in map(str, table)]
+    known = {*CHANNELS, *interpretation.renamed}
+    headers = [f"{name} [{units[name]}]" if units.get(name) and name in known else name for name in map(str, table)]
     columns = parse_header(headers, source, interpretation)
     in_si, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
     # The default convention of the contract's names is that of the contract, not that of the bench.

@@ -65,14 +65,13 @@ def _missing_slips(recording: Recording) -> Iterator[Finding]:
 
 
 def _assumed_camber(recording: Recording) -> Iterator[Finding]:
-    """Yield a finding if an output that camber changes was measured, but no camber; no sensor records exactly 0."""
+    """Yield a finding if an output that camber changes was measured, and there is no column of camber."""
     table = recording.table
     measured = [name for name in _CAUSED["alpha"] if name in table and table[name].notna().any()]
-    if measured and ("gamma" not in table or not table["gamma"].any()):
-        state = "gamma is exactly 0 in every row" if "gamma" in table else "no column gamma: 0 deg assumed"
+    if measured and "gamma" not in table:
         yield Finding(
             "assumed camber",
-            f"{recording.source}: {state}; if the tire was cambered, "
+            f"{recording.source}: no column gamma: 0 deg assumed; if the tire was cambered, "
             f"{' and '.join(measured)} would be wrong by the effect of camber",
         )
 

@@ -75,14 +75,14 @@ class _Difference(NamedTuple):
     shift_error: float
 
 
-def _difference(condition: Mapping[str, float], line: _Line, other: _Line) -> _Difference:
-    ratio_error = sqrt((line.error / line.slope) ** 2 + (other.error / other.slope) ** 2)
+def _difference(condition: Mapping[str, float], one: _Line, other: _Line) -> _Difference:
+    ratio_error = sqrt((one.error / one.slope) ** 2 + (other.error / other.slope) ** 2)
     return _Difference(
         condition,
-        other.slope / line.slope - 1.0,
+        other.slope / one.slope - 1.0,
         ratio_error or RELATIVE_ROUNDING,
-        other.zero - line.zero,
-        sqrt(line.zero_error**2 + other.zero_error**2),
+        other.zero - one.zero,
+        sqrt(one.zero_error**2 + other.zero_error**2),
     )
 
 

@@ -99,7 +99,7 @@ def condition_table(inspection: Inspection) -> Table:
     """Return the operating conditions: levels, rows, drifts."""
     held = [name for name in CHANNELS if any(name in condition.held for condition in inspection.conditions)]
     drifting = [name for name in CHANNELS if any(name in condition.drift for condition in inspection.conditions)]
-    header = ["swept", *(f"{name} ({drawn_unit(name)})" for name in held), "rows", "parts", "s"]
+    header = ["swept", *(f"{name} ({drawn_unit(name)})" for name in held), "rows", "stretches", "s"]
     rows = []
     for condition in inspection.conditions:
         levels = [_number(name, condition.held[name]) if name in condition.held else "" for name in held]

@@ -105,5 +105,5 @@ def _state_objections(states: Sequence[State], read: frozenset[str]) -> Iterator
             if name not in lags:
                 yield f"state {state.name}: drive {quoted(name)} is no lag of this effect{nearest(name, sorted(lags))}"
         used = read.union(*(other.reads for other in (*states[:i], *states[i + 1 :])))
-        if state.name not in used and not (state.is_temperature or state.oscillates or state.kind == SPEED):
+        if state.name not in used and not (state.observed or state.oscillates or state.kind == SPEED):
             yield f"state {state.name} is declared but not used"

@@ -21,45 +21,44 @@ True
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from math import isfinite
 from typing import Any
 
 from tirefmu.boundary.bounded_file import toml_content
-from tirefmu.boundary.errors import EffectError, nearest
-from tirefmu.boundary.escaping import quoted, toml_string
-from tirefmu.boundary.json_schema import FILLED, by_name, document, list_schema, name_schema, object_schema
-from tirefmu.boundary.schema_check import check_content
+from tirefmu.boundary.errors import EffectError
+from tirefmu.boundary.escaping import quoted, toml_string, visible
+from tirefmu.boundary.json_schema import by_name, document, object_schema, tables_schema
 
 from ..declarations import Coefficient, Effect
 from ..detection import Detection
-from ..reserved import LONGEST_NAME, STATE_FORM, STATE_NAME
+from ..reserved import COEFFICIENT_NAME, STATE_NAME, no_coefficient, no_effect
 from .checks import LONGEST_FILE, MAX_ACTS, check_effect
-from .detection_file import COEFFICIENT, NAME, TEXT, detection_text, read_detection
 from .detection_file import KEYS as DETECTION_KEYS
+from .detection_file import NAME, TEXT, detection_text, known_keys, read_detection
 from .effect import Act, AddedEffect
 from .state import State
 from .state_file import KEYS as STATE_KEYS
 from .state_file import read_states, states_text
 
-#: Keys of a coefficient declaration, of [[acts]], of an effect of a chapter and of an added effect, with their schemas.
-DECLARATION_KEYS: dict[str, Any] = {
-    "description": str, "unit": str, **dict.fromkeys(("lower", "upper", "neutral", "start"), float), "flips": bool,
-}  # fmt: skip
-ACT_KEYS: dict[str, Any] = dict.fromkeys(("on", "factor", "term"), FILLED)
-CHAPTER_KEYS: dict[str, Any] = {
-    "name": NAME, "physics": TEXT, "optional": bool, "rescales": dict[str, float],
-    "diagnosis": object_schema(DETECTION_KEYS),
-}  # fmt: skip
+#: Keys of a coefficient declaration and their types.
+DECLARATION_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
+             "flips": bool}  # fmt: skip
+#: Keys of [[acts]] and of the file with the JSON Schemas of their values.
+ACT_KEYS: dict[str, Any] = dict.fromkeys(("on", "factor", "term"), str)
 EFFECT_KEYS: dict[str, Any] = {
     "name": NAME,
     "physics": TEXT,
     "source": TEXT,
-    "coefficients": by_name(COEFFICIENT, object_schema(DECLARATION_KEYS)),
-    "states": by_name(name_schema(STATE_NAME, LONGEST_NAME, STATE_FORM), object_schema(STATE_KEYS, ["kind", "drive"])),
-    "acts": list_schema(object_schema(ACT_KEYS, ["on"]), 1, MAX_ACTS),
+    "coefficients": by_name(COEFFICIENT_NAME, object_schema(DECLARATION_KEYS)),
+    "states": by_name(STATE_NAME, object_schema(STATE_KEYS, ["kind", "drive"])),
+    "acts": {**tables_schema(ACT_KEYS, MAX_ACTS, ["on"]), "minItems": 1},
     "diagnosis": object_schema(DETECTION_KEYS),
 }
+_KINDS = {str: "text", float: "finite number", bool: "truth value: true or false"}
+#: Largest finite double.
+LARGEST_DOUBLE = sys.float_info.max
 
 
 def read_effect(text: str, source: str) -> AddedEffect:
@@ -83,14 +82,12 @@ def read_effect(text: str, source: str) -> AddedEffect:
         If the text is not TOML, has an entry that an effect cannot have, uses a reserved name
         (`tirefmu.symbolic.reserved`), or exceeds the limits of formulas and texts.
     """
-    table = _parsed(text, source)
-    check_content(table, effect_schema(), source, EffectError)
-    effect = _effect(table, source)
+    effect = _effect(_parsed(text, source), source)
     acts = tuple(_checked(act, f"{source}: [[acts]]") for act in effect.acts)
     states = tuple(_checked_state(state, f"{source}: [states.{state.name}]") for state in effect.states)
     effect = replace(effect, acts=acts, states=states)
     check_effect(effect, source)
-    _check_detection(effect, source)
+    _check_sizes(effect, source)
     if unused := {each.name for each in effect.declarations} - effect.reads:
         raise EffectError(f"{source}: {min(unused)} is declared but not used")
     return effect
@@ -115,35 +112,54 @@ def _checked_state(state: State, location: str) -> State:
 
 def _effect(table: dict[str, Any], source: str) -> AddedEffect:
     """Return the effect of a file, with the formulas as written in the file."""
-    section = f"TIREFMU_{table['name'].upper()}"
-    declarations = tuple(_declaration(name, item, section) for name, item in table.get("coefficients", {}).items())
-    detection = read_detection(table["diagnosis"], source) if "diagnosis" in table else None
-    acts, states = tuple(_act(act, source) for act in table["acts"]), read_states(table.get("states", {}), source)
-    return AddedEffect(table["name"], table["physics"], table.get("source", ""), declarations, acts, detection, states)
+    known_keys(table, EFFECT_KEYS, source)
+    name = _text(table, "name", source)
+    declarations = tuple(
+        _declaration(key, declaration, source, f"TIREFMU_{name.upper()}")
+        for key, declaration in _table(table, source).items()
+    )
+    acts = table.get("acts")
+    if not isinstance(acts, list) or not acts:
+        raise EffectError(f"{source}: an effect has at least one [[acts]]")
+    return AddedEffect(
+        name,
+        _text(table, "physics", source),
+        _text(table, "source", source) if "source" in table else "",
+        declarations,
+        tuple(_act(act, source) for act in acts),
+        read_detection(table["diagnosis"], source, {declaration.name for declaration in declarations})
+        if "diagnosis" in table
+        else None,
+        read_states(table.get("states", {}), source),
+    )
 
 
-def read_declared(text: str, file: str, *, checked: bool = True) -> Effect | AddedEffect:
-    r"""Return the effect of a file of a package; without [[acts]] it belongs to the equations of chapters.
+def read_declared(text: str, file: str) -> Effect | AddedEffect:
+    r"""Return the effect of a file of the package; without [[acts]] it belongs to the equations of chapters.
 
     `text`: TOML. In addition to the keys of `read_effect`, a file without [[acts]] may have ``optional`` and
     ``rescales`` (`tirefmu.symbolic.declarations.Effect`). `file`: name of the file: the effect's name and ``.toml``.
-    `checked`: false for files that tests check; formulas are never. Raises `EffectError`: as `read_effect`, or if the
-    names of file and effect differ.
+    Raises `EffectError`: as `read_effect`, or if the names of file and effect differ.
 
     >>> read_declared('name = "snow"\nphysics = "less grip"\noptional = true', "snow.toml")
     Effect(name='snow', physics='less grip', rescales=(), optional=True, detection=None)
     """
     table = _parsed(text, file)
-    if checked:
-        schema = effect_schema() if "acts" in table else object_schema(CHAPTER_KEYS, ["name", "physics"])
-        check_content(table, schema, file, EffectError)
-    if f"{table['name']}.toml" != file:
-        raise EffectError(f"{file}: the file of the effect {quoted(table['name'])} must have the effect's name")
-    if "acts" in table:
+    name = _text(table, "name", file)
+    if f"{name}.toml" != file:
+        raise EffectError(f"{file}: the file of the effect {quoted(name)} must have the effect's name")
+    if "acts" in table:  # the tests read these files like files of users
         return _effect(table, file)
+    known_keys(table, ("name", "physics", "optional", "rescales", "diagnosis"), file)
+    if reason := no_effect(name):
+        raise EffectError(f"{file}: name {quoted(name)} {reason}")
+    rescales, optional = table.get("rescales", {}), table.get("optional", False)
+    if not isinstance(rescales, dict) or not all(map(_is_number, rescales.values())):
+        raise EffectError(f"{file}: rescales is not a table of coefficients and factors")
+    if not isinstance(optional, bool):
+        raise EffectError(f"{file}: optional is not a {_KINDS[bool]}")
     detection = read_detection(table["diagnosis"], file) if "diagnosis" in table else None
-    rescales = tuple(table.get("rescales", {}).items())
-    return Effect(table["name"], table["physics"], rescales, table.get("optional", False), detection)
+    return Effect(name, _text(table, "physics", file), tuple(rescales.items()), optional, detection)
 
 
 def effect_schema() -> dict[str, Any]:
@@ -183,28 +199,62 @@ def effect_text(effect: AddedEffect) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _check_detection(effect: AddedEffect, source: str) -> None:
-    """Raise `EffectError` if [diagnosis] has a coefficient of another effect, or a probe exceeds its bounds."""
-    declarations = {declaration.name: declaration for declaration in effect.declarations}
-    detection, location = effect.detection or Detection(), f"{source}: [diagnosis]"
-    forms = (*detection.forms, *detection.refinements)
-    for name in (*(name for form in forms for name in form.free), *detection.spread):
-        if name not in declarations:
-            raise EffectError(f"{location}: {name} is not a coefficient of this effect{nearest(name, declarations)}")
-    for name, size in (item for form in forms for probe in form.probes for item in probe.items()):
-        declaration = declarations[name]
-        if not declaration.lower <= declaration.default + size <= declaration.upper:
-            raise EffectError(f"{location} {name}: neutral {declaration.default} and size {size} exceed its bounds")
+def _check_sizes(effect: AddedEffect, source: str) -> None:
+    """Raise `EffectError` if a probe exceeds the bounds of a coefficient."""
+    declarations, detection = (
+        {declaration.name: declaration for declaration in effect.declarations},
+        effect.detection or Detection(),
+    )
+    for form in (*detection.forms, *detection.refinements):
+        for name, size in (item for probe in form.probes for item in probe.items()):
+            declaration = declarations[name]
+            if not declaration.lower <= declaration.default + size <= declaration.upper:
+                location = f"{source}: [diagnosis] {name}"
+                raise EffectError(f"{location}: neutral {declaration.default} and size {size} exceed its bounds")
 
 
-def _declaration(name: str, table: dict[str, Any], section: str) -> Coefficient:
+def _text(table: dict[str, Any], key: str, source: str) -> str:
+    value = table.get(key)
+    if not isinstance(value, str) or not value.strip():
+        raise EffectError(f"{source}: {key} is missing or not a text")
+    return value
+
+
+def _table(table: dict[str, Any], source: str) -> dict[str, Any]:
+    declarations = table.get("coefficients", {})
+    if not isinstance(declarations, dict):
+        raise EffectError(f"{source}: [coefficients] is not a table")
+    return declarations
+
+
+def _declaration(name: str, table: object, source: str, section: str) -> Coefficient:
+    if reason := no_coefficient(name):
+        raise EffectError(f"{source}: coefficient {quoted(name)} {reason}")
+    location = f"{source}: coefficient {name}"
+    if not isinstance(table, dict):
+        raise EffectError(f"{location} is not a table {{description = ..., unit = ...}}")
+    known_keys(table, DECLARATION_KEYS, location)
+    for key, value in table.items():
+        if not (_is_number(value) if DECLARATION_KEYS[key] is float else isinstance(value, DECLARATION_KEYS[key])):
+            raise EffectError(
+                f"{location}: {key} = {visible(repr(value))[:80]} is not a {_KINDS[DECLARATION_KEYS[key]]}"
+            )
     declaration = Coefficient(**{"description": "", **table})
     declaration.name, declaration.section = name, section
     return declaration
 
 
-def _act(table: dict[str, Any], source: str) -> Act:
+def _is_number(value: object) -> bool:
+    """Return whether a value is a number in the range of a double."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= LARGEST_DOUBLE
+
+
+def _act(table: object, source: str) -> Act:
+    location = f"{source}: [[acts]]"
+    if not isinstance(table, dict):
+        raise EffectError(f"{location} is not a table")
+    known_keys(table, ACT_KEYS, location)
     ways = [how for how in ("factor", "term") if how in table]
     if len(ways) != 1:
-        raise EffectError(f"{source}: [[acts]]: either factor or term is required")
-    return Act(table["on"], ways[0], table[ways[0]])
+        raise EffectError(f"{location}: either factor or term is required")
+    return Act(_text(table, "on", location), ways[0], _text(table, ways[0], location))

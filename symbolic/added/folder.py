@@ -33,7 +33,7 @@ def declared_effects() -> dict[str, Effect | AddedEffect]:
     >>> declared_effects()["turn_slip"].physics
     'turn slip reduces the forces and generates a moment'
     """
-    return _effects_in(FOLDER, checked=False)
+    return _effects_in(FOLDER)
 
 
 def installed_effects() -> dict[str, AddedEffect]:
@@ -47,7 +47,7 @@ def installed_effects() -> dict[str, AddedEffect]:
     for entry in plugins("effects"):
         loaded(entry)
         try:
-            effects = _effects_in(files(entry.module), checked=True)
+            effects = _effects_in(files(entry.module))
         except EffectError as error:
             raise EffectError(f"{described(entry)}: {error}") from error
         for name, effect in effects.items():
@@ -59,6 +59,6 @@ def installed_effects() -> dict[str, AddedEffect]:
     return installed
 
 
-def _effects_in(folder: Traversable, *, checked: bool) -> dict[str, Effect | AddedEffect]:
+def _effects_in(folder: Traversable) -> dict[str, Effect | AddedEffect]:
     texts = {file.name: file.read_text(encoding="utf-8") for file in folder.iterdir() if file.name.endswith(".toml")}
-    return {name.removesuffix(".toml"): read_declared(texts[name], name, checked=checked) for name in sorted(texts)}
+    return {name.removesuffix(".toml"): read_declared(texts[name], name) for name in sorted(texts)}

@@ -11,7 +11,6 @@ from .formula_names import names_in
 KINDS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...]]] = {
     "lag": ((("rate", "length"),), ("start",)),
     "heat": ((("rate",),), ("ambient", "start")),
-    "temperature": ((("start",),), ()),
     "accumulation": ((), ("start",)),
     "oscillator": ((("frequency",), ("damping",)), ("start",)),
     "hysteresis": ((("width",),), ("start",)),
@@ -34,17 +33,17 @@ class State:
     """A state x of an added effect.
 
     - `kind`: "lag": x' = rate (drive - x), with the rate |V|/length if a length is given. "heat": x' = drive - rate (x
-      - ambient). "temperature": x' = drive in K/s, which is linear in the temperatures of the effect; x is a result of
-      the tire in addition to the forces. "accumulation": x' = drive. "oscillator": x'' = frequency^2 (drive - x) -
-      damping x', whose formulas read inputs alone; x' is a state of its own behind this one, of kind "speed" with the
-      same formulas (`with_speeds`). "hysteresis": dx = (sgn(ds) - x) |ds|/width, where s is the lag that the drive
-      names, or the size sqrt(a^2 + b^2) of two lags. "play": dx = ds/width, but not beyond -1 and 1: the follower of a
-      backlash is at s - width x.
+      - ambient). "accumulation": x' = drive. "oscillator": x'' = frequency^2 (drive - x) - damping x', whose formulas
+      read inputs alone; x' is a state of its own behind this one, of kind "speed" with the same formulas
+      (`with_speeds`). "hysteresis": dx = (sgn(ds) - x) |ds|/width, where s is the lag that the drive names, or the size
+      sqrt(a^2 + b^2) of two lags. "play": dx = ds/width, but not beyond -1 and 1: the follower of a backlash is at s -
+      width x.
     - `drive`: a formula; of a hysteresis and of play the names of one or two lags.
     - `rate`, `length`, `width`, `ambient`, `frequency`, `damping`: formulas; empty if the kind does not have them.
     - `start`: a formula of coefficients for the value at the start of a recording. If empty, a lag, a heat balance and
       an oscillator start in equilibrium with the first row, and other states at 0. "fitted": so do they in a tire, but
       a fit and a diagnosis estimate the value at the start of each segment of a recording.
+    - `observed`: whether its value is a result of the tire, in addition to the forces.
 
     >>> late = State("late_load", "lag", ("Fz",), length="LATE", unit="N")
     >>> sorted(late.reads), late.reads_only({"Fz", "V"}, {"LATE"})
@@ -63,6 +62,7 @@ class State:
     start: str = ""
     description: str = ""
     unit: str = "1"
+    observed: bool = False
 
     @property
     def line_names(self) -> tuple[str, ...]:
@@ -82,12 +82,7 @@ class State:
     @property
     def settles(self) -> bool:
         """Whether it has an equilibrium at constant inputs."""
-        return self.kind in ("lag", "heat", "temperature", "oscillator", SPEED)
-
-    @property
-    def is_temperature(self) -> bool:
-        """Whether it is a node of a heat balance: a result, updated together with the other nodes once in a step."""
-        return self.kind == "temperature"
+        return self.kind in ("lag", "heat", "oscillator", SPEED)
 
     @property
     def oscillates(self) -> bool:
@@ -136,20 +131,6 @@ def rate_unit(unit: str) -> str:
     ('N/s', 'N/s s')
     """
     return f"{unit} s" if "/" in unit else f"{unit}/s"
-
-
-def couplings(states: Iterable[State]) -> Iterator[tuple[str, str, str]]:
-    """Yield the line with the derivative of a temperature's drive by another temperature, and the two states.
-
-    >>> nodes = [State("T_a", "temperature", ("T_b - T_a",)), State("T_b", "temperature", ("-K*T_b",))]
-    >>> list(couplings(nodes))
-    [('T_a_by_T_b', 'T_a', 'T_b')]
-    """
-    nodes = [state for state in states if state.is_temperature]
-    for state in nodes:
-        for other in nodes:
-            if other is not state and other.name in state.reads:
-                yield f"{state.name}_by_{other.name}", state.name, other.name
 
 
 def with_speeds(states: Iterable[State]) -> Iterator[State]:

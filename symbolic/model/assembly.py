@@ -13,7 +13,7 @@ from tirefmu.boundary.escaping import quoted
 from ..added import AddedEffect
 from ..declarations import Effect
 from ..notation import Chapter, Equation, Variant
-from ..quantities import ACTED_ON
+from ..quantities import BEYOND
 from .extension import acting_name
 from .lines import reaching, replaced
 
@@ -74,14 +74,11 @@ def _own(expression: sp.Expr, model: str) -> sp.Expr:
 
 def _acting_inputs(added: Sequence[AddedEffect]) -> dict[sp.Symbol, Equation]:
     """Return, by input, a line for each input on which effects act: the value that other lines read in its place."""
-    eq, names = (
-        Chapter("Inputs"),
-        dict.fromkeys(act.on for effect in added for act in effect.acts if act.on in ACTED_ON),
-    )
+    eq, names = Chapter("Inputs"), dict.fromkeys(act.on for effect in added for act in effect.acts if act.on in BEYOND)
     for name in names:
-        quantity = ACTED_ON[name]
+        quantity = BEYOND[name]
         eq("tirefmu", _target(name, {}), quantity.symbol, quantity.unit, f"{quantity.description}, as it acts")
-    return {ACTED_ON[name].symbol: line for name, line in zip(names, eq.equations, strict=True)}
+    return {BEYOND[name].symbol: line for name, line in zip(names, eq.equations, strict=True)}
 
 
 def _reading(lines: list[Equation], acting: Mapping[sp.Symbol, Equation]) -> list[Equation]:
@@ -93,7 +90,7 @@ def _reading(lines: list[Equation], acting: Mapping[sp.Symbol, Equation]) -> lis
 
 def _target(on: str, quantities: Mapping[str, str]) -> str:
     """Return the line on which an act acts, for the name of a quantity, a role or an input beyond the book."""
-    return acting_name(on) if on in ACTED_ON else quantities.get(on, on)
+    return acting_name(on) if on in BEYOND else quantities.get(on, on)
 
 
 def _acted_on(lines: list[Equation], effect: AddedEffect, quantities: Mapping[str, str]) -> list[Equation]:

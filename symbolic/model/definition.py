@@ -18,7 +18,7 @@ from tirefmu.boundary.errors import UnknownName, no_single_text
 from ..added import AddedEffect
 from ..added.checks import check_effects
 from ..added.effect import sections_of
-from ..added.state import LINES, State, couplings
+from ..added.state import LINES, State
 from ..declarations import Coefficient, Effect, Option
 from ..detection import Detection
 from ..effects import EFFECTS
@@ -236,12 +236,11 @@ class Model(ModelDeclaration):
     def _check_added(self, known: set[str]) -> None:
         """Raise `EffectError` if an added effect reads what the lines, their inputs and coefficients do not have."""
         from .assembly import check_reads
-        from .state_lines import check_oscillators, check_state_reads, check_temperatures
+        from .state_lines import check_oscillators, check_state_reads
 
         check_reads(self.name, self.equations, self.added, self._quantities, known)
         check_state_reads(self.name, self.added, known | {line.symbol.name for line in self.equations})
         check_oscillators(self.states.values(), self.is_direct)
-        check_temperatures(self.states.values())
 
     @cached_property
     def states(self) -> dict[str, State]:
@@ -253,11 +252,10 @@ class Model(ModelDeclaration):
         used = {state.name for effect in self.added if effect.name in effects for state in effect.states}
         return tuple(name for name in self.states if name in used)
 
-    @cached_property
+    @property
     def drives(self) -> tuple[str, ...]:
-        """The lines that determine the states: three for each, then `couplings`; results of the routine `drives`."""
-        own = [line for name in self.states for line in self._lines_of(name)[:3]]
-        return (*own, *(line for line, _, _ in couplings(self.states.values())))
+        """The lines that determine the states: three for each, the results of the routine `drives`."""
+        return tuple(line for name in self.states for line in self._lines_of(name)[:3])
 
     def is_direct(self, state: State) -> bool:
         """Return whether a state depends on inputs only, not on a force or another state."""

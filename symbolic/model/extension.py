@@ -11,7 +11,7 @@ from ..added.state import SLIDING_POWER
 from ..declarations import Quantity
 from ..effects import EFFECTS
 from ..options import OPTIONS
-from ..quantities import ACTED_ON, BEYOND, OWN_SPEED
+from ..quantities import BEYOND, OWN_SPEED
 
 
 def has_place(effect: AddedEffect, named: Collection[str], known: Collection[str]) -> bool:
@@ -19,11 +19,10 @@ def has_place(effect: AddedEffect, named: Collection[str], known: Collection[str
 
     `named`: named quantities and roles of the model. `known`: its inputs and coefficients.
     """
-    acted_on = ACTED_ON.keys() & set(effect.acts_on)  # an input that it acts on is added if the model lacks it
-    readable = {*known, *BEYOND, *acted_on, *(declaration.name for declaration in effect.declarations)}
+    readable = {*known, *BEYOND, *(declaration.name for declaration in effect.declarations)}
     if effect.states:
         readable |= {"V", SLIDING_POWER, *named, *(state.name for state in effect.states)}
-    return {*named, *ACTED_ON}.issuperset(effect.acts_on) and readable.issuperset(effect.reads)
+    return {*named, *BEYOND}.issuperset(effect.acts_on) and readable.issuperset(effect.reads)
 
 
 def further_inputs(effects: Sequence[AddedEffect], inputs: Iterable[Quantity]) -> tuple[Quantity, ...]:
@@ -31,17 +30,17 @@ def further_inputs(effects: Sequence[AddedEffect], inputs: Iterable[Quantity]) -
     read = {name for effect in effects for name in effect.reads}
     read |= {"V"} if SLIDING_POWER in read else set()
     lacking = read.difference(quantity.name for quantity in inputs)
-    beyond = [quantity for name, quantity in {**ACTED_ON, "V": OWN_SPEED}.items() if name in lacking]
+    beyond = [quantity for name, quantity in {**BEYOND, "V": OWN_SPEED}.items() if name in lacking]
     states = {state.name: state for effect in effects for state in effect.states}
     memory = [Quantity(name, state.unit, state.description or name) for name, state in states.items()]
     return (*beyond, *memory)
 
 
 def further_results(effects: Sequence[AddedEffect]) -> tuple[str, ...]:
-    """Return the lines that effects add to the results of a model: of temperatures, and of inputs as they act."""
-    nodes = (line for effect in effects for state in effect.states if state.is_temperature for line in state.line_names)
-    acting = (acting_name(name) for effect in effects for name in effect.acts_on if name in ACTED_ON)
-    return tuple(dict.fromkeys([*nodes, *acting]))
+    """Return the lines that effects add to the results of a model: of observed states, and of inputs as they act."""
+    observed = (line for effect in effects for state in effect.states if state.observed for line in state.line_names)
+    acting = (acting_name(name) for effect in effects for name in effect.acts_on if name in BEYOND)
+    return tuple(dict.fromkeys([*observed, *acting]))
 
 
 def acting_name(name: str) -> str:

@@ -14,7 +14,7 @@ from tirefmu.boundary.errors import EffectError, nearest
 
 from ..added.effect import AddedEffect, owners_of
 from ..added.formula import formula
-from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State, couplings, rate_unit
+from ..added.state import SLIDING_POWER, SPEED, SPEED_ENDING, State, rate_unit
 from ..declarations import Effect
 from ..functions import absolute, sgn, where
 from ..notation import Chapter, Equation
@@ -34,14 +34,8 @@ def state_lines(effects: Sequence[AddedEffect]) -> tuple[Equation, ...]:
         kappa, alpha, V, Fx, Fy = sp.symbols("kappa alpha V Fx Fy", real=True)
         power = absolute(Fx * V * kappa) + absolute(Fy * V * sp.sin(alpha))
         eq("tirefmu", SLIDING_POWER, power, "W", "power that sliding turns into heat")
-    owned = owners_of(effects)
-    for name, owners in owned.items():
+    for name, owners in owners_of(effects).items():
         _file(eq, owners[0][1], [Effect(effect.name, effect.physics, optional=True) for effect, _ in owners], name)
-    for line, name, other in couplings(owners[0][1] for owners in owned.values()):
-        effect, state = owned[name][0]
-        exchange = sp.diff(formula(state.drive[0], f"state {name}"), sp.Symbol(other, real=True))
-        switch = Effect(effect.name, effect.physics, optional=True)
-        eq("tirefmu", line, switch.either(exchange, sp.Integer(0)), "1/s", f"change of {name}' with {other}")
     return tuple(eq.equations)
 
 
@@ -59,17 +53,6 @@ def check_oscillators(states: Iterable[State], is_direct: Callable[[State], bool
     for state in states:
         if state.oscillates and not is_direct(state):
             raise EffectError(f"state {state.name}: an oscillator reads inputs and coefficients only")
-
-
-def check_temperatures(states: Iterable[State]) -> None:
-    """Raise `EffectError` if the drive of a temperature is not linear in temperatures, or does not cool the node."""
-    nodes = [state for state in states if state.is_temperature]
-    symbols = [sp.Symbol(state.name, real=True) for state in nodes]
-    for state, symbol in zip(nodes, symbols, strict=True):
-        drive = formula(state.drive[0], f"state {state.name}")
-        if sp.diff(drive, symbol) == 0 or any(sp.diff(drive, other).has(*symbols) for other in symbols):
-            raise EffectError(f"state {state.name}: the drive of a temperature is linear in the temperatures"
-                              " and falls with its own")  # fmt: skip
 
 
 def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> None:
@@ -122,10 +105,6 @@ def _balance(state: State, parts: dict[str, sp.Expr]) -> tuple[sp.Expr, sp.Expr]
     rate = parts.get("rate", sp.Integer(0))
     if "length" in parts:
         rate = absolute(sp.Symbol("V", real=True)) / parts["length"]
-    if state.is_temperature:
-        x = sp.Symbol(state.name, real=True)
-        rate = -sp.diff(parts["drive"], x)
-        return parts["drive"].xreplace({x: sp.Integer(0)}) / rate, rate
     if state.kind == "heat":
         return parts.get("ambient", sp.Integer(0)) + parts["drive"] / rate, rate
     return parts["drive"], rate

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model import Model
-from .c import heading, parameters_read, statements
+from .c import heading, in_order, parameters_read, statements
 from .definitions import INCLUDES, KERNEL, comment, definitions
 from .expressions import LanesPrinter
 from .routines import STRAIGHT, Routine, entries
@@ -35,7 +35,7 @@ def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]
 
 def _source(model: Model, routine: Routine, values: list[object]) -> str:
     code = f"{_kernel(model, routine, values)}\n\n{_exported(model, routine)}"
-    sizes = f"#define WIDE 1\n#define N_INPUTS {model.name.upper()}_N_INPUTS\n#define N_RESULTS {len(values)}"
+    sizes = f"#define N_INPUTS {model.name.upper()}_N_INPUTS\n#define N_RESULTS {len(values)}"
     if routine.name == "jacobian_parameters":
         code += f"\n\n{_chosen_derivatives(model, routine)}\n\n{_normal_equations(model)}"
         sizes += f"\n#define N_FORCES {model.name.upper()}_N_FORCES"
@@ -53,9 +53,9 @@ def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
     """Print the loop over a block; terms that depend only on parameters are computed before it."""
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
-    printer = LanesPrinter(_varying(inputs, routine))
+    printer = LanesPrinter(_varying(inputs, routine), ((line.symbol, line.expression) for line in routine.body))
     fixed = [assignment for assignment in routine.body if not printer.varies(assignment.expression)]
-    rows = [assignment for assignment in routine.body if printer.varies(assignment.expression)]
+    rows = [assignment for assignment in in_order(routine) if printer.varies(assignment.expression)]
     before = [*parameters_read(model, routine), *statements(fixed)]
     loop = [f"const lanes {name} = *(const lanes_in_array *)(inputs + {prefix}_{name}*BLOCK + i);" for name in inputs]
     loop += [*statements(rows, printer, "lanes"), ""]

@@ -13,10 +13,11 @@ from .definitions import INCLUDES, comment, definitions
 from .expressions import PlainCPrinter
 from .pairs import function_of, in_pairs
 from .python import STRAIGHT_ROWS, origin
-from .routines import STRAIGHT, Assignment, Routine, jacobians_of, values_of
+from .routines import LOCAL, STRAIGHT, Assignment, Routine, jacobians_of, side_by_side, values_of
 
 #: Above lines that are not in the book's order.
 IN_PAIRS = "Two calls of a function that do not depend on each other are computed at a time"
+SIDE_BY_SIDE = "Independent computations are next to each other; quantities has the book's order"
 PRINTER = PlainCPrinter()
 #: The arguments of every routine.
 ARRAYS = "const double inputs[], const double parameters[], double results[]"
@@ -178,6 +179,18 @@ def _call_of_pair(members: Sequence[Assignment]) -> str:
     return f"fast_pair_{function}({', '.join(pairs)})"
 
 
+def in_order(routine: Routine) -> Sequence[Assignment]:
+    """Return the body with its values in parallel; that of `quantities` has them in the book's order."""
+    if routine.name == "quantities":
+        return routine.body
+    headings = [assignment.heading for assignment in routine.body]
+    end = headings.index(LOCAL) if LOCAL in headings else len(headings)
+    values = side_by_side(routine.body[:end])
+    if values:
+        values[0] = replace(values[0], heading=SIDE_BY_SIDE)
+    return [*values, *routine.body[end:]]
+
+
 def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> str:
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
@@ -186,7 +199,7 @@ def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> 
     paired = routine.name == "forces" and not is_general
     lines = [f"(void) {name};" for name, read in (("inputs", inputs), ("parameters", parameters)) if not read]
     lines += [f"const double {name} = inputs[{prefix}_{name}];" for name in inputs]
-    lines += [*parameters, *(paired_statements(routine.body) if paired else statements(routine.body)), ""]
+    lines += [*parameters, *(paired_statements(routine.body) if paired else statements(in_order(routine))), ""]
     values = [value for row in routine.results for value in row]
     sparse = 2 * values.count(0) > len(values)
     if sparse:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from functools import reduce
 from typing import Any, ClassVar
 
@@ -238,18 +238,38 @@ class PlainCPrinter(NumberPrinter, C99CodePrinter):
 class LanesPrinter(PlainCPrinter):
     """C text in which some symbols represent several rows at a time, see lanes.h.
 
-    `varying`: the symbols that differ from row to row.
+    `varying`: the symbols that differ from row to row. `lines`: what symbols stand for: some are arcus tangents, or
+    products with one.
 
     >>> B, x = sp.symbols("B x")
     >>> LanesPrinter({"x"}).doprint(B**2 + sp.atan(B * x) ** 2)
     'square(B) + lanes_square(lanes_atan(B*x))'
     >>> LanesPrinter({"x"}).doprint(sp.Piecewise((B, x > 0), (x, True)))
     'choose(x > 0.0, each(B), x)'
+    >>> LanesPrinter({"x"}).doprint(-2 * x / B)
+    '(-2.0/B)*x'
+    >>> LanesPrinter({"x"}).doprint(sp.sin(B * sp.atan(x)))
+    'lanes_limited_sin(limited(B)*lanes_atan(x))'
     """
 
-    def __init__(self, varying: Collection[str]) -> None:
+    def __init__(self, varying: Collection[str], lines: Iterable[tuple[sp.Symbol, sp.Expr]] = ()) -> None:
         super().__init__()
         self._varying = varying
+        self._arcs: set[sp.Expr] = set()
+        self._limited: set[sp.Expr] = set()
+        for symbol, expression in lines:
+            if self._is_arc(expression):
+                self._arcs.add(symbol)
+            if self._arc_of(expression) is not None:
+                self._limited.add(symbol)
+
+    def _is_arc(self, expr: Any) -> bool:
+        return expr in self._arcs or isinstance(expr, sp.atan)
+
+    def _arc_of(self, expr: Any) -> Any:
+        """Return the arcus tangent of a product whose other factors are equal in all rows, or None."""
+        varying = [factor for factor in sp.Mul.make_args(expr) if self.varies(factor)]
+        return varying[0] if len(varying) == 1 and self._is_arc(varying[0]) else None
 
     def varies(self, expr: Any) -> bool:
         """Return whether an expression differs from row to row."""
@@ -265,7 +285,15 @@ class LanesPrinter(PlainCPrinter):
             return str(getattr(super(), f"_print_{expr.func.__name__}")(expr))
         return f"lanes_{expr.func.__name__}({self._print(expr.args[0])})"
 
-    _print_sin = _print_cos = _print_tan = _print_atan = _print_exp = _print_log = _print_called
+    def _print_sine(self, expr: Any) -> str:
+        """Print a sine or cosine; that of a product with an arcus tangent is checked by the other factors."""
+        (angle,) = expr.args
+        if angle in self._limited or (angle.is_Mul and self._arc_of(angle) is not None):
+            return f"lanes_limited_{expr.func.__name__}({self._print(angle)})"
+        return self._print_called(expr)
+
+    _print_sin = _print_cos = _print_sine
+    _print_tan = _print_atan = _print_exp = _print_log = _print_called
     _print_sgn = _print_sgn1 = _print_absolute = _print_called
 
     def _print_Pow(self, expr: Any) -> str:
@@ -276,6 +304,19 @@ class LanesPrinter(PlainCPrinter):
             return f"lanes_pow({self.in_lanes(expr.base)}, {self.in_lanes(expr.exp)})"
         text = f"lanes_{called}({self._print(expr.base)})"
         return text if expr.exp > 0 else f"1.0/{text}"
+
+    def _print_Mul(self, expr: Any) -> str:
+        """Write the product of the factors that are equal in all rows first: it is computed once, with its division."""
+        fixed = [factor for factor in expr.args if factor is not sp.S.NegativeOne and not self.varies(factor)]
+        others = [factor for factor in expr.args if factor not in fixed]
+        arc = self._arc_of(expr)
+        if arc is not None and not (expr / arc).is_Number:
+            return f"limited({self._print(expr / arc)})*{self._print(arc)}"
+        divides = any(factor.is_Pow and factor.exp.could_extract_minus_sign() for factor in fixed)
+        if not self.varies(expr) or not (divides or len(fixed) > 1):
+            return str(super()._print_Mul(expr))
+        once = sp.Symbol(f"({self._print(sp.Mul(*fixed))})")
+        return str(super()._print_Mul(sp.Mul(once, *others)))
 
     def _print_And(self, expr: Any) -> str:
         return " & ".join(f"({self._print(arg)})" for arg in expr.args)

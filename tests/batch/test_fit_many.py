@@ -122,7 +122,7 @@ def test_the_command_reports_each_tire(jobs, tmp_path, capsys):
         == 1
     )
     out = capsys.readouterr().out
-    assert "broken: failed:" in out
+    assert "broken: failed: " in out
     assert "0 of 2 tires are usable" in out
     assert not json.loads((tmp_path / "o.json").read_text())["ok"]
     assert main(["fit-many", str(tmp_path / "none.toml"), "-o", str(tmp_path / "out")]) == 2

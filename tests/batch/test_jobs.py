@@ -32,22 +32,22 @@ def test_each_recording_of_a_folder_is_a_job(tmp_path):
     jobs = read_jobs(tmp_path, {"model": "mf52", "signs": "sae"})
     assert [job.name for job in jobs] == ["hard", "soft"]
     assert all(job.options == {"model": "mf52"} and job.signs == "sae" for job in jobs)
-    with pytest.raises(TirefmuError, match="options: unknown key 'modle': did you mean model"):
+    with pytest.raises(TirefmuError, match="unknown key in options 'modle': did you mean model"):
         read_jobs(tmp_path, {"modle": "mf52"})
 
 
 @pytest.mark.parametrize(("text", "message"), [
-    ("", "jobs is missing"),
-    ("jobs = 3", "jobs is 3: expected a list"),
-    ("jobs = [3]", r"jobs\[1\] is 3: expected a table"),
-    (JOB.replace("name", "nam"), r"unknown key 'nam' in jobs\[1\]: did you mean name"),
-    (JOB.replace('tables = ["a.csv"]', ""), r"tables is missing in jobs\[1\]"),
-    (JOB.replace('["a.csv"]', "[3]"), r"jobs\[1\]\.tables\[1\] is 3: expected a text"),
+    ("", "no \\[\\[jobs\\]\\]"),
+    ("jobs = 3", "jobs = '3' is not a list"),
+    ("jobs = [3]", "job 1 is not a table"),
+    (JOB.replace("name", "nam"), "unknown key in .*job 1 'nam': did you mean name"),
+    (JOB.replace('tables = ["a.csv"]', ""), "job 1: tables is missing"),
+    (JOB.replace('["a.csv"]', "[3]"), "tables = .* is not a list of texts"),
     (JOB.replace("front", "../front"), "of a job is not a file name"),
     (JOB + JOB.replace("front", "Front"), "two jobs have the name 'Front'"),
-    (JOB + "iterations = true", "iterations is true: expected a whole number"),
-    (JOB + "nominal = {Fz0 = nan}", "nominal.Fz0 is nan: expected a number"),
-    ("[defaults]\nmodle = 'mf61'\n" + JOB, "unknown key 'modle' in defaults: did you mean model"),
+    (JOB + "iterations = true", "iterations = 'True' is not a whole number"),
+    (JOB + "nominal = {Fz0 = nan}", "nominal = .* is not a table of numbers"),
+    ("[defaults]\nmodle = 'mf61'\n" + JOB, "unknown key in .*defaults 'modle': did you mean model"),
     ("[defaults", "jobs.toml: "),
 ])  # fmt: skip
 def test_an_invalid_file_is_one_line(tmp_path, text, message):

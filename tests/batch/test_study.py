@@ -86,11 +86,11 @@ def test_samples_fill_the_ranges_evenly(tmp_path):
     ("[parameters]\nLMUY = [1]", "tables is missing"),
     (STUDY.replace("LMUY", "LMUZ"), "unknown parameter of tire.fmu 'LMUZ': did you mean"),
     (STUDY.replace('"Mz"', '"Mq"'), "unknown output of tire.fmu 'Mq'"),
-    (STUDY.replace("[0.8, 1.2]", "0.8"), "expected a list of one or more numbers or a table"),
-    (STUDY.replace("count = 3", "count = 0"), "count is 0: expected a whole number of at least 1"),
+    (STUDY.replace("[0.8, 1.2]", "0.8"), "is neither a list of numbers nor a range"),
+    (STUDY.replace("count = 3", "count = 0"), "count = 0 is not 1 to"),
     (STUDY.replace("count = 3", "count = 900000"), "1800000 runs, not 1 to"),
-    (STUDY.replace("from = 0.5, ", ""), "from is missing in parameters.LMUY"),
-    (STUDY.replace("from = 0.5", "from = nan"), "from is nan: expected a number"),
+    (STUDY.replace("from = 0.5, ", ""), "LMUY: from is missing"),
+    (STUDY.replace("from = 0.5", "from = nan"), "from = .* is not a number"),
     (STUDY.replace("steer", "other"), "other.csv: no such file"),
 ])  # fmt: skip
 def test_an_invalid_study_is_one_line(fmu, folder, tmp_path, text, message):

@@ -70,7 +70,7 @@ def test_xml_holds_the_text_but_for_what_xml_cannot(text):
 def test_toml_reads_the_same_text(text):
     written = escaping.toml_string(text)
     assert written.isprintable()
-    assert tomllib.loads(f"a = {written}\nb = 1\n") == {"a": re.sub("[\0\ud800-\udfff]", "\ufffd", text), "b": 1}
+    assert tomllib.loads(f"a = {written}\nb = 1\n") == {"a": re.sub("[\ud800-\udfff]", "\ufffd", text), "b": 1}
 
 
 @of_all

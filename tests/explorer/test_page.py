@@ -246,7 +246,7 @@ def test_an_input_is_changed_where_it_differs_from_the_selected_condition(opened
     marked = "[...document.querySelectorAll('#inputs .row.changed label')].map((each) => each.textContent)"
     status = "document.getElementById('status').textContent"
     for condition in range(page.evaluate("measured.conditions.length")):
-        page.evaluate(f"chooseCondition({condition})")
+        page.locator("#condition").select_option(index=condition)
         until(page, f"{status} === 'Nothing is changed.'")
         assert page.evaluate(marked) == []
         assert page.evaluate("location.hash").removeprefix("#") in ("", f"condition={condition}")
@@ -320,8 +320,7 @@ def test_measured_rows_and_their_residuals(opened, tires, bench):
         assert int(row[1]) == len(measured)
         assert float(row[2]) == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-4)
         assert float(row[3]) == pytest.approx(1.0 - np.mean(error**2) / np.var(measured), rel=1e-4)
-    sweep = page.evaluate("measured.conditions.find((each) => each.slip === 'kappa').texts.sweep")
-    page.locator("#condition-sweep").select_option(label=sweep)
+    page.locator("#condition").select_option(index=titles.index(next(t for t in titles if "kappa swept" in t)))
     assert page.evaluate("view.over") == "kappa"
     assert page.evaluate("view.inputs.Fz") == pytest.approx(700.0, rel=0.01)
 

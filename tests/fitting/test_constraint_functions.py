@@ -105,6 +105,15 @@ def test_the_jacobian_is_that_of_the_values(model):
         np.testing.assert_allclose(jacobian[:, column], slope, rtol=1e-4, atol=size, err_msg=problem.free[column])
 
 
+def test_values_alone_are_those_that_come_with_the_derivatives():
+    problem = problem_of("mf61")
+    x = np.array([problem.tire.values[name] for name in problem.free]) / problem.scale
+    alone, together = (ConstraintFunctions(problem, constraints("mf61")) for _ in range(2))
+    for point in (x, 1.01 * x):
+        together.jacobian(point)
+        np.testing.assert_allclose(alone.values(point), together.values(point), rtol=1e-12, atol=1e-15)
+
+
 def test_constraints_without_a_free_coefficient_are_omitted():
     problem = problem_of("mf61", free=("PDX1", "PDX2"))
     every = constraints("mf61")

@@ -160,6 +160,14 @@ def test_a_margin_is_smallest_between_the_grid_points(known, peak):
     assert margin.at["Fz"] == pytest.approx(700.0 * (1.0 + peak), rel=1e-6)
 
 
+def test_a_violation_between_the_grid_points_is_found(known):
+    ranges = {"kappa": (-0.1, 0.1), "alpha": (-0.1, 0.1), "gamma": (0.0, 0.0), "Fz": (500.0, 930.0)}
+    tire = with_curvature(known, 1.0 + 2e-6, 0.0, -1.0)  # above 1 within 1 N of the nominal load
+    verified = VerifiedConstraints(tire, {"Fx": [Constraint("E_x", -inf, 1.0, ("Fz", "kappa"))]}, ranges)
+    ((_, points),) = verified.violations(verified.of(["Fx"], density=4), tire.parameters())
+    assert np.abs(points[known.inputs.index("Fz")] - 700.0).max() < 1.0
+
+
 def test_a_fit_satisfies_constraints_between_the_grid_points(known, make):
     """The data have E_x up to 1.01, at a load between those of the grid."""
     tire = with_curvature(known, 0.97, 0.4, -1.0)

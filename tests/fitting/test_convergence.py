@@ -124,6 +124,11 @@ def test_a_point_that_violates_a_constraint_has_not_converged(noisy, truth):
     assert found.reason.startswith("a constraint is violated by 2e-01")
 
 
+def test_a_nan_gradient_has_not_converged(noisy, truth):
+    found = evaluated(failing(noisy, range(1, 2)), truth, steps=5)
+    assert (found.converged, found.reason) == (False, "cost, constraints or derivatives are not finite")
+
+
 # ------------------------------------------------------------------ a solver that fails
 
 

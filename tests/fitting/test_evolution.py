@@ -17,6 +17,7 @@ from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
 from tirefmu.fitting.solvers.selection import METHODS, solver_for
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import code_for, forces_of_each
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2")
@@ -99,6 +100,14 @@ def test_constraints_are_satisfied_if_the_optimum_violates_them(problem, start, 
     assert constrained.cost == pytest.approx(reference.cost, rel=1e-2)
 
 
+def test_an_infeasible_start_becomes_feasible(problem, start, bounds):
+    points = np.array([[0.0], [0.0], [0.0], [700.0]])
+    floor = (Constraint("mu_y", 1.8, inf, ("Fz",)), points)  # the start has 1.5
+    solution = Evolution(100)(problem, start, *bounds(), [floor])
+    values = dict(zip(FREE, solution.x * problem.scale, strict=True))
+    assert values["PDY1"] >= 1.8 - 2e-6
+
+
 def test_infeasible_constraints_are_a_result(problem, start, bounds):
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     pair = [(Constraint("mu_y", 3.0, inf, ()), points), (Constraint("mu_y", -inf, 1.0, ()), points)]
@@ -119,6 +128,12 @@ def test_a_search_continues_with_its_population_and_more_constraints(problem, st
 
 
 # ------------------------------------------------------------------ how it ends
+
+
+def test_the_iteration_limit_is_reported(problem, start, bounds):
+    solution = Evolution(5)(problem, start, *bounds(), [])
+    assert (solution.iterations, solution.converged) == (5, False)
+    assert solution.reason == LIMIT == "iteration limit"
 
 
 def test_the_error_goal_ends_it(problem, start, bounds):
@@ -157,18 +172,20 @@ def test_a_stopped_search_returns_the_best_individual(problem, start, bounds):
 # ------------------------------------------------------------------ within a fit
 
 
-def test_a_fit_by_ioa_reports_its_method_and_its_end(known, make, tmp_path):
+def test_a_fit_by_ioa_reports_its_method_and_is_reproducible(known, make, tmp_path):
     free = "\n".join(f"{name} = {{ guess = {START[name]} }}" for name in FREE)  # declared bounds
     path = make.recipe(tmp_path, f'[[stage]]\nname = "side"\nchannels = ["Fy"]\n[stage.free]\n{free}\n')
     recording = make.sideways(known, cambers=(0.0,))
-    found, stopped = (
+    results = [
         fit([recording], "mf96", start=known, recipe=path, method="ioa", iterations=iterations, seed=1)
-        for iterations in (400, 3)
-    )
-    assert found.run.method == found.to_json()["method"] == "ioa"
-    assert found.channels[0].rmse < 5.0
-    assert (stopped.ok, stopped.stages[0].reason) == (False, LIMIT)
-    assert stopped.stages[0].iterations >= 3
+        for iterations in (400, 400, 3)
+    ]
+    assert results[0].tire.values == results[1].tire.values
+    assert results[0].run.method == results[0].to_json()["method"] == "ioa"
+    assert results[0].channels[0].rmse < 5.0
+    assert results[2].stages[0].reason == LIMIT
+    assert not results[2].ok
+    assert results[2].stages[0].iterations >= 3
 
 
 def test_every_stage_of_the_default_recipe_can_be_solved_by_it(known, make):
@@ -188,6 +205,21 @@ def test_invalid_methods_and_numbers_are_rejected():
     with pytest.raises(FitError, match="must not be negative"):
         solver_for("ioa", seed=-1)
     assert {method: solver_for(method, 7) for method in METHODS}["ioa"].max_iterations == 7
+
+
+def test_declared_bounds_limit_the_search(known, make, problem, start):
+    """Coefficients without bounds in a recipe have the bounds of their declarations."""
+    for model in MODELS.values():
+        assert all(
+            np.isfinite([declaration.lower, declaration.upper]).all() for declaration in model.coefficients.values()
+        )
+    wide = np.full(len(FREE), inf)
+    solution = Evolution(20)(problem, start, -wide, wide, [])
+    declarations = [problem.tire.symbolic_model.coefficients[name] for name in FREE]
+    values = solution.x * problem.scale
+    assert all(
+        declaration.lower <= value <= declaration.upper for declaration, value in zip(declarations, values, strict=True)
+    )
 
 
 # ------------------------------------------------------------------ many points at once

@@ -250,6 +250,12 @@ def test_outliers_hardly_change_the_slope(spoiled):
     assert read_slope(slip, force, 1.0).value == pytest.approx(clean, abs=5.0)
 
 
+def test_no_slope_is_read_from_one_side_or_from_few_points():
+    slip = np.linspace(0.0, 1.0, 100)
+    assert np.isnan(read_slope(slip, slip, 1.0).value)
+    assert np.isnan(read_slope(np.linspace(-1.0, 1.0, 11), np.ones(11), 1.0).value)
+
+
 @pytest.mark.parametrize("model", ["mf96", "mf61"])
 def test_slopes_over_slip_are_drawn_for_every_model(model):
     """At zero slip they are the slip stiffness, also of a model that has no formula for the slope."""

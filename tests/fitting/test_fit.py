@@ -8,7 +8,11 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, write_table
+from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
+
+BOOK = model_named("mf96")
 
 
 def differences(tire, truth, inputs):
@@ -20,7 +24,7 @@ def differences(tire, truth, inputs):
 # ------------------------------------------------------------------ recovery
 
 
-@pytest.mark.parametrize("seed", [None, 1])
+@pytest.mark.parametrize("seed", [None, 0, 1, 2])
 def test_known_coefficients_are_recovered_from_generic_values(known, make, seed):
     truth = known if seed is None else make.other_tire(seed)
     result = fit([make.bench(truth)], "mf96", effects=make.effects, nominal=make.nominal)
@@ -84,6 +88,12 @@ def test_files_are_read_like_recordings(side_fit, make, tmp_path):
     assert result.channels[0].recording == "sideways.csv"
 
 
+def test_a_fit_is_repeatable(side_fit, make):
+    reference, recording = side_fit
+    again = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+    assert dict(again.tire.values) == dict(reference.tire.values)
+
+
 # ------------------------------------------------------------------ bounds and constraints
 
 
@@ -110,6 +120,33 @@ def test_bounds_are_satisfied_and_reported(known, make, tmp_path):
     assert coefficients["PDY1"].value == pytest.approx(1.7, rel=1e-3)  # the tire has 1.9
     assert coefficients["PKY2"].value == pytest.approx(2.6, rel=1e-3)  # and 2.2
     assert coefficients["PKY2"].guess == 5.0  # a guess beyond its bounds is moved onto them
+
+
+def test_the_curvature_constraint_is_satisfied_over_the_whole_range(known, make):
+    """E_x of the tire exceeds 1 between the loads at which the constraint is first imposed."""
+    values = {**known.values, "FNOMIN": 500.0, "PEX1": 0.3, "PEX2": 4.0, "PEX3": -4.0}
+    effects = ("load_friction", "load_stiffness", "load_curvature")
+    odd = Tire("mf96", values, effects=effects, signs="adapted-sae")
+    whole = make.bench(odd, loads=(220.0, 500.0, 650.0, 750.0, 850.0, 1120.0), cambers=(0.0,))
+    recording = Recording(whole.table.drop(columns=["Fy", "Mz"]), whole.signs, "drive and brake")
+    result = fit([recording], "mf96", effects=effects, nominal={"Fz0": 500.0, "R0": 0.23})
+    assert result.status == "converged"
+    for margin in result.margins:
+        assert margin.margin >= -1e-6, margin
+    (curvature,) = (margin for margin in result.margins if margin.constraint == "E_x <= 1")
+    assert curvature.margin == pytest.approx(0.0, abs=1e-3)
+    assert curvature.worst == pytest.approx(1.0, abs=1e-3)
+    assert 500.0 < curvature.at["Fz"] < 1000.0
+    coefficients = make.coefficients(result)
+    assert not any(coefficients[name].at_bound for name in ("PEX1", "PEX2", "PEX3"))  # the constraint is active
+    # The true E_x reaches 1.3.
+    loads = np.linspace(220.0, 1120.0, 400)
+    rows = np.stack([np.full(400, 0.1), np.zeros(400), np.zeros(400), loads])
+    code = code_for("mf96", "numpy")
+    index = code.quantities_names.index("E_x")
+    constrained, true = (code.quantities(rows, tire.in_signs("iso").parameters())[index] for tire in (result.tire, odd))
+    assert true.max() == pytest.approx(1.3, abs=0.01)
+    assert constrained.max() < 1.02  # between the verified loads, too
 
 
 def test_without_constraints_the_curvature_exceeds_one(known, make):

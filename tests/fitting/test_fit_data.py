@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.boundary.errors import DataError
+from tirefmu.boundary.errors import DataError, UnknownName
 from tirefmu.fitting import fit
 from tirefmu.fitting.data.fit_data import prepare
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate
@@ -143,6 +143,11 @@ def test_a_file_with_warm_up_only_is_excluded(once):
     with pytest.raises(DataError, match=r"all rows are excluded \(--all-rows includes them\): warmup.csv: "):
         prepare([cold], BOOK)
     assert len(prepare([cold], BOOK, screening=False).fitted) == len(cold)
+
+
+def test_an_unknown_weighting_of_rows_is_rejected(once):
+    with pytest.raises(UnknownName, match="unknown weighting of rows 'independant': did you mean independent"):
+        prepare([once], BOOK, rows="independant")
 
 
 @pytest.mark.parametrize(("degrees", "fitted"), [(1.2, True), (0.3, False)])

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from math import inf
 
+import numpy as np
 import pytest
 
-from tirefmu.boundary.errors import FitError, UnknownName
+from tirefmu.boundary.errors import DataError, FitError, UnknownName
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 from tirefmu.symbolic.models import model_named
@@ -89,7 +90,11 @@ def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, 
 def test_invalid_arguments_give_a_message_of_one_line(known, make):
     recording = make.sideways(known)
     cases = [
+        (UnknownName, "unknown model 'mf69': did you mean mf96", {"model": "mf69"}),
+        (UnknownName, "'camber_trust': did you mean camber_thrust", {"effects": ["camber_trust"]}),
         (UnknownName, "'camber_trust': did you mean camber_thrust", {"without": ["camber_trust"]}),
+        (UnknownName, "unknown recipe 'jiont': did you mean joint", {"recipe": "jiont"}),
+        (UnknownName, "unknown nominal value 'Fz': did you mean Fz0", {"nominal": {"Fz": 700.0}}),
         (FitError, "nominal Fz0 = -1 is not positive", {"nominal": {"Fz0": -1.0}}),
         (FitError, "nominal Fz0 = nan is not positive", {"nominal": {"Fz0": float("nan")}}),
         (
@@ -114,6 +119,29 @@ def test_nominal_values_of_a_table_without_their_channels_are_within_their_bound
     for name, value in (("Fz0", 0.7), ("R0", 230.0), ("p0", 80.0)):
         with pytest.raises(FitError, match=rf"^nominal {name} = {value:g} \w+ is outside .*: in another unit\?$"):
             fit([bare], "mf61", nominal={"Fz0": 700.0, **{name: value}})
+
+
+def test_tables_that_cannot_be_fitted(known, make):
+    whole = make.sideways(known)
+    table = whole.table
+    cases = [
+        (DataError, r"row 6: alpha is NaN", table.assign(alpha=table["alpha"].where(table.index < 5))),
+        (DataError, r"row 6: Fz is inf", table.assign(Fz=table["Fz"].where(table.index != 5, inf))),
+        (DataError, r"row 6: Fy is inf", table.assign(Fy=table["Fy"].where(table.index != 5, inf))),
+        (DataError, "in degrees", table.assign(alpha=np.degrees(table["alpha"]))),
+        (DataError, "Fz is negative in 100 %", table.assign(Fz=-table["Fz"])),
+        (DataError, "no rows", table[:0]),
+        (DataError, "no measured output", table.drop(columns="Fy")),
+        (DataError, "alpha is constant although Fy changes", table.assign(alpha=0.0)),
+        (FitError, "nothing to fit", table.assign(alpha=0.0, Fy=0.0 * table["Fy"])),
+        (FitError, "specify --nominal Fz0", table.drop(columns="Fz")),
+    ]
+    for kind, message, odd in cases:
+        with pytest.raises(kind, match=message) as caught:
+            fit([Recording(odd, whole.signs, "odd")], "mf96")
+        assert "\n" not in str(caught.value)
+    with pytest.raises(FitError, match="no table"):
+        fit([], "mf96")
 
 
 def test_a_recipe_that_finds_no_rows(known, make, tmp_path):

@@ -122,3 +122,10 @@ def test_the_operating_range_is_stored_in_the_tire(side_fit):
     assert ranges["gamma"] == pytest.approx((0.0, radians(4.0)))
     assert ranges["alpha"] == (recording.table["alpha"].min(), recording.table["alpha"].max())
     assert "kappa" not in ranges
+
+
+def test_two_recordings_with_equal_names_are_distinguished(known, make):
+    result = fit([make.sideways(known), make.sideways(known)], "mf96", nominal=make.nominal)
+    names = {channel.recording for channel in result.channels}
+    assert len(names) == 2
+    assert all(result.channel(name, "Fy").rows for name in names)

@@ -98,6 +98,12 @@ def test_bounds_are_satisfied(problem, start, bounds, known):
     assert free.cost < solution.cost
 
 
+def test_equal_bounds_fix_a_coefficient(problem, start, bounds):
+    lower, upper = bounds(problem, PDY1=(1.5, 1.5))
+    solution = solve(problem, start, lower, upper, [])
+    assert solution.x[FREE.index("PDY1")] * problem.scale[FREE.index("PDY1")] == pytest.approx(1.5, rel=1e-12)
+
+
 def test_a_constraint_is_satisfied_if_the_optimum_violates_it(problem, start, bounds, curvature):
     (constraint, points), curvature_at = curvature
     free = solve(problem, start, *bounds(problem), [])
@@ -149,6 +155,16 @@ def test_infeasible_constraints_are_a_result(problem, start, bounds):
     assert not solution.converged
     assert solution.reason
     assert np.isfinite(solution.x).all()
+
+
+def test_progress_is_reported(problem, start, bounds):
+    calls = []
+    solution = solve(problem, start, *bounds(problem), [], progress=lambda count, cost: calls.append((count, cost)))
+    counts, costs = zip(*calls, strict=True)
+    assert counts == tuple(range(1, len(calls) + 1))
+    assert len(calls) >= solution.iterations
+    assert costs[0] == pytest.approx(problem.cost(start), rel=0.01)  # the start is moved a little off its bounds
+    assert costs[-1] == pytest.approx(solution.cost, rel=1e-3)
 
 
 def test_a_direction_that_is_not_identifiable_does_not_change(known, table, bounds):

@@ -1,6 +1,6 @@
 """The result of a fit does not depend on rounding errors: other processors are emulated in several ways.
 
-`TIREFMU_PERTURB=1` (make perturb) adds instruction sets, all channels, the measured recordings and a diagnosis.
+`TIREFMU_PERTURB=1` (make perturb) does the same with all channels, the measured recordings and a diagnosis.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def perturbed(how, recordings, run):
 
 
 #: Perturbations of digits only, and with the order of the recordings.
-DIGITS = ("last digits", "chunks of 100", *(("chunks of 1000", *features()) if LARGE else ()))
+DIGITS = ("last digits", "chunks of 100", "chunks of 1000", *features())
 WAYS = (*DIGITS, "files in another order")
 
 

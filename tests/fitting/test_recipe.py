@@ -186,16 +186,16 @@ def stage(*lines):
 
 BROKEN = {
     "name =": "Invalid value",
-    "name = 'x'": "{file}: stage is missing",
-    "nam = 'x'": "{file}: unknown key 'nam': did you mean name?",
-    "[stage]\nname = 'one'": "{file}: stage is {name = 'one'}: expected a list of one or more tables",
-    stage("chanels = ['Fx']"): "{file}: unknown key 'chanels' in stage[1]: did you mean channels?",
+    "name = 'x'": "no [[stage]]",
+    "nam = 'x'": "unknown key in {file} 'nam': did you mean name?",
+    "[stage]\nname = 'one'": "stage: {'name': 'one'} is not a list",
+    stage("chanels = ['Fx']"): "unknown key in {file}, stage 'one' 'chanels': did you mean channels?",
     stage("channels = ['FX']"): "unknown channel in {file}, stage 'one' 'FX': did you mean Fx?",
-    stage("channels = 'Fx'"): "stage[1].channels is 'Fx': expected a list of texts",
+    stage("channels = 'Fx'"): "stage 'one', channels: 'Fx' is not a list",
     stage("effects = ['camber_trust']"): "'camber_trust': did you mean camber_thrust?",
-    stage("rows = 'many'"): "stage[1].rows is 'many': expected a whole number",
-    stage("rows = 0"): "stage[1].rows is 0: expected a whole number of at least 1",
-    stage("weights = 'noisy'"): "unknown word 'noisy' in stage[1].weights: did you mean noise?",
+    stage("rows = 'many'"): "stage 'one', rows: 'many' is not a whole number",
+    stage("rows = 0"): "stage 'one': rows = 0 is not a number of rows",
+    stage("weights = 'noisy'"): "unknown weights in {file}, stage 'one' 'noisy': did you mean noise?",
     stage("hold = ['Fz']"): "unknown held input without a condition in {file}, stage 'one' 'Fz'",
     stage("[stage.where]", "FZ = '220 +- 100 N'"): "unknown input in {file}, stage 'one' 'FZ': did you mean Fz?",
     stage("[stage.where]", "Fz = '220 N'"): "stage 'one': where '220 N': a range such as '70..90 kPa' or '220 +-",
@@ -203,12 +203,12 @@ BROKEN = {
     stage("[stage.where]", "Fz = '220 +- 100 deg'"): "Fz: unit 'deg' measures angle, not force",
     stage("select = 'fz > 220 N'"): "stage 'one': select: where 'fz > 220 N': unknown name 'fz': did you mean Fz?",
     stage("select = 'Fz > 220 N and sweep == 1'"): "stage 'one': select: sweep is known in --where only",
-    stage("[stage.where]", "Fz = 220"): "stage[1].where.Fz is 220: expected a text",
+    stage("[stage.where]", "Fz = 220"): "stage 'one', Fz: 220 is not a text",
     stage("[stage.free]", "PDYI = { guess = 1 }"): "unknown coefficient in {file}, stage 'one' 'PDYI'",
-    stage("[stage.free]", "PDY1 = 1"): "stage[1].free.PDY1 is 1: expected a table",
-    stage("[stage.free]", "PDY1 = { gess = 1 }"): "unknown key 'gess' in stage[1].free.PDY1: did you mean guess?",
-    stage("[stage.free]", "PDY1 = { guess = 'two' }"): "stage[1].free.PDY1.guess is 'two': expected a number",
-    stage("[stage.free]", "PDY1 = { guess = nan }"): "stage[1].free.PDY1.guess is nan: expected a number",
+    stage("[stage.free]", "PDY1 = 1"): "stage 'one', PDY1: 1 is not a table",
+    stage("[stage.free]", "PDY1 = { gess = 1 }"): "stage 'one', PDY1 'gess': did you mean guess?",
+    stage("[stage.free]", "PDY1 = { guess = 'two' }"): "stage 'one', PDY1, guess: 'two' is not a number",
+    stage("[stage.free]", "PDY1 = { guess = nan }"): "stage 'one', PDY1: a guess is a finite number",
     stage("[stage.free]", "PDY1 = { lower = 2, upper = 1 }"):
         "stage 'one', PDY1: bounds cross: lower 2 is above upper 1",
 }  # fmt: skip
@@ -239,3 +239,15 @@ def test_files_that_cannot_be_read(tmp_path):
             load_recipe(str(tmp_path / f"{name}.toml"), "mf96")
     with pytest.raises(UnknownName, match="unknown recipe 'jiont': did you mean joint"):
         load_recipe("jiont", "mf96")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("#" * 2_000_001, r"cannot be read \(larger than 2 MB\)"), ("a = " + "[" * 100_000, "levels"),
+     ("a = " + "9" * 5000, "digits")],
+)  # fmt: skip
+def test_an_excessive_recipe_gives_a_message_of_one_line(tmp_path, text, message):
+    path = tmp_path / "large.toml"
+    path.write_text(text, encoding="ascii")
+    with pytest.raises(FitError, match=rf"large\.toml: .*{message}"):
+        load_recipe(str(path), "mf96")

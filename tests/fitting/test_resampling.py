@@ -29,8 +29,7 @@ from tirefmu.measurements import Noise
 def noisy(known, make):
     """Return a fit of twelve sweeps with noise, and their recording."""
     recording = make.sideways(known, noise=Noise())
-    options = {"effects": make.effects, "nominal": make.nominal, "recipe": "joint", "sensor_errors": False}
-    return fit([recording], "mf96", **options), recording
+    return fit([recording], "mf96", effects=make.effects, nominal=make.nominal, recipe="joint"), recording
 
 
 @pytest.fixture(scope="module")

@@ -170,6 +170,13 @@ def test_a_result_is_shown_in_a_few_lines(side_fit):
     assert "<td>PKY1</td>" in page
 
 
+def test_a_channel_is_selected_by_recording_and_name(side_fit):
+    result, recording = side_fit
+    assert result.channel(recording.source, "Fy") is result.channels[0]
+    assert result.channels[0].unit == "N"
+    assert result.channels[0].rows == len(recording)
+
+
 def test_the_stages_report_rows_and_coefficients(side_fit):
     result, recording = side_fit
     first, *_, last = result.stages

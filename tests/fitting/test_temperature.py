@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from tirefmu import fit
 from tirefmu.boundary.errors import DataError
 from tirefmu.fitting.temperature.optimum import optimum_temperature
-from tirefmu.fitting.temperature.temperature_fit import STARTS, fit_temperature
+from tirefmu.fitting.temperature.temperature_fit import fit_temperature
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 
@@ -35,7 +34,7 @@ def result(table):
 def test_the_temperature_of_another_law_is_predicted(result):
     """The generator has four nodes and other laws of cooling; 0.3 K of sensor noise."""
     assert result.temperature.holdout_rmse < 0.25 * result.temperature.constant_rmse
-    assert result.temperature.holdout_rmse < 2.0 * NOISE
+    assert result.temperature.holdout_rmse < 1.5
     assert {"THCAPS", "THCONS"} <= set(result.temperature.determined)
     assert result.tire.values["THACT"] == 1.0
     assert "temperature" in result.tire.has
@@ -49,49 +48,32 @@ def test_the_result_has_the_errors_for_a_machine(result):
 
 
 def test_the_tire_predicts_the_recording_on_its_own(result, table):
-    surface = result.tire.evaluate(table)["T_surface"] - 273.15
-    error = np.interp(table["t"] - result.temperature.delay[0], table["t"], surface) - table["T"]
+    evaluated = result.tire.evaluate(table)
+    error = evaluated["T_surface"] - 273.15 - table["T"]
     assert np.sqrt(np.mean(error**2)) < 1.5 * NOISE
 
 
 def test_coefficients_are_recovered_with_their_intervals():
     """A recording of the model itself: the true values are within 1.5 times the intervals."""
     truth = {"THCAPS": 200.0, "THCONS": 90.0, "THROLL": 0.015, "THROAD": 25.0, "THCAPC": 1300.0}
-    tire = Tire("mf96", {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, **truth, "THSTARTS": 310.0, "THSTARTB": 308.0,
-                         "THSTARTC": 305.0, "THSTARTG": 302.0}, effects={"temperature"})  # fmt: skip
+    tire = Tire("mf96", {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, **truth, "THSTARTS": 310.0, "THSTARTC": 305.0},
+                effects={"temperature"})  # fmt: skip
     table = recording(seed=5, duration=300.0)
     evaluated = tire.evaluate(table.drop(columns=["T", "Fx", "Fy"]))
     noise = np.random.default_rng(0).normal(0.0, 0.1, len(table))
-    shown = np.interp(table["t"] - 0.3, table["t"], evaluated["T_surface"] - 273.15)  # a sensor that is late
-    known = table.assign(Fx=evaluated["Fx"], Fy=evaluated["Fy"], T=shown + noise)
+    known = table.assign(Fx=evaluated["Fx"], Fy=evaluated["Fy"], T=evaluated["T_surface"] - 273.15 + noise)
     _, found = fit_temperature(tire, [Recording(known, "iso", "known")])
     assert found.rmse < 0.1
-    assert found.holdout_rmse < 0.2
-    assert abs(found.delay[0] - 0.3) < 0.02
+    assert found.holdout_rmse < 0.1
     for name in ("THCAPS", "THCONS"):
         assert abs(np.log(found.values[name] / truth[name])) < 1.5 * np.log(found.intervals[name]) + 0.01
-
-
-def test_time_that_goes_backward_begins_with_other_temperatures(table):
-    """Two runs in one table, the second one on a cold tire."""
-    drive = table[table["t"] < 60.0].drop(columns=["T", "Fx", "Fy"])
-    runs = []
-    for start in (330.0, 300.0):
-        starts = dict.fromkeys(STARTS, start)
-        tire = Tire("mf96", {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, **starts}, effects={"temperature"})
-        run = tire.evaluate(drive)
-        runs.append(run.assign(T=run["T_surface"] - 273.15))
-    both = Recording(pd.concat(runs, ignore_index=True), "iso", "two runs")
-    _, found = fit_temperature(tire, [both])
-    np.testing.assert_allclose([start[0] for start in found.starts], [330.0, 300.0], rtol=0, atol=1.0)
-    assert found.rmse < 0.1
 
 
 @pytest.mark.parametrize(("optimum", "curvature"), [(55.0, 2e-4), (140.0, 2e-5), (60.0, 0.0)])
 def test_an_optimum_is_determined_only_within_the_recorded_temperatures(optimum, curvature):
     table = recording(seed=0, friction=curvature, optimum=optimum, duration=180.0)
     forces = fit(table, "mf96", effects=["load_friction", "load_stiffness", "temp_friction"], nominal=NOMINAL)
-    found = optimum_temperature(forces.tire, [Recording(table, "iso", "made")], delay=0.1)
+    found = optimum_temperature(forces.tire, [Recording(table, "iso", "made")])
     assert found.determined == (optimum == 55.0)
     if found.determined:
         assert abs(found.value - optimum) < min(3.0, 2.0 * found.half)

@@ -92,15 +92,6 @@ def test_one_load_does_not_identify_the_load_dependence(known):
     assert direction.sd > 1.0
 
 
-def test_a_bound_does_not_determine_what_the_data_do_not(known):
-    """With PDY2 at a bound, one load would give PDY1 a narrow interval, and friction at other loads with it."""
-    problem = sweeps(known, np.random.default_rng(0).normal(size=N), free=("PDY1", "PDY2"), loads=(300.0,))
-    truth = np.array([known.values[name] for name in problem.free]) / problem.scale
-    free, at_bound = uncertainty(problem, truth), uncertainty(problem, truth, fixed=("PDY2",))
-    assert at_bound.intervals == free.intervals
-    assert at_bound.intervals["PDY2"] == inf
-
-
 def test_two_loads_identify_the_load_dependence(known):
     problem = sweeps(known, np.random.default_rng(0).normal(size=N), free=("PDY1", "PDY2"), loads=(300.0, 1100.0))
     found = uncertainty(problem, np.array([1.9, -0.2]) / problem.scale)

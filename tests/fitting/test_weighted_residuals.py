@@ -81,6 +81,15 @@ def test_gradient_and_matrix_are_those_of_the_residual(problem, x):
     assert np.all(np.diag(matrix) > 0)  # each free coefficient is seen
 
 
+def test_gradient_is_the_slope_of_the_cost(problem, x):
+    rng = np.random.default_rng(6)
+    _, gradient, _ = problem.derivatives(x)
+    for _ in range(3):
+        way = rng.standard_normal(len(x)) * np.abs(x)
+        slope = (problem.cost(x + 1e-6 * way) - problem.cost(x - 1e-6 * way)) / 2e-6
+        assert gradient @ way == pytest.approx(slope, rel=1e-5)
+
+
 def test_the_sum_over_chunks_is_the_total(problem, x, monkeypatch):
     whole = problem.derivatives(x)
     monkeypatch.setattr(module, "CHUNK", 7)
@@ -88,6 +97,11 @@ def test_the_sum_over_chunks_is_the_total(problem, x, monkeypatch):
     for one, other in zip(whole, problem.derivatives(x), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-12)
     np.testing.assert_allclose(problem.costs(x[None, :], np.array([np.inf])), whole[0], rtol=1e-12)
+
+
+def test_parameters_are_those_of_the_tire(problem):
+    own = np.array([problem.tire.values[name] for name in problem.free])
+    np.testing.assert_allclose(problem.parameters(own / problem.scale), problem.tire.parameters(), rtol=1e-15)
 
 
 def test_unmeasured_rows_have_no_influence(problem, x):

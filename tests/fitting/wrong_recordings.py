@@ -85,7 +85,6 @@ WRONG: dict[str, Callable[[Recording], Recording]] = {
     "friction drifts": _drifting,
     "Fy clipped": _clipped,
     "Fz rounded to kN": lambda recording: _changed(recording, Fz=(recording.table["Fz"] / 1e3).round() * 1e3),
-    "camber is zero": lambda recording: _changed(recording, gamma=0.0),
     "60 rows": _few,
     "friction bump at one load": _bump,
 }

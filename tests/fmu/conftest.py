@@ -112,35 +112,6 @@ class Host:
         """Return the value of every variable."""
         return self.get(*self.variables)
 
-    def save(self):
-        state = ctypes.c_void_p()
-        assert self.call(self._state("Get"), ctypes.byref(state)) == OK
-        return state
-
-    def restore(self, state):
-        return self.call(self._state("Set"), state)
-
-    def free(self, state):
-        assert self.call(self._state("Free"), ctypes.byref(state)) == OK
-        assert state.value is None
-
-    def serialized(self):
-        """Return the bytes of the current state."""
-        state = self.save()
-        content = self.fmu.serializeFMUState(state)
-        self.free(state)
-        return content
-
-    def deserialize(self, content):
-        """Return the status and the state, which is NULL if the bytes are refused."""
-        kind, state = (ctypes.c_uint8, ctypes.c_char)[self.version == 2], ctypes.c_void_p()
-        buffer = ctypes.cast(ctypes.create_string_buffer(content, len(content) + 1), ctypes.POINTER(kind))
-        name = self._state("Deserialize" if self.version == 3 else "DeSerialize")
-        return self.call(name, buffer, len(content), ctypes.byref(state)), state
-
-    def _state(self, verb):
-        return f"{verb}FMU{'S' if self.version == 3 else 's'}tate"
-
     def derivative(self, unknowns, knowns, seed):
         a, b = self.references(unknowns), self.references(knowns)
         seeds, found = (ctypes.c_double * len(seed))(*seed), (ctypes.c_double * len(unknowns))()
@@ -246,13 +217,3 @@ def host(hosts, fmi):
 def running(host):
     """Return a host of the first tire, initialized."""
     return host.start()
-
-
-@pytest.fixture
-def temporary(tmp_path, monkeypatch):
-    """Return the folder of temporary files; it is empty in the end."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(folder))
-    yield folder
-    assert list(folder.iterdir()) == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import stat
 import struct
 import zipfile
@@ -13,6 +14,16 @@ from tirefmu.fmu.simulation import archive
 from tirefmu.fmu.simulation.archive import unpacked
 
 DESCRIPTION = b'<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0"/>'
+
+
+@pytest.fixture
+def temporary(tmp_path, monkeypatch):
+    """Return the folder of temporary files; it is empty in the end."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    yield folder
+    assert list(folder.iterdir()) == []
 
 
 @pytest.fixture
@@ -69,13 +80,20 @@ def test_a_name_with_a_zero_byte(packed, temporary):
     refused(path, r"'resources/harmless\\x00evil' is not allowed")
 
 
-@pytest.mark.parametrize("names", [["link"], ["link", "link/file"], ["link", "link"]])
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["link"], "'link' is a link or a device"),
+        (["link", "link/file"], "'link' is a link or a device"),
+        (["link", "link"], "'link' is a link or a device"),
+    ],
+)
 @pytest.mark.parametrize("kind", [stat.S_IFLNK, stat.S_IFIFO, stat.S_IFCHR])
 @pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_links_and_devices(packed, temporary, kind, names):
+def test_links_and_devices(packed, temporary, kind, names, message):
     entry = zipfile.ZipInfo(names[0])
     entry.external_attr = (kind | 0o777) << 16
-    refused(packed((entry, b"/etc"), *((name, b"") for name in names[1:])), "'link' is a link or a device")
+    refused(packed((entry, b"/etc"), *((name, b"") for name in names[1:])), message)
 
 
 @pytest.mark.parametrize(
@@ -173,3 +191,33 @@ def test_a_broken_model_description(packed, temporary, description, message):
 def test_a_huge_model_description(packed, temporary, monkeypatch):
     monkeypatch.setattr(archive, "LARGEST_DESCRIPTION", 50)
     refused(packed(), r"'modelDescription\.xml' has 0 MB when unpacked")
+
+
+def test_a_file_that_cannot_be_read(packed, temporary, monkeypatch):
+    def broken(*_):
+        raise OSError(5, "Input/output error")
+
+    path = packed()
+    monkeypatch.setattr(type(path), "open", broken)
+    refused(path, r"some\.fmu: cannot be read \(Input/output error\)")
+
+
+def test_any_damage_is_one_line(packed, temporary):
+    code = random.Random(1).randbytes(300)
+    path = packed(("binaries/linux64/a.so", code), ("resources/", b""), ("resources/b", b"1" * 999))
+    content, errors = path.read_bytes(), []
+    for seed in range(400):
+        draw = random.Random(seed)
+        damaged = bytearray(content)
+        for _ in range(draw.choice([1, 2, 5])):
+            damaged[draw.randrange(len(damaged))] = draw.randrange(256)
+        if draw.random() < 0.2:
+            del damaged[draw.randrange(len(damaged)) :]
+        path.write_bytes(damaged)
+        try:
+            with unpacked(path):
+                pass
+        except FmuError as error:
+            errors.append(str(error))
+    assert 0 < len(errors) < 400
+    assert all(error.isprintable() for error in errors)

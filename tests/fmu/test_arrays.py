@@ -8,7 +8,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from fmpy import read_model_description
+from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
 from tirefmu.boundary.errors import FmuError
@@ -126,6 +126,22 @@ def test_a_wrong_number_of_values_changes_nothing(paths, make_host):
         host.call("GetFloat64", (ctypes.c_uint * 1000)(*[host.references(["R"])[0]] * 1000), 1000, many, 9000) == ERROR
     )
     np.testing.assert_array_equal(get_arrays(host, ["r", "R", "F"], 15)[1], before[1])
+
+
+def test_fmpys_own_simulation(paths):
+    start = {"v": [10.0, 0.3, 0.0], "T_drive": 20.0}
+    found = simulate_fmu(
+        str(paths[True]), stop_time=0.1, output_interval=0.01, start_values=start, output=["F", "omega"]
+    )
+    others = {"v_x": 10.0, "v_y": 0.3, "T_drive": 20.0}
+    exact = simulate_fmu(
+        str(paths[False]),
+        stop_time=0.1,
+        output_interval=0.01,
+        start_values=others,
+        output=["F_x", "F_y", "F_z", "omega"],
+    )
+    np.testing.assert_array_equal(found["F"], np.stack([exact[name] for name in ("F_x", "F_y", "F_z")], axis=-1))
 
 
 def test_arrays_need_hub_inputs_and_fmi_3(tires, tmp_path, capsys):

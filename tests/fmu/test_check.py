@@ -97,6 +97,10 @@ def test_missing_inputs_are_nominal(fmu, table, tires):
     assert result.channels[0].worst.t is None
 
 
+def test_rows_of_equal_time(fmu, table):
+    assert check(fmu, table.assign(t=np.repeat(np.arange(120) * 0.01, 2))).evaluation_difference < 1e-9
+
+
 def test_a_difference_from_the_embedded_tire_is_detected(fmus, tires, table, tmp_path):
     # The binary of the first tire, the .tir file of one that differs in the ninth digit.
     almost = replace(tires["first"], values={**tires["first"].values, "LMUY": 1.0 + 3e-9})
@@ -183,6 +187,11 @@ def test_nan_in_an_input(fmu, table):
         check(fmu, table.assign(alpha=table["alpha"].where(table.index < 7)))
 
 
+def test_degrees_for_radians(fmu, table):
+    with pytest.raises(DataError, match="in degrees"):
+        check(fmu, table.assign(alpha=np.degrees(table["alpha"])))
+
+
 def test_a_table_of_other_things(fmu, table):
     with pytest.raises(DataError, match="no measured output"):
         check(fmu, table.drop(columns=["Fx", "Fy", "Mz"]))
@@ -190,6 +199,20 @@ def test_a_table_of_other_things(fmu, table):
         check(fmu, table.drop(columns=["Fx", "Fy", "Mz"]).assign(Mx=1.0))
     with pytest.raises(DataError, match=r"no input of the FMU \(kappa, alpha, gamma, Fz\)"):
         check(fmu, table[["t", "Fy"]])
+
+
+def test_files_that_are_no_fmu(table, tmp_path):
+    (tmp_path / "text.fmu").write_text("hello")
+    with zipfile.ZipFile(tmp_path / "empty.fmu", "w") as archive:
+        archive.writestr("readme", "")
+    for name, message in (
+        ("no.fmu", "no such file"),
+        ("text.fmu", "not a readable FMU"),
+        ("empty.fmu", "not a readable FMU"),
+    ):
+        with pytest.raises(FmuError, match=f"{name}: {message}") as caught:
+            check(tmp_path / name, table)
+        assert "\n" not in str(caught.value)
 
 
 def test_an_fmu_without_a_binary_for_this_machine(fmu, table, tmp_path):

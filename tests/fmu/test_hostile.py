@@ -16,6 +16,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import FmuError
+from tirefmu.cli import main
 from tirefmu.fmu import check
 from tirefmu.fmu.packaging.binaries import binary_path
 from tirefmu.fmu.simulation import simulate
@@ -59,6 +60,16 @@ def hostile(hostile_library, tmp_path):
         return path
 
     return pack
+
+
+@pytest.fixture
+def temporary(tmp_path, monkeypatch):
+    """Return the folder of temporary files; it is empty in the end."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    yield folder
+    assert list(folder.iterdir()) == []
 
 
 @pytest.fixture
@@ -178,6 +189,17 @@ def test_it_ends_with_the_process_that_checks(hostile, table, tmp_path):
         assert is_alive(pid)
         process.kill()
     wait_until(lambda: not is_alive(pid))
+
+
+def test_the_command_is_one_line_and_exits_2(hostile, table, temporary, tmp_path, capfd):
+    table.to_csv(tmp_path / "table.csv", index=False)
+    answer = tmp_path / "answer.json"
+    command = ["check", str(hostile("step crash")), str(tmp_path / "table.csv"), "--json", str(answer)]
+    assert main([*command, "--timeout", "50"]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err == f"tirefmu: error: {tmp_path / 'hostile.fmu'}: the FMU crashed (SIGSEGV)\n"
+    assert not answer.exists()
 
 
 def test_a_library_outside_is_not_loaded(hostile, table, temporary, tmp_path):

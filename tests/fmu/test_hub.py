@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from fmpy.validation import validate_fmu
 from scipy.spatial.transform import Rotation
 
 from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import export
-from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, ROAD, SPIN, WRENCH
+from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, MOTION, ROAD, SPIN, WRENCH
 from tirefmu.tires.hub import hub_wrench, wheel_motion
 
 OK, DISCARD, ERROR = 0, 2, 3
@@ -44,6 +45,11 @@ def pose(rng, radius):
         "road_nx": 0.1 * numbers[13], "road_ny": 0.1 * numbers[14], "road_vx": numbers[15], "road_vy": numbers[16],
         "road_vz": 0.1 * numbers[17],
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_is_valid(fmus, name, fmi):
+    assert validate_fmu(str(fmus[name, fmi, "hub"])) == []
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -143,6 +149,11 @@ def test_a_road_at_the_hub_or_a_wheel_without_a_plane_is_no_number(host_of):
         np.testing.assert_array_equal(host.everything(), before)
 
 
+def test_it_has_iso_axes_only(tires, tmp_path):
+    with pytest.raises(FmuError, match="ISO axes only"):
+        export(tires["first"], tmp_path / "x.fmu", inputs="hub", axes="sae")
+
+
 @pytest.mark.parametrize(
     ("text", "expected"), [("2e5 N/m", 2e5), ("1.5D5", 1.5e5), ("0", None), ("-5", None), ("soft", None)]
 )
@@ -163,3 +174,8 @@ def test_a_wheel_without_size_is_one_line(tires, tmp_path, name):
     tire = replace(tires["first"], values={**tires["first"].values, name: 0.0})
     with pytest.raises(FmuError, match=f"hub inputs need {name} > 0, not 0"):
         export(tire, tmp_path / "x.fmu", inputs="hub")
+
+
+def test_the_motion_is_an_output(host_of):
+    host = host_of("mf61")
+    assert {quantity.name for quantity in MOTION} | {"Fz", "R_l", "c_z"} <= set(host.outputs + host.extras)

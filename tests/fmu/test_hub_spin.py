@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
 
 from .hub_car import GRAVITY, HubCar
 
@@ -31,6 +32,10 @@ def car(host, radius):
         return HubCar(host, MASS, slope).start(height or rest, (speed, 0.0, 0.0), **given)
 
     return start
+
+
+def test_it_is_valid(fmus, fmi):
+    assert validate_fmu(str(fmus["first", fmi, "hub-torque"])) == []
 
 
 def test_in_the_air_the_spin_is_the_integral_of_the_torques(host, radius):
@@ -94,7 +99,36 @@ def test_launch_without_chatter(car, radius, sense):
     assert omega[-1] * radius == pytest.approx(v[-1], rel=0.1)
 
 
+def test_landing_bounces_without_loss_but_for_the_damper(car, host, radius):
+    height = 1.1 * radius
+    for damping, shares in ((0.0, (0.99, 1.01)), (60.0, (0.1, 0.95))):
+        assert host.call("Reset") == OK
+        rows = car(height=height, VERTICAL_DAMPING=damping).run(0.6, 5e-4, "omega", "Fz")
+        z, force, load = rows[2], rows[6:9], rows[10]
+        air = z > radius
+        assert np.all(load[air] == 0.0)
+        assert damping > 0.0 or np.all(load[~air] > 0.0)
+        assert np.all(force[:, 1:][:, air[:-1]] == 0.0)  # the force of a row belongs to the position before it
+        landed = int(np.argmin(air))
+        rebound = z[landed:].max() - radius
+        assert shares[0] < rebound / (height - radius) < shares[1]
+
+
+def test_the_load_of_a_car_at_rest_is_its_weight(car):
+    rows = car(height=None).run(2.0, 0.005, "Fz", T_brake=100.0)
+    assert rows[9, -1] == pytest.approx(MASS * GRAVITY, rel=1e-6)
+
+
 def test_what_the_host_may_set(host):
     assert host.set(T_brake=-1.0) == DISCARD
     host.start()
     assert host.set(omega=1.0) == ERROR
+
+
+def test_a_refused_step_changes_nothing(host):
+    host.start()
+    before = host.everything()
+    assert host.set(road_nz=0.0, T_drive=50.0) == OK
+    assert host.step(0.0, 0.01) == DISCARD
+    assert host.set(road_nz=1.0, T_drive=0.0) == OK
+    np.testing.assert_array_equal(host.everything(), before)

@@ -16,10 +16,8 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from hypothesis import given
 from hypothesis import strategies as st
 
-from .conftest import PHYSICAL, TIRES
-
 OK, DISCARD, ERROR = 0, 2, 3
-NO_REFERENCE = 4_000_000_000
+INPUTS = ("kappa", "alpha", "gamma", "Fz")
 OUTPUTS = ("Fx", "Fy", "Mz")
 #: A point of a combined sweep, for tests that need an arbitrary point.
 POINT = {"kappa": 0.05, "alpha": -0.08, "gamma": 0.03, "Fz": 900.0}
@@ -50,7 +48,6 @@ ANY_INPUTS = {
 }
 
 
-@pytest.mark.parametrize("name", [*TIRES, *PHYSICAL])
 def test_output_is_the_direct_evaluation(hosts, tires, name, fmi):
     host = hosts(name, fmi)
     host.initialize()  # until its end every tire is in steady state
@@ -62,17 +59,52 @@ def test_output_is_the_direct_evaluation(hosts, tires, name, fmi):
     holds()
 
 
+def test_both_versions_give_the_same_digits(hosts):
+    hosts_of_both = [hosts("first", fmi).start() for fmi in (2, 3)]
+    draws = np.random.default_rng(1).uniform([-0.5, -0.5, -0.1, -100.0], [0.5, 0.5, 0.1, 3000.0], (500, 4))
+    two, three = ([h.forces(**dict(zip(INPUTS, row, strict=True))) for row in draws] for h in hosts_of_both)
+    assert np.array_equal(two, three)
+
+
 def test_starts_at_the_nominal_point(hosts, tires, name, fmi):
     host, tire = hosts(name, fmi).start(time=3.0), tires[name]
     assert host.get(*host.inputs).tolist() == [tire.nominal(key) for key in host.inputs]
     assert distance(host.get(*host.outputs), direct(tire)) < 1e-9
 
 
+def test_outputs_follow_inputs_before_any_step(host, tires):
+    host.initialize()
+    assert distance(host.forces(**POINT), direct(tires["first"], **POINT)) < 1e-9
+    host.call("ExitInitializationMode")
+    at_zero = POINT | {"kappa": 0.0}
+    assert distance(host.forces(kappa=0.0), direct(tires["first"], **at_zero)) < 1e-9
+
+
+def test_a_lifted_wheel_has_no_forces(hosts, name):
+    running = hosts(name, 3).start()
+    for load in (0.0, -0.0, -500.0):
+        assert not np.any(running.forces(**POINT | {"Fz": load}))
+
+
+def test_standstill_and_reverse(hosts, tires):
+    host = hosts("mf61", 3).start()
+    for speed in (0.0, -0.0, 1e-300, -1e-300, 0.3, -0.3, -20.0):
+        for turn in (0.0, 0.2):
+            point = FULL_POINT | {"V": speed, "phit": turn}
+            found = host.forces(**point)
+            assert np.all(np.isfinite(found))
+            assert distance(found, direct(tires["mf61"], **point)) < 1e-9
+
+
 @pytest.mark.parametrize(
     ("name", "coefficient"),
     [
+        ("first", "PDY1"),
+        ("first", "LMUX"),
         ("first", "FNOMIN"),
+        ("first", "QDZ1"),
         ("mf52", "PKY1"),
+        ("mf61", "LMUY"),
         ("mf61", "PDXP1"),
         ("mf62", "NOMPRES"),
     ],
@@ -135,34 +167,14 @@ def test_two_instances_are_independent(hosts, tires, fmi):
 # ------------------------------------------------------------------ invalid calls
 
 
-#: `robust.c` has more of them, for a tire whose slips lag.
-@pytest.mark.parametrize(
-    ("call", "status", "line"),
-    [
-        (lambda host: host.set(kappa=0.2, alpha=np.nan), DISCARD, "alpha must be finite"),
-        (lambda host: host.set(PKY1=np.inf), DISCARD, "PKY1 must be finite"),
-        (lambda host: host.step(0.1, -0.1), ERROR, "the step size must be positive and finite"),
-        (lambda host: host.step(0.2, 0.1), ERROR, "the last one ended at"),
-        (lambda host: host.step(0.1, 2.0), ERROR, "stop time"),
-        (
-            lambda host: host.set_references(["kappa", 4_000_000_000], [0.1, 1.0]),
-            ERROR,
-            "no value reference 4000000000",
-        ),
-        (lambda host: host.read([NO_REFERENCE])[0], ERROR, f"no value reference {NO_REFERENCE}"),
-        (lambda host: host.set_references(["kappa", "Fx"], [0.1, 1.0]), ERROR, "Fx cannot be set"),
-        (lambda host: host.set_references(["kappa", 0], [0.1, 1.0]), ERROR, " cannot be set"),
-        (lambda host: host.call("ExitInitializationMode"), ERROR, "not while stepping"),
-    ],
-)
-def test_a_refused_call_changes_nothing_and_is_explained(host, call, status, line):
-    host.start(stop=2.0)
-    assert host.set(**POINT) == host.step(0.0, 0.1) == OK
-    before = host.everything()
-    assert call(host) == status
-    assert line in host.log[-1]
-    assert np.array_equal(host.everything(), before)
-    assert host.step(0.1, 1.9) == OK
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("name", ["alpha", "Fz", "PKY1"])
+def test_a_value_that_is_not_finite_changes_nothing(running, name, bad):
+    running.set(**POINT)
+    before = running.everything()
+    assert running.set(kappa=0.2, **{name: bad}) == DISCARD
+    assert np.array_equal(running.everything(), before)
+    assert running.log[-1].startswith(f"{name} must be finite")
 
 
 def test_a_coefficient_outside_its_limits_changes_nothing(running):
@@ -177,9 +189,59 @@ def test_a_coefficient_outside_its_limits_changes_nothing(running):
     assert " is outside " in running.log[-1]
 
 
+@pytest.mark.parametrize("size", [0.0, -0.0, -0.1, np.nan, np.inf, -np.inf])
+def test_a_step_size_must_be_positive_and_finite(running, size):
+    before = running.everything()
+    assert running.step(0.0, size) == ERROR
+    assert running.log[-1].startswith("the step size must be positive and finite")
+    assert np.array_equal(running.everything(), before)
+    assert running.step(0.0, 0.1) == OK
+
+
+@pytest.mark.parametrize("point", [0.2, 0.0, -0.1, 0.11, np.nan, np.inf])
+def test_a_step_starts_where_the_last_one_ended(running, point):
+    assert running.step(0.0, 0.1) == OK
+    assert running.step(point, 0.1) == ERROR
+    assert "the last one ended at" in running.log[-1]
+    assert running.step(0.1, 0.1) == OK
+
+
 def test_rounding_of_the_host_is_not_a_gap(running):
     for i in range(1000):
         assert running.step(i / 1000, 1 / 1000) == OK
+
+
+def test_no_step_passes_the_stop_time(host):
+    host.start(1.0, stop=2.0)
+    assert host.step(1.0, 1.5) == ERROR
+    assert "stop time" in host.log[-1]
+    assert host.step(1.0, 1.0) == OK
+
+
+def test_unknown_references_and_outputs_cannot_be_set(running):
+    before = running.everything()
+    for reference in (len(running.variables) + 1, 4_000_000_000):
+        assert running.set_references(["kappa", reference], [0.1, 1.0]) == ERROR
+        assert running.read([reference])[0] == ERROR
+        assert running.log[-1] == f"there is no value reference {reference}"
+    for name in ("Fx", "Mz", 0):
+        assert running.set_references(["kappa", name], [0.1, 1.0]) == ERROR
+        assert running.log[-1].endswith(" cannot be set")
+    assert np.array_equal(running.everything(), before)
+
+
+def test_calls_out_of_order_are_refused(host):
+    assert host.step(0.0, 0.1) == ERROR
+    assert host.call("ExitInitializationMode") == ERROR
+    assert host.call("Terminate") == ERROR
+    host.initialize()
+    assert host.step(0.0, 0.1) == ERROR
+    assert host.log[-1] == "a step is allowed while stepping, not while initializing"
+    host.call("ExitInitializationMode")
+    assert host.call("Terminate") == OK
+    assert host.step(0.0, 0.1) == ERROR
+    assert host.set(kappa=0.1) == ERROR
+    assert np.all(np.isfinite(host.get(*OUTPUTS)))  # results can still be read
 
 
 def test_types_that_the_fmu_lacks(running):
@@ -212,29 +274,88 @@ def test_the_log_can_be_chosen(running):
 # ------------------------------------------------------------------ reset, saved states
 
 
-def test_after_a_reset_the_instance_is_a_new_one(hosts, fmi):
-    used, new = hosts("rolling", fmi).start(), hosts("rolling", fmi).start()
-    used.set(PDX1=used.get("PDX1")[0] * 1.02, **POINT)
-    assert used.step(0.0, 0.25) == used.call("Reset") == OK
-    assert used.start().serialized() == new.serialized()
+def play(host):
+    """Return the results of a run: a sweep with a coefficient changed midway."""
+    host.start(0.5)
+    found = []
+    for i, alpha in enumerate(np.linspace(-0.2, 0.2, 21)):
+        if i == 10:
+            assert host.set(PDY1=host.get("PDY1")[0] * 1.05) == OK
+        found.append(host.forces(kappa=0.1 * alpha, alpha=alpha, gamma=0.02, Fz=600.0 + 20.0 * i))
+        assert host.step(0.5 + 0.1 * i, 0.1) == OK
+    return np.array(found)
 
 
-def test_a_serialized_state_restores_everything_in_another_instance(hosts, fmi):
-    instance, other = hosts("first", fmi).start(), hosts("first", fmi)
-    instance.set(PDX1=instance.get("PDX1")[0] * 1.02, **POINT)
-    assert instance.step(0.0, 0.25) == OK
-    content = instance.serialized()
-    other.start().set(PKX1=other.get("PKX1")[0] * 0.9, kappa=-0.3, Fz=100.0)
-    force = struct.pack("d", *instance.get("Fx"))
-    assert force in content
-    status, state = other.deserialize(content.replace(force, bytes(8)))  # computed values are computed again
-    assert status == other.restore(state) == OK
-    assert np.array_equal(other.everything(), instance.everything())
-    assert other.step(0.25, 0.25) == instance.step(0.25, 0.25) == OK  # the time is restored, too
-    assert other.serialized() == instance.serialized()
-    other.free(state)
-    assert other.restore(state) == ERROR
-    assert hosts("second", fmi).deserialize(content)[0] == ERROR
+def test_reset_runs_again_identically(host):
+    once = play(host)
+    assert host.step(99.0, 0.1) == ERROR
+    assert host.set(alpha=np.nan) == DISCARD
+    assert host.call("Reset") == OK
+    assert np.array_equal(play(host), once)
+
+
+def saved(host):
+    state = ctypes.c_void_p()
+    name = "GetFMUState" if host.version == 3 else "GetFMUstate"
+    assert host.call(name, ctypes.byref(state)) == OK
+    return state
+
+
+def restore(host, state):
+    return host.call("SetFMUState" if host.version == 3 else "SetFMUstate", state)
+
+
+def free(host, state):
+    name = "FreeFMUState" if host.version == 3 else "FreeFMUstate"
+    assert host.call(name, ctypes.byref(state)) == OK
+    assert state.value is None
+
+
+def test_a_saved_state_restores_everything(running):
+    running.set(PDY1=running.get("PDY1")[0] * 1.02, **POINT)
+    assert running.step(0.0, 0.25) == OK
+    before = running.everything()
+    state = saved(running)
+    running.set(PKX1=running.get("PKX1")[0] * 0.9, kappa=-0.3, Fz=100.0)
+    assert running.step(0.25, 0.25) == OK
+    assert np.any(running.everything() != before)
+    assert restore(running, state) == OK
+    assert np.array_equal(running.everything(), before)
+    assert running.step(0.25, 0.1) == OK  # including the time
+    free(running, state)
+    assert restore(running, ctypes.c_void_p()) == ERROR
+
+
+def test_a_serialized_state_moves_to_another_instance(hosts, fmi):
+    one, other = hosts("first", fmi).start(), hosts("first", fmi)
+    one.set(PDX1=one.get("PDX1")[0] * 1.02, **POINT)
+    assert one.step(0.0, 0.25) == OK
+    state = saved(one)
+    content = one.fmu.serializeFMUState(state)
+    copy = other.fmu.deserializeFMUState(content)
+    assert restore(other, copy) == OK
+    assert np.array_equal(other.everything(), one.everything())
+    assert other.step(0.25, 0.25) == OK
+    again = saved(one)
+    assert one.fmu.serializeFMUState(again) == content
+    for owner, stored in ((one, state), (one, again), (other, copy)):
+        free(owner, stored)
+
+
+def test_arbitrary_bytes_are_rejected_as_a_state(hosts, fmi):
+    one, stranger = hosts("first", fmi).start(), hosts("second", fmi).start()
+    state = saved(one)
+    content = one.fmu.serializeFMUState(state)
+    free(one, state)
+    before = stranger.everything()
+    name = "DeserializeFMUState" if fmi == 3 else "DeSerializeFMUstate"
+    kind = ctypes.c_uint8 if fmi == 3 else ctypes.c_char
+    for bad in (content, content[:-1], b"", b"\xff" * len(content)):
+        buffer = ctypes.cast(ctypes.create_string_buffer(bad, len(bad) + 1), ctypes.POINTER(kind))
+        slot = ctypes.c_void_p()
+        assert stranger.call(name, buffer, len(bad), ctypes.byref(slot)) == ERROR
+        assert slot.value is None
+    assert np.array_equal(stranger.everything(), before)
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
@@ -242,14 +363,20 @@ def test_a_serialized_value_outside_its_limits_is_rejected(hosts, fmi, way):
     host = hosts("first", fmi)
     known, start = host.variables["PCY1"], 1.2345678
     assert host.set(PCY1=start) == OK
-    content = host.start().serialized()
+    host.start()
+    state = saved(host)
+    content = host.fmu.serializeFMUState(state)
+    free(host, state)
     position = content.index(struct.pack("d", start))
     limit = float(known.max if way > 0 else known.min)
+    name = "DeserializeFMUState" if fmi == 3 else "DeSerializeFMUstate"
+    kind = ctypes.c_uint8 if fmi == 3 else ctypes.c_char
     for value, status in ((limit, OK), (limit + way * 1e-9, ERROR)):
-        found, state = host.deserialize(content[:position] + struct.pack("d", value) + content[position + 8 :])
-        assert found == status
-        assert (state.value is None) == (status == ERROR)
-        host.free(state)
+        changed = content[:position] + struct.pack("d", value) + content[position + 8 :]
+        buffer = ctypes.cast(ctypes.create_string_buffer(changed, len(changed)), ctypes.POINTER(kind))
+        slot = ctypes.c_void_p()
+        assert host.call(name, buffer, len(changed), ctypes.byref(slot)) == status
+        free(host, slot)
 
 
 @pytest.mark.parametrize("exchange", [False, True])

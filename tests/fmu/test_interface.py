@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import zipfile
 from dataclasses import replace
@@ -86,13 +87,13 @@ def test_the_distance_is_stored_saved_and_reset(warm_fmu, fmi):
         assert host.set(distance=0.0) == ERROR
         assert host.set(V=-12.0) == OK
         assert host.get("distance", "der(distance)").tolist() == [1000.0, 12.0]
-        state = host.save()
+        state = host.fmu.getFMUState() if fmi == 3 else host.fmu.getFMUstate()
         for k in range(4):
             assert host.step(0.25 * k, 0.25) == OK
         assert host.get("distance")[0] == 1012.0
-        assert host.restore(state) == OK
+        assert (host.fmu.setFMUState if fmi == 3 else host.fmu.setFMUstate)(state) in (None, OK)
         assert host.get("distance")[0] == 1000.0
-        host.free(state)
+        (host.fmu.freeFMUState if fmi == 3 else host.fmu.freeFMUstate)(state)
         assert host.call("Reset") == OK
         assert host.get("distance")[0] == 0.0
 
@@ -123,6 +124,18 @@ def test_radii_and_friction_use(hosts, tires):
         assert host.get("friction_use")[0] == 0.0
 
 
+@pytest.mark.parametrize("name", ["first", "mf61", "rolling"])
+def test_friction_use_is_one_where_all_friction_is_used(hosts, name, fmi):
+    host = hosts(name, fmi)
+    host.initialize()
+    used = []
+    for slip in np.linspace(0.0, 1.5, 200):
+        host.set(alpha=slip)
+        used.append(host.get("friction_use")[0])
+    assert used[0] < 0.1
+    assert 0.9 < max(used) < 1.1
+
+
 def test_exceeding_the_known_range_is_reported_once(hosts):
     host = hosts("mf61", 3).start()
     host.set(**POINT)
@@ -138,20 +151,44 @@ def test_exceeding_the_known_range_is_reported_once(hosts):
 # ------------------------------------------------------------------ axes
 
 
-@pytest.mark.parametrize("name", ["mf61", "rolling"])
-def test_sae_axes_are_the_evaluation_in_sae(tires, compiler, tmp_path, fmi, name):
-    path, tire = export(tires[name], tmp_path / "sae.fmu", fmi=fmi, axes="sae"), tires[name]
-    assert validate_fmu(str(path)) == []
-    rng, n = np.random.default_rng(6), 60
-    slips = {key: rng.uniform(-size, size, n) for key, size in (("kappa", 0.2), ("alpha", 0.2), ("gamma", 0.1))}
-    table = pd.DataFrame({"t": 0.02 * np.arange(n), **slips, "Fz": -rng.uniform(500.0, 6000.0, n)})
-    forces = tire.evaluate(table, signs="sae", hold=True)[list(tire.outputs)]
-    for signs in ("sae", "iso"):
-        result = check(path, convert_signs(table.assign(**forces), "sae", signs), signs=signs)
-        assert result.evaluation_difference < 1e-9
-        assert max(channel.relative_rmse for channel in result.channels) < 1e-9
-    with loaded(path) as slave:
-        assert Host(slave).get("Fz")[0] == -tire.nominal("Fz")
+def test_sae_axes_are_the_evaluation_in_sae(tires, compiler, tmp_path, fmi):
+    for name in ("mf61", "rolling"):
+        path = export(tires[name], tmp_path / f"{name}_sae.fmu", fmi=fmi, axes="sae")
+        assert validate_fmu(str(path)) == []
+        rng = np.random.default_rng(6)
+        n = 60
+        table = pd.DataFrame(
+            {
+                "t": 0.02 * np.arange(n),
+                "kappa": rng.uniform(-0.2, 0.2, n),
+                "alpha": rng.uniform(-0.2, 0.2, n),
+                "gamma": rng.uniform(-0.1, 0.1, n),
+                "Fz": -rng.uniform(500.0, 6000.0, n),
+            }
+        )
+        expected = tires[name].evaluate(table, signs="sae", hold=True)
+        with loaded(path) as slave:
+            host = Host(slave)
+            assert host.get("Fz")[0] == -tires[name].nominal("Fz")
+            host.initialize()
+            for i, row in table.iterrows():
+                assert host.set(**row.drop("t")) == OK
+                if i == 0:
+                    host.call("ExitInitializationMode")
+                lagged = ["kappa_lagged", "alpha_lagged"] if name == "rolling" else []
+                shown = [*host.outputs, *lagged]
+                assert distance(host.get(*shown), expected.loc[i, shown].to_numpy(dtype=float)) < 1e-9
+                assert host.step(row["t"], 0.02) == OK
+
+
+def test_check_uses_the_axes_of_the_fmu(tires, compiler, tmp_path):
+    path = export(tires["mf61"], tmp_path / "sae.fmu", axes="sae")
+    table = pd.DataFrame({"alpha": np.linspace(-0.1, 0.1, 21), "Fz": 3000.0})
+    table["Fy"] = tires["mf61"].forces(alpha=table["alpha"], Fz=3000.0)["Fy"]
+    for signs in ("iso", "sae"):
+        result = check(path, convert_signs(table, "iso", signs), signs=signs)
+        assert result.ok
+        assert result.channels[0].r2 == pytest.approx(1.0, abs=1e-12)
 
 
 def test_the_file_states_its_conventions(tires):
@@ -178,6 +215,30 @@ def test_icon_and_terminals(fmus, fmi):
 
 
 # ------------------------------------------------------------------ derivatives
+
+
+def adjoint(host, unknowns, knowns, seed):
+    a, b = host.references(unknowns), host.references(knowns)
+    seeds, found = (ctypes.c_double * len(seed))(*seed), (ctypes.c_double * len(knowns))()
+    status = host.call("GetAdjointDerivative", a, len(a), b, len(b), seeds, len(seeds), found, len(found))
+    return status, np.array(found)
+
+
+@pytest.mark.parametrize("name", ["first", "mf61", "rolling"])
+def test_adjoint_and_directional_derivatives_are_one_matrix(hosts, name):
+    host = hosts(name, 3).start()
+    host.set(**{key: value for key, value in POINT.items() if key in host.inputs})
+    host.step(0.0, 0.01)
+    unknowns, knowns = [*host.outputs, "friction_use"], [*host.inputs, "PDY1", "PKX1"]
+    knowns += ["kappa_lagged", "tan_alpha_lagged"] if name == "rolling" else []
+    by_columns = [host.derivative(unknowns, [known], [1.0])[1] for known in knowns]
+    by_rows = [adjoint(host, [unknown], knowns, [1.0]) for unknown in unknowns]
+    assert all(status == OK for status, _ in by_rows)
+    # Reverse mode against forward mode: equal except for the last digits.
+    np.testing.assert_allclose(np.array(by_columns).T, [row for _, row in by_rows], rtol=1e-12, atol=1e-13)
+    seed = np.linspace(-1.0, 2.0, len(unknowns))
+    np.testing.assert_allclose(adjoint(host, unknowns, knowns, seed)[1], seed @ np.array(by_columns).T, rtol=1e-12)
+    assert adjoint(host, ["kappa"], ["Fz"], [1.0])[0] == ERROR
 
 
 def test_derivatives_of_rates_and_by_states(hosts, fmi, tires):

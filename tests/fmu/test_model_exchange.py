@@ -106,10 +106,18 @@ def test_a_slip_that_acts_at_once_is_where_it_acts_after_an_event(fmus, fmi, tmp
 
 def test_a_state_of_one_kind_is_none_of_the_other(hosts, fmus, fmi, tmp_path):
     host, solver = hosts("rolling", fmi).start(), Solver(fmus["rolling", fmi], tmp_path).start()
-    state = host.save()
+    state = host.fmu.getFMUState() if fmi == 3 else host.fmu.getFMUstate()
     assert solver.call("setFMUState" if fmi == 3 else "setFMUstate", state) == ERROR
-    host.free(state)
+    (host.fmu.freeFMUState if fmi == 3 else host.fmu.freeFMUstate)(state)
     solver.fmu.freeInstance()
+
+
+def test_an_fmu_with_fixed_steps_has_no_model_exchange(hosts):
+    host = hosts("rolling", 3).start()
+    assert host.call("EnterContinuousTimeMode") == ERROR
+    assert host.log[-1] == "continuous-time mode is allowed in Model Exchange only"
+    assert host.call("EnterEventMode") == ERROR
+    assert host.call("SetTime", 1.0) == ERROR
 
 
 def test_a_tire_without_states(fmus, fmi, tires, driving):

@@ -112,6 +112,17 @@ def test_invalid_step_sizes_are_rejected(python_host, lagging, size):
     assert host.everything().tolist() == before.tolist()
 
 
+def test_steps_do_not_depend_on_their_size(python_host, lagging):
+    one, many = python_host(lagging), python_host(lagging)
+    for host in (one, many):
+        host.start()
+        host.set(alpha=0.1, kappa=0.03, V=10.0)
+    assert one.step(0.0, 0.05) == OK
+    for i in range(50):
+        assert many.step(0.001 * i, 0.001) == OK
+    assert many.get(*many.outputs) == pytest.approx(one.get(*one.outputs), rel=1e-9)
+
+
 def test_reset_restarts(python_host, lagging):
     host = python_host(lagging)
     runs = []
@@ -192,3 +203,8 @@ def test_fmi_3_is_refused(tires, tmp_path):
     call = ["export", "trento_hoosier", "-o", str(tmp_path / "t.fmu"), "--kind", "pythonfmu", "--fmi", "3"]
     assert main(call) == 2
     assert list(tmp_path.iterdir()) == []
+
+
+def test_unknown_kind(tires, tmp_path):
+    with pytest.raises(FmuError, match="kind 'julia' is unknown: known kinds are native, pythonfmu"):
+        export(tires["first"], tmp_path / "t.fmu", kind="julia")

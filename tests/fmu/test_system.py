@@ -17,6 +17,7 @@ from lxml import etree
 from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu import export_parameters, export_system
+from tirefmu.fmu.simulation.connectors import connectors
 
 from .conftest import OK
 
@@ -101,9 +102,8 @@ def vehicle_file(folder, fmi, *variables, simulates=True):
         real = f'Real unit="{unit}"' if unit else "Real"
         listed.append(f"<{real.replace('Real', 'Float64', 1)} {about}/>" if fmi == 3 else
                       f"<ScalarVariable {about}><{real}/></ScalarVariable>")  # fmt: skip
-    kind = '<CoSimulation modelIdentifier="car"/>' if simulates else ""
-    text = f'<fmiModelDescription fmiVersion="{fmi}.0" numberOfContinuousStates="0" numberOfEventIndicators="0">'
-    text += f"{kind}<ModelVariables>{''.join(listed)}</ModelVariables>"
+    kind = "<CoSimulation/>" if simulates else ""
+    text = f'<fmiModelDescription fmiVersion="{fmi}.0">{kind}<ModelVariables>{"".join(listed)}</ModelVariables>'
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", f"{text}</fmiModelDescription>")
     return path
@@ -147,18 +147,16 @@ def test_a_vehicle_that_cannot_be_connected_is_one_line(tires, tmp_path, capsys,
     assert list(tmp_path.iterdir()) == [vehicle]
 
 
-def test_an_archive_that_is_no_vehicle_is_one_line(tires, tmp_path, monkeypatch):
-    monkeypatch.setattr("tirefmu.fmu.packaging.system.export", lambda tire, path, **options: car_file(path))
+def test_an_archive_that_is_no_vehicle_is_one_line(tires, tmp_path):
+    with pytest.raises(FmuError, match="no Co-Simulation"):
+        connectors(vehicle_file(tmp_path, 2, *VEHICLE, simulates=False))
+    with pytest.raises(FmuError, match=r"FMI 1\.0 is not supported"):
+        connectors(vehicle_file(tmp_path, 1, *VEHICLE))
     broken = tmp_path / "broken.fmu"
     with zipfile.ZipFile(broken, "w") as archive:
         archive.writestr("modelDescription.xml", "<fmiModelDescription")
-    for write, message in (
-        (lambda: vehicle_file(tmp_path, 2, *VEHICLE, simulates=False), "does not support Co-Simulation"),
-        (lambda: vehicle_file(tmp_path, 1, *VEHICLE), r"FMI 1\.0 is not supported"),
-        (lambda: broken, r"broken.fmu: not a readable FMU"),
-    ):
-        with pytest.raises(FmuError, match=message):
-            export_system([tires["first"]] * 4, tmp_path / "car.ssp", inputs="hub", vehicle=write())
+    with pytest.raises(FmuError, match=r"broken.fmu"):
+        connectors(broken)
 
 
 def car_file(path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import struct
 
 import numpy as np
@@ -159,6 +160,33 @@ def test_the_step_size_does_not_matter(hosts, lagging, fmi):
     assert distance(np.array(found[2]), np.array(found[0])) < 1e-9
 
 
+def test_states_are_constant_at_standstill(rolling):
+    rolling.set(**POINT | {"V": 0.0})
+    for k in range(3):
+        assert rolling.step(10.0 * k, 10.0) == OK
+        assert rolling.get(*SLIPS).tolist() == [0.0, 0.0]
+
+
+def test_backward_rolls_as_far_as_forward(hosts):
+    slips = []
+    for speed in (9.0, -9.0):
+        host = hosts("rolling", 3)
+        host.initialize()
+        host.set(**STRAIGHT)
+        host.call("ExitInitializationMode")
+        host.set(**POINT | {"V": speed})
+        assert host.step(0.0, 0.03) == OK
+        slips.append(host.get(*SLIPS))
+    assert np.array_equal(*slips)
+    assert np.all(slips[0] != 0.0)
+
+
+def test_a_long_step_arrives(rolling, tires, lagging):
+    rolling.set(**POINT)
+    assert rolling.step(0.0, 1e6) == OK
+    assert distance(rolling.get(*rolling.outputs), steady(tires, lagging, **POINT)) < 1e-12
+
+
 def test_without_a_length_a_slip_acts_at_once(hosts, tires):
     host = hosts("rolling", 3).start()
     host.set(**POINT)
@@ -169,15 +197,73 @@ def test_without_a_length_a_slip_acts_at_once(hosts, tires):
     assert distance(host.get(*host.outputs), steady(tires, "rolling", **POINT)) < 1e-9
 
 
-def test_a_serialized_slip_of_nan_is_rejected(rolling):
+def test_a_rejected_value_does_not_change_the_slips(rolling):
     rolling.set(**POINT)
     assert rolling.step(0.0, 0.01) == OK
-    content = rolling.serialized()
+    before = rolling.everything()
+    for bad in (np.nan, np.inf):
+        for known in ("kappa", "alpha", "V"):
+            assert rolling.set(**{known: bad}) == DISCARD
+    for size in (0.0, -0.1, np.nan, np.inf):
+        assert rolling.step(0.01, size) == ERROR
+    assert rolling.set_references(["kappa_lagged"], [0.1]) == ERROR
+    assert np.array_equal(rolling.everything(), before)
+
+
+def saved(host):
+    state = ctypes.c_void_p()
+    assert host.call("GetFMUState" if host.version == 3 else "GetFMUstate", ctypes.byref(state)) == OK
+    return state
+
+
+def go_on(host):
+    """Return the results of a few more steps with the same inputs."""
+    found = []
+    for k in range(4):
+        assert host.step(0.01 * (k + 1), 0.01) == OK
+        found.append(host.everything())
+    return np.array(found)
+
+
+def test_slips_are_saved_restored_and_serialized(rolling, hosts, lagging, fmi):
+    rolling.set(**POINT)
+    assert rolling.step(0.0, 0.01) == OK
+    state = saved(rolling)
+    content = rolling.fmu.serializeFMUState(state)
+    first = go_on(rolling)
+    assert rolling.call("SetFMUState" if fmi == 3 else "SetFMUstate", state) == OK
+    assert np.array_equal(go_on(rolling), first)
+    other = hosts(lagging, fmi)
+    copy = other.fmu.deserializeFMUState(content)
+    assert other.call("SetFMUState" if fmi == 3 else "SetFMUstate", copy) == OK
+    assert np.array_equal(go_on(other), first)
+    for owner, stored in ((rolling, state), (other, copy)):
+        owner.call("FreeFMUState" if fmi == 3 else "FreeFMUstate", ctypes.byref(stored))
+
+
+def test_a_serialized_slip_of_nan_is_rejected(rolling, fmi):
+    rolling.set(**POINT)
+    assert rolling.step(0.0, 0.01) == OK
+    state = saved(rolling)
+    content = rolling.fmu.serializeFMUState(state)
+    rolling.call("FreeFMUState" if fmi == 3 else "FreeFMUstate", ctypes.byref(state))
     (kappa,) = rolling.get("kappa_lagged")
     position = content.index(struct.pack("d", kappa))  # the state is located before the variable that reports it
     bad = content[:position] + struct.pack("d", np.nan) + content[position + 8 :]
-    assert rolling.deserialize(bad)[0] == ERROR
+    kind = ctypes.c_uint8 if fmi == 3 else ctypes.c_char
+    buffer, slot = ctypes.cast(ctypes.create_string_buffer(bad, len(bad)), ctypes.POINTER(kind)), ctypes.c_void_p()
+    name = "DeserializeFMUState" if fmi == 3 else "DeSerializeFMUstate"
+    assert rolling.call(name, buffer, len(bad), ctypes.byref(slot)) == ERROR
     assert rolling.log[-1] == "the bytes are not a serialized state of this FMU"
+
+
+def test_reset_clears_the_slips(rolling):
+    rolling.set(**POINT)
+    assert rolling.step(0.0, 0.5) == OK
+    assert np.all(rolling.get(*SLIPS) != 0.0)
+    assert rolling.call("Reset") == OK
+    rolling.start()
+    assert rolling.get(*SLIPS).tolist() == [0.0, 0.0]
 
 
 def test_derivatives_hold_the_lagging_slips(hosts, tires, lagging, fmi):

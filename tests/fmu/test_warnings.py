@@ -100,13 +100,10 @@ def assert_no_warning(program, sources, names, folder):
 
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="gcc is not installed")
-@pytest.mark.parametrize("kind", [*INPUTS, "sti"])
-def test_gcc_has_no_warning(exported, tmp_path, kind):
+@pytest.mark.parametrize("inputs", INPUTS)
+def test_gcc_has_no_warning(exported, tmp_path, inputs):
     """The wrapper's files around the smallest model."""
-    if kind == "sti":
-        sources = exported(export_sti, tires("brush")[1], "tire.so")
-    else:
-        sources = exported(export, tires("brush")[1], fmi=3 if kind == "slip" else 2, inputs=kind)
+    sources = exported(export, tires("brush")[1], fmi=3 if inputs == "slip" else 2, inputs=inputs)
     assert_no_warning("gcc", sources, [file for file in sources if file.endswith(".c")], tmp_path)
 
 

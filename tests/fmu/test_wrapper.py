@@ -2,28 +2,50 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import shutil
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 from graphlib import TopologicalSorter
 from pathlib import Path
 
 import numpy as np
 import pytest
-from fmpy import read_model_description
+from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
 
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import fmi_headers
-from tirefmu.fmu.packaging.sources import c_files, sources
+from tirefmu.fmu.packaging.sources import STI, c_files, sources, sti_sources
+from tirefmu.fmu.packaging.sti import tire_header
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires import Tire
 
 from .test_memory import EFFECTS, VALUES
+
+OUTPUTS = ("Fx", "Fy", "Mz")
+
+
+@pytest.mark.parametrize(
+    ("name", "inputs", "optimization"),
+    [
+        *((name, inputs, "-O2") for name in ("second", "rolling") for inputs in ("slip", "wheel", "hub-torque")),
+        ("rolling", "hub-torque", "-O0"),
+    ],
+)
+def test_compiles_without_a_warning(compiler, tires, tmp_path, optimization, name, inputs):
+    """The files of both versions of the standard."""
+    tire = tires[name]
+    shown = interface(tire, inputs=inputs)
+    for file, content in (sources(2, shown, "{1}") | sources(3, shown, "{1}")).items():
+        (tmp_path / file).write_bytes(content)
+    files = dict.fromkeys((*c_files(2, shown), *c_files(3, shown)))
+    # The larger models' code only takes longer.
+    own = [file for file in files if tire.model == "mf96" or not file.startswith(tire.model)]
+    compile_strictly([*compiler, optimization, "-isystem", str(fmi_headers())], tmp_path, own)
 
 
 def compile_strictly(compiler, folder, names):
@@ -55,6 +77,13 @@ def test_no_source_file_calls_one_that_calls_it(compiler, tmp_path, fmi, inputs)
     calls = {file: {defined[name] for name in names & defined.keys()} for file, names in needed.items()}
     assert len(calls) > 5
     assert set(TopologicalSorter(calls).static_order()) == set(own)
+
+
+def test_a_library_with_sti_compiles_without_a_warning(compiler, tires, tmp_path):
+    shown = interface(tires["second"], inputs="hub")
+    for file, content in sti_sources(shown, tire_header(tires["second"])).items():
+        (tmp_path / file).write_bytes(content)
+    compile_strictly([*compiler, "-O2"], tmp_path, STI)
 
 
 @pytest.mark.parametrize("target", ["aarch64-linux-gnu", "arm-linux-gnueabihf"])
@@ -101,39 +130,45 @@ def test_a_step_allocates_no_memory_and_opens_no_file(compiler, tires, tmp_path,
 KINDS = {2: (FMU2Slave, FMU2Model), 3: (FMU3Slave, FMU3Model, FMU3ScheduledExecution)}
 
 
-@pytest.fixture
-def library(fmus):
-    """Return a function that loads the library of an FMU as fmpy does, which resolves every function of a kind."""
-    with contextlib.ExitStack() as stack:
-
-        def load(fmi, kind, token=None):
-            slave = stack.enter_context(loaded(fmus["first", fmi]))
-            identifier = slave.description.coSimulation.modelIdentifier
-            guid = slave.description.guid if token is None else token
-            made = kind(guid=guid, unzipDirectory=str(slave.folder), modelIdentifier=identifier, instanceName="other")
-            stack.callback(made.freeLibrary)
-            return made
-
-        yield load
+def test_every_function_of_the_standard_is_there(fmus, fmi):
+    with loaded(fmus["first", fmi]) as slave:
+        for kind in KINDS[fmi]:
+            # fmpy resolves every function when it loads a library.
+            library = kind(
+                guid="",
+                unzipDirectory=str(slave.folder),
+                modelIdentifier=slave.description.coSimulation.modelIdentifier,
+                instanceName="look",
+            )
+            library.freeLibrary()
 
 
-@pytest.mark.parametrize("kind", [kind for kinds in KINDS.values() for kind in kinds])
-def test_every_function_of_the_standard_is_there(library, kind):
-    library(2 if kind in KINDS[2] else 3, kind)
+def test_scheduled_execution_is_not_offered(fmus, capfd):
+    with loaded(fmus["first", 3]) as slave:
+        library = FMU3ScheduledExecution(
+            guid=slave.description.guid,
+            unzipDirectory=str(slave.folder),
+            modelIdentifier=slave.description.coSimulation.modelIdentifier,
+            instanceName="other",
+        )
+        with pytest.raises(Exception, match="Failed to instantiate"):
+            library.instantiate()
+        library.freeLibrary()
+    assert "this FMU does not support Scheduled Execution" in capfd.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("fmi", "kind", "token", "message"),
-    [
-        (3, FMU3ScheduledExecution, None, "this FMU does not support Scheduled Execution"),
-        (2, FMU2Slave, "{0}", "the token of the model description differs from the token of this binary"),
-        (3, FMU3Slave, "{0}", "the token of the model description differs from the token of this binary"),
-    ],
-)
-def test_an_instance_that_is_refused_has_a_reason(library, capfd, fmi, kind, token, message):
-    with pytest.raises(Exception, match="Failed to instantiate"):
-        library(fmi, kind, token).instantiate()
-    assert message in capfd.readouterr().out
+def test_another_token_is_refused(fmus, fmi, capfd):
+    with loaded(fmus["first", fmi]) as slave:
+        library = KINDS[fmi][0](
+            guid="{00000000-0000-0000-0000-000000000000}",
+            unzipDirectory=str(slave.folder),
+            modelIdentifier=slave.description.coSimulation.modelIdentifier,
+            instanceName="other",
+        )
+        with pytest.raises(Exception, match="Failed to instantiate"):
+            library.instantiate()
+        library.freeLibrary()
+    assert "the token of the model description differs from the token of this binary" in capfd.readouterr().out
 
 
 def test_what_is_not_supported_reports_so(host):
@@ -142,6 +177,25 @@ def test_what_is_not_supported_reports_so(host):
     for name in names:
         assert host.call(name) == 3
         assert host.log[-1] == f"fmi{host.version}{name} is not supported by this FMU"
+
+
+def test_fmpys_own_simulation(fmus, fmi, tires):
+    time = np.linspace(0.0, 1.0, 11)
+    signal = np.zeros(11, dtype=[("time", float), ("alpha", float), ("Fz", float)])
+    signal["time"], signal["alpha"], signal["Fz"] = time, 0.15 * time, 700.0
+    result = simulate_fmu(
+        str(fmus["second", fmi]),
+        stop_time=1.0,
+        output_interval=0.1,
+        start_values={"kappa": 0.03, "LMUY": 0.9},
+        input=signal,
+        output=["alpha", "Fz", *OUTPUTS],
+    )
+    tire = replace(tires["second"], values={**tires["second"].values, "LMUY": 0.9})
+    forces = tire.forces(kappa=0.03, alpha=result["alpha"], Fz=result["Fz"])
+    assert len(result) == 11
+    for name in OUTPUTS:
+        np.testing.assert_allclose(result[name], forces[name], rtol=1e-9, atol=1e-9)
 
 
 def unpacked_binary(fmu: Path, folder: Path) -> Path:

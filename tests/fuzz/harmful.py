@@ -58,8 +58,9 @@ def index_of(stop):
 
 
 def progress(**content):
-    state = {"done": 1, "values": {}, "freed": {}, "violated": [], "stages": [], "ended": [], "notes": [], **content}
-    return Checkpoint.sealed({"version": 4, "identity": IDENTITY, "state": state}).encode()
+    base = {"version": 3, "identity": IDENTITY, "done": 1, "values": {}, "freed": {}, "violated": [], "stages": [],
+            "ended": [], "notes": []}  # fmt: skip
+    return Checkpoint.sealed({**base, **content}).encode()
 
 
 #: By kind and name: what makes the file, and a part of the message, or `READ`.

@@ -13,8 +13,8 @@ from tirefmu.symbolic.printers.definitions import KERNEL, definitions
 from tirefmu.tires.code.kernel import FLAGS
 from tirefmu.tires.code.compiler import CompilerError, shared_library
 
-#: Largest error in units in the last place that the header promises.
-PROMISED = 3.0
+#: Largest error in units in the last place that the headers promise, and that of the arcus tangent of lanes.h.
+PROMISED, ARCUS_IN_LANES = 3.0, 12.0
 RANGES = {
     "sin": ("angles", mpmath.sin),
     "cos": ("angles", mpmath.cos),
@@ -41,7 +41,7 @@ LOOPS = {
 def built(folder, flags):
     functions = "\n".join(FUNCTION.format(kind=k, name=n, loop=LOOPS[k].format(name=n)) for k, n in CASES)
     source = folder / "elementary.c"
-    source.write_text("\n".join([INCLUDES, "#define WIDE 1", definitions(functions, KERNEL), functions]), encoding="ascii")
+    source.write_text("\n".join([INCLUDES, definitions(functions, KERNEL), functions]), encoding="ascii")
     return ctypes.CDLL(str(shared_library("elementary", [source], flags=["-fvisibility=default", *flags])))
 
 
@@ -84,7 +84,7 @@ def test_error_in_units_in_the_last_place(library, kind, name):
             abs(mpmath.mpf(float(b)) - exact(mpmath.mpf(float(a)))) / mpmath.mpf(float(np.spacing(abs(b))))
             for a, b in zip(x, y, strict=True)
         ]
-    assert max(errors) < PROMISED
+    assert max(errors) < (ARCUS_IN_LANES if (kind, name) == ("lanes", "atan") else PROMISED)
 
 
 @pytest.mark.parametrize(("kind", "name"), CASES)

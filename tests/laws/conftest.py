@@ -50,20 +50,14 @@ def made_tire(model, seed):
 
 #: Ranges that exclude many of the drawn points; loads and pressures in units of the nominal ones.
 NARROW = {"kappa": (-0.2, 0.4), "alpha": (-0.2, 0.1), "gamma": (-0.05, 0.08), "Fz": (0.3, 1.2), "p": (0.9, 1.1)}
+#: The models to which these laws apply; other models have separate tests.
 MAGIC = ("mf96", "mf52", "mf61", "mf62")
 #: Two tires of models with common lines, four of them.
 MADE = [(model, seed) for model in MAGIC for seed in range(4 if model == "mf96" else 2)]
 
 
-@pytest.fixture(params=[*MADE, ("fiala", 0), ("brush", 0)], ids=lambda p: f"{p[0]}-{p[1]}")
-def tire(request):
-    """Return a tire of every model."""
-    return made_tire(*request.param)
-
-
 @pytest.fixture(params=MADE, ids=lambda p: f"{p[0]}-{p[1]}")
-def magic_tire(request):
-    """Return a tire of every Magic Formula."""
+def tire(request):
     return made_tire(*request.param)
 
 

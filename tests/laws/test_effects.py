@@ -109,23 +109,23 @@ def test_the_core_reaches_an_output_without_any_effect(model):
     assert {declaration.section for declaration in rest if declaration.fitted} <= RELAXATION.get(model, set())
 
 
-def test_coefficients_of_an_absent_effect_have_no_influence(magic_tire, points, forces_of):
-    rows = points(magic_tire)
+def test_coefficients_of_an_absent_effect_have_no_influence(tire, points, forces_of):
+    rows = points(tire)
     effect = "camber_thrust"
-    plain = replace(magic_tire, effects=magic_tire.symbolic_model.effects.keys() - {effect})
-    shouting = {**magic_tire.values, **dict.fromkeys(magic_tire.symbolic_model.owned(effect), 99.0)}
+    plain = replace(tire, effects=tire.symbolic_model.effects.keys() - {effect})
+    shouting = {**tire.values, **dict.fromkeys(tire.symbolic_model.owned(effect), 99.0)}
     np.testing.assert_array_equal(forces_of(replace(plain, values=shouting), rows), forces_of(plain, rows))
     assert all(
-        plain.values[name] == magic_tire.symbolic_model.coefficients[name].neutral
-        for name in magic_tire.symbolic_model.owned(effect)
+        plain.values[name] == tire.symbolic_model.coefficients[name].neutral
+        for name in tire.symbolic_model.owned(effect)
     )
 
 
-def test_without_load_stiffness_cornering_stiffness_is_proportional_to_load(magic_tire):
-    alone = {"load_stiffness", "camber_stiffness", "pressure_stiffness"} & magic_tire.symbolic_model.effects.keys()
-    plain = replace(magic_tire, effects=magic_tire.symbolic_model.effects.keys() - alone)
-    loads = np.linspace(0.1, 2.0, 9) * magic_tire.values["FNOMIN"]
+def test_without_load_stiffness_cornering_stiffness_is_proportional_to_load(tire):
+    alone = {"load_stiffness", "camber_stiffness", "pressure_stiffness"} & tire.symbolic_model.effects.keys()
+    plain = replace(tire, effects=tire.symbolic_model.effects.keys() - alone)
+    loads = np.linspace(0.1, 2.0, 9) * tire.values["FNOMIN"]
     answer = plain.evaluate(pd.DataFrame({"Fz": loads}), signs="adapted-sae")
-    scales = [magic_tire.values[name] for name in ("LKA", "LFZ0", "LKY") if name in magic_tire.values]
-    expected = magic_tire.values["PKY1"] * np.prod(scales[:2] if magic_tire.model == "mf96" else scales) * loads
+    scales = [tire.values[name] for name in ("LKA", "LFZ0", "LKY") if name in tire.values]
+    expected = tire.values["PKY1"] * np.prod(scales[:2] if tire.model == "mf96" else scales) * loads
     np.testing.assert_allclose(answer["K_yalpha"], expected, rtol=1e-9)

@@ -58,46 +58,44 @@ def test_a_load_of_nan_is_not_a_lifted_tire(tire, points, code):
     assert np.isnan(code_for(tire.model, code).forces(rows, tire.parameters())).all()
 
 
-def test_forces_start_at_zero(magic_tire, points, forces_of):
+def test_forces_start_at_zero(tire, points, forces_of):
     """Friction is far below 100: the forces at a small load are small and not zero."""
-    first = 1e-6 if magic_tire.model == "mf96" else 0.0  # MF96 treats 1e-6 N as no load
-    assert (forces_of(magic_tire, with_load(magic_tire, points(magic_tire), first)) == 0).all()
+    first = 1e-6 if tire.model == "mf96" else 0.0  # MF96 treats 1e-6 N as no load
+    assert (forces_of(tire, with_load(tire, points(tire), first)) == 0).all()
     for load in (1.001 * first + 1e-12, 1e-5, 1e-3, 1.0):
-        forces = np.abs(forces_of(magic_tire, with_load(magic_tire, points(magic_tire), load)))
+        forces = np.abs(forces_of(tire, with_load(tire, points(tire), load)))
         assert (forces > 0).all()
         assert np.max(forces) < 100 * load
 
 
-def test_forces_are_proportional_to_a_vanishing_load(magic_tire, points, forces_of):
+def test_forces_are_proportional_to_a_vanishing_load(tire, points, forces_of):
     """Except M_y, which decreases faster. MF5.2 to 6.2 add 1e-6 N to divisors of stiffness: 1e-4 at these loads."""
     rows, loads, error = (
-        (points(magic_tire), (1e-3, 1e-4), 1e-4)
-        if magic_tire.model == "mf96"
-        else (points(magic_tire), (0.1, 0.05), 1e-3)
+        (points(tire), (1e-3, 1e-4), 1e-4) if tire.model == "mf96" else (points(tire), (0.1, 0.05), 1e-3)
     )
-    big, small = (forces_of(magic_tire, with_load(magic_tire, rows, load)) / load for load in loads)
-    proportional = [name != "My" for name in magic_tire.outputs]
+    big, small = (forces_of(tire, with_load(tire, rows, load)) / load for load in loads)
+    proportional = [name != "My" for name in tire.outputs]
     np.testing.assert_allclose(big[proportional], small[proportional], rtol=error, atol=error)
     assert all((np.abs(small[i]) < np.abs(big[i])).all() for i, it_is in enumerate(proportional) if not it_is)
 
 
 @pytest.mark.parametrize("name", ["kappa", "alpha", "gamma"])
-def test_no_jump_across_zero(magic_tire, points, forces_of, scale_of, name):
+def test_no_jump_across_zero(tire, points, forces_of, scale_of, name):
     """No derivative in these tires exceeds 1e5 loads (K is below 1e2, a smoothed sign has a slope of 1e3)."""
-    rows, index = points(magic_tire), magic_tire.inputs.index(name)
+    rows, index = points(tire), tire.inputs.index(name)
     for other in ("kappa", "alpha", "gamma"):
         at_zero = rows.copy()
-        at_zero[magic_tire.inputs.index(other)] = 0.0
+        at_zero[tire.inputs.index(other)] = 0.0
         left, right = at_zero.copy(), at_zero.copy()
         left[index], right[index] = -1e-10, 1e-10
-        assert np.max(np.abs(forces_of(magic_tire, right) - forces_of(magic_tire, left)) / scale_of(magic_tire)) < 2e-5
+        assert np.max(np.abs(forces_of(tire, right) - forces_of(tire, left)) / scale_of(tire)) < 2e-5
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_zero_slip_is_finite_to_the_last_derivative(magic_tire, code):
-    nominal = np.array([magic_tire.nominal(name) for name in magic_tire.inputs])
+def test_zero_slip_is_finite_to_the_last_derivative(tire, code):
+    nominal = np.array([tire.nominal(name) for name in tire.inputs])
     rows = np.repeat(nominal[:, None], 3, axis=1)
-    rows[magic_tire.inputs.index("Fz")] = np.array([0.5, 1.0, 2.0]) * magic_tire.values["FNOMIN"]
-    assert (rows[[magic_tire.inputs.index(name) for name in ("kappa", "alpha", "gamma")]] == 0).all()
-    assert np.isfinite(code_for(magic_tire.model, code).quantities(rows, magic_tire.parameters())).all()
-    assert np.isfinite(code_for(magic_tire.model, code).jacobian_parameters(rows, magic_tire.parameters())).all()
+    rows[tire.inputs.index("Fz")] = np.array([0.5, 1.0, 2.0]) * tire.values["FNOMIN"]
+    assert (rows[[tire.inputs.index(name) for name in ("kappa", "alpha", "gamma")]] == 0).all()
+    assert np.isfinite(code_for(tire.model, code).quantities(rows, tire.parameters())).all()
+    assert np.isfinite(code_for(tire.model, code).jacobian_parameters(rows, tire.parameters())).all()

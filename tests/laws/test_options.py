@@ -37,27 +37,25 @@ def test_limits_without_ranges_do_not_change_mf96(made, points):
     np.testing.assert_array_equal(forces_of_table(tire, table, limits=True), forces_of_table(tire, table))
 
 
-def test_outside_its_range_a_tire_is_evaluated_at_the_limit(magic_tire, points, narrowed):
+def test_outside_its_range_a_tire_is_evaluated_at_the_limit(tire, points, narrowed):
     """Radii, and M_y by them, use kappa and load without limits, as turn slip does through the wheel speed."""
-    magic_tire, rows = narrowed(magic_tire), points(magic_tire)
-    still = {"phit": 0.0} if "phit" in magic_tire.inputs else {}
-    bounds = np.array([magic_tire.ranges.get(name, (-np.inf, np.inf)) for name in magic_tire.inputs])
-    if magic_tire.model != "mf96":  # the load has an upper limit only
-        bounds[magic_tire.inputs.index("Fz"), 0] = -np.inf
+    tire, rows = narrowed(tire), points(tire)
+    still = {"phit": 0.0} if "phit" in tire.inputs else {}
+    bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])
+    if tire.model != "mf96":  # the load has an upper limit only
+        bounds[tire.inputs.index("Fz"), 0] = -np.inf
     inside = np.clip(rows, bounds[:, :1], bounds[:, 1:])
     assert (inside != rows).any(axis=0).mean() > 0.8
-    seen = [i for i, name in enumerate(magic_tire.outputs) if name != "My"]
-    limited = forces_of_table(magic_tire, table_of(magic_tire, rows, **still), limits=True)[seen]
-    np.testing.assert_array_equal(
-        limited, forces_of_table(magic_tire, table_of(magic_tire, inside, **still), limits=True)[seen]
-    )
-    free = magic_tire.evaluate(table_of(magic_tire, inside, **still), signs=magic_tire.signs)
+    seen = [i for i, name in enumerate(tire.outputs) if name != "My"]
+    limited = forces_of_table(tire, table_of(tire, rows, **still), limits=True)[seen]
+    np.testing.assert_array_equal(limited, forces_of_table(tire, table_of(tire, inside, **still), limits=True)[seen])
+    free = tire.evaluate(table_of(tire, inside, **still), signs=tire.signs)
     # In MF5.2 to 6.2 limits also bound curvature factors to 1, and M_z has a load of FZMIN at least.
-    plain = (free["Fz"] >= magic_tire.ranges["Fz"][0]).to_numpy()
-    if magic_tire.model != "mf96":
+    plain = (free["Fz"] >= tire.ranges["Fz"][0]).to_numpy()
+    if tire.model != "mf96":
         plain = plain & (free[["E_x", "E_y", "E_t"]] <= 1).all(axis=1).to_numpy()
     assert plain.mean() > 0.3
-    expected = free[list(magic_tire.outputs)].to_numpy().T[seen]
+    expected = free[list(tire.outputs)].to_numpy().T[seen]
     np.testing.assert_allclose(limited[:, plain], expected[:, plain], rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 
 

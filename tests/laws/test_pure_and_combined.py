@@ -21,21 +21,21 @@ def without_moment_arm(tire):
     return replace(tire, values={**tire.values, "SSZ1": 0.0, "SSZ2": 0.0, "SSZ3": 0.0, "SSZ4": 0.0})
 
 
-def test_without_longitudinal_slip_the_side_force_is_pure(magic_tire, points):
+def test_without_longitudinal_slip_the_side_force_is_pure(tire, points):
     # MF5.2 to 6.2 combine at kappa + S_Hyk: a shift in both, of which the weight is 1.
-    answer = evaluated(magic_tire, points(magic_tire), kappa=0.0)
+    answer = evaluated(tire, points(tire), kappa=0.0)
     assert answer["Fy"].to_numpy() == pytest.approx(answer["F_y0"].to_numpy(), rel=1e-13)
     assert (answer["G_yk"] == 1).all()
     assert (answer["S_Vyk"] == 0).all()
 
 
-def test_without_longitudinal_slip_and_moment_arm_the_moment_is_pure(magic_tire, points):
-    answer = evaluated(without_moment_arm(magic_tire), points(magic_tire), kappa=0.0, **STRAIGHT[magic_tire.model])
+def test_without_longitudinal_slip_and_moment_arm_the_moment_is_pure(tire, points):
+    answer = evaluated(without_moment_arm(tire), points(tire), kappa=0.0, **STRAIGHT[tire.model])
     trail, residual = 1.0, 1.0
-    if magic_tire.model != "mf96":
+    if tire.model != "mf96":
         # As in the industry's solvers: LFZO is in the trail only, one more cos(alpha') in M_zr0 only
         # (the book's 1e-6 m/s makes its quotient finite).
-        trail = magic_tire.values["LFZO"]
+        trail = tire.values["LFZO"]
         residual = (1 / np.cos(answer["alpha"]) + 1e-6 / answer["V"]).to_numpy()
     assert answer["trail"].to_numpy() == pytest.approx(trail * answer["trail_0"].to_numpy(), rel=1e-12)
     assert answer["M_zr"].to_numpy() == pytest.approx(residual * answer["M_zr0"].to_numpy(), rel=1e-12)
@@ -43,14 +43,14 @@ def test_without_longitudinal_slip_and_moment_arm_the_moment_is_pure(magic_tire,
     assert answer["Mz"].to_numpy() == pytest.approx(expected.to_numpy(), rel=1e-12, abs=1e-12 * abs(expected).max())
 
 
-def test_without_side_slip_the_longitudinal_force_is_pure(magic_tire, points):
-    answer = evaluated(magic_tire, points(magic_tire), alpha=0.0)
+def test_without_side_slip_the_longitudinal_force_is_pure(tire, points):
+    answer = evaluated(tire, points(tire), alpha=0.0)
     assert answer["Fx"].to_numpy() == pytest.approx(answer["F_x0"].to_numpy(), rel=1e-13)
 
 
-def test_combined_slip_reduces_both_forces(magic_tire, points):
+def test_combined_slip_reduces_both_forces(tire, points):
     """Otherwise the laws above would test nothing."""
-    answer = evaluated(magic_tire, points(magic_tire))
+    answer = evaluated(tire, points(tire))
     assert (abs(answer["G_xa"] - 1) > 1e-3).mean() > 0.9
     assert (abs(answer["G_yk"] - 1) > 1e-3).mean() > 0.9
     assert (abs(answer["Mz"] - answer["M_z0"]) > 1e-6 * answer["Fz"]).mean() > 0.9

@@ -25,9 +25,7 @@ CASES = [(model, name) for model, names in ASYMMETRIC_BY_MODEL.items() for name 
 
 
 def symmetric(tire, **values):
-    return replace(
-        tire, values={**tire.values, **dict.fromkeys(ASYMMETRIC_BY_MODEL.get(tire.model, ()), 0.0), **values}
-    )
+    return replace(tire, values={**tire.values, **dict.fromkeys(ASYMMETRIC_BY_MODEL[tire.model], 0.0), **values})
 
 
 def signs_of(names, reversed_names):

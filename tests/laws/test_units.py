@@ -42,23 +42,20 @@ def slow_and_flat(tire):
 
 
 @pytest.mark.parametrize("options", OPTIONS, ids=lambda options: "-".join(map(str, options.values())) or "default")
-def test_other_units_of_force_length_and_time(magic_tire, points, narrowed, options):
+def test_other_units_of_force_length_and_time(tire, points, narrowed, options):
     if "limits" in options:
-        magic_tire = slow_and_flat(narrowed(magic_tire))
-    rows = points(magic_tire)
-    table = pd.DataFrame(dict(zip(magic_tire.inputs, rows, strict=True)))
-    units = {quantity.name: quantity.unit for quantity in magic_tire.symbolic_model.inputs}
-    units |= {line.symbol.name: line.unit for line in magic_tire.symbolic_model.equations}
-    values = {
-        name: magic_tire.values[name] * factor(each.unit)
-        for name, each in magic_tire.symbolic_model.coefficients.items()
-    }
-    ranges = {name: tuple(end * factor(units[name]) for end in ends) for name, ends in magic_tire.ranges.items()}
-    answer = replace(magic_tire, values=values, ranges=ranges).evaluate(
-        table.assign(**{name: table[name] * factor(units[name]) for name in table}), signs=magic_tire.signs, **options
+        tire = slow_and_flat(narrowed(tire))
+    rows = points(tire)
+    table = pd.DataFrame(dict(zip(tire.inputs, rows, strict=True)))
+    units = {quantity.name: quantity.unit for quantity in tire.symbolic_model.inputs}
+    units |= {line.symbol.name: line.unit for line in tire.symbolic_model.equations}
+    values = {name: tire.values[name] * factor(each.unit) for name, each in tire.symbolic_model.coefficients.items()}
+    ranges = {name: tuple(end * factor(units[name]) for end in ends) for name, ends in tire.ranges.items()}
+    answer = replace(tire, values=values, ranges=ranges).evaluate(
+        table.assign(**{name: table[name] * factor(units[name]) for name in table}), signs=tire.signs, **options
     )
-    error = ERRORS[magic_tire.model]
-    for name, column in magic_tire.evaluate(table, signs=magic_tire.signs, **options).items():
+    error = ERRORS[tire.model]
+    for name, column in tire.evaluate(table, signs=tire.signs, **options).items():
         if name not in MIXED:
             expected = column.to_numpy() * factor(units[name])
             # relative to the column: a sum of large parts may be small

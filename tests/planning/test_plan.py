@@ -15,7 +15,7 @@ from tirefmu.boundary.errors import UnknownName
 from tirefmu.cli import main
 from tirefmu.demo import bench_tire
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, recording_from
-from tirefmu.planning.bench_file import Bench, Heat, Limits, PlanError, example_text, read_bench
+from tirefmu.planning.bench_file import Bench, Limits, PlanError, example_text, read_bench
 from tirefmu.planning.plan import plan
 from tirefmu.planning.program import change_time, program_from
 from tirefmu.tires import published
@@ -45,12 +45,12 @@ def test_program_respects_the_limits_of_the_bench(result):
         gap = after.start - before.start - before.maneuver.duration
         assert gap >= change_time(before.maneuver, after.maneuver, LATERAL) - 1e-6
     assert [step.reason for step in steps].count("repeat") >= 2
-    sides = {np.sign(step.maneuver.values[1]) for step in steps}
+    sides = {np.sign(step.maneuver.first) for step in steps}
     assert sides == {1.0, -1.0}
 
 
 def test_intervals_shrink_with_time_and_beat_two_sweeps(result):
-    widths = [at["intervals"] for at in result.prediction.over_time()]
+    widths = [one for _, one in result.prediction.over_time()]
     for name in ("stiffness_y", "friction_y"):
         series = [one[name] for one in widths]
         assert series[-1] < series[0]
@@ -101,7 +101,7 @@ def test_predicted_intervals_are_those_of_simulated_estimates():
     for name in ("PKY1", "PDY1"):
         achieved = np.sqrt(np.mean(estimates[:, names.index(name)] ** 2))
         target = next(one for one in planned.prediction.targets if one.name == name)
-        predicted = np.sqrt(np.sum(target.squares[0] * planned.prediction.covariances[0]))
+        predicted = target.widths(planned.prediction.covariances)[0, 0] / 1.959964
         assert predicted == pytest.approx(achieved, rel=0.2)  # the error of 120 estimates is 6 %, three times that
 
 
@@ -135,7 +135,7 @@ def test_unknown_aim_and_too_little_time():
     [
         ('low = "-12 deg"', 'low = "-12 kPa"', "measures pressure, not angle"),
         ('high = "12 deg"', 'high = "-20 deg"', "low is above high"),
-        ("sample_rate = 50.0", "sample_rate = -1.0", "sample_rate is -1.0: expected a number above 0"),
+        ("sample_rate = 50.0", "sample_rate = -1.0", "0 or more"),
         ("levels = 4", "levles = 4", "did you mean levels"),
         ("low = 220.0", "low = 0.0", "low has to be positive"),
     ],
@@ -171,45 +171,3 @@ def test_command_writes_a_program_that_the_virtual_bench_runs(tmp_path, capsys):
     assert main(["plan", "trento_hoosier", *options[:2], "--for", "stifness", "-o", str(tmp_path / "no")]) == 2
     assert not (tmp_path / "no").exists()
     assert "did you mean stiffness" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"alpha": "low = 0.0\nhigh = 0.0\nrate = 0.1"}, "no slip is swept"),
-        ({"alpha": "low = -0.2\nhigh = 0.2"}, "no slip is swept"),
-        ({"alpha": "low = 0.1\nhigh = 0.2\nrate = 0.1"}, "0 has to be within"),
-        (
-            {"alpha": "low = -0.2\nhigh = 0.2\nrate = 0.1", "heat": "energy_of_a_sweep = 1.0"},
-            r"\[heat\] needs the speed",
-        ),
-    ],
-)
-def test_a_bench_that_cannot_sweep_is_refused_when_it_is_read(tmp_path, change, message):
-    path = tmp_path / "bench.toml"
-    path.write_text("\n".join(f"[{name}]\n{text}" for name, text in change.items()))
-    with pytest.raises(PlanError, match=message):
-        read_bench(path)
-
-
-@pytest.mark.parametrize(
-    ("bench", "aims", "message"),
-    [
-        ({"heat": Heat(energy_of_a_sweep=1.0)}, ["stiffness"], "every sweep has more sliding energy"),
-        ({"warm_up": 200.0}, ["stiffness"], "too short: a warm-up of 200 s"),
-        ({"limits": {"alpha": ALPHA}}, ["PKX1"], "the bench does not sweep kappa"),
-        ({"limits": {"alpha": replace(ALPHA, change=1e3)}}, ["PDY1"], "too short"),
-        ({"limits": {"alpha": ALPHA}}, ["PKY2"], "and the load does not vary"),
-    ],
-)
-def test_a_bench_that_cannot_do_what_is_required_is_named(bench, aims, message):
-    limits = {"Fz": LOADS, "alpha": ALPHA, "V": Limits(11.0, 11.0)}
-    with pytest.raises(PlanError, match=message):
-        plan("trento_hoosier", Bench(**{"limits": limits, **bench}), aims=aims, minutes=2.0)
-
-
-def test_a_bench_with_one_side_has_programs():
-    bench = replace(LATERAL, limits={"Fz": LOADS, "alpha": replace(ALPHA, low=0.0)})
-    steps = plan("trento_hoosier", bench, aims=["stiffness"], minutes=2.0).program.table
-    assert (steps["first side"] > 0.0).all()
-    assert (steps["second side"] == 0.0).all()

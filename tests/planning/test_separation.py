@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import pytest
 
 from tests.json_schemas import objections
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.cli import main
-from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, write_table
+from tirefmu.measurements import Noise
 from tirefmu.planning.bench_file import Bench, Limits, PlanError, example_text
 from tirefmu.planning.separation import pairs_of, plan_between
-from tirefmu.tires import published, read_tir
+from tirefmu.tires import published
 
 BENCH = Bench(
     {"Fz": Limits(220.0, 1120.0, 3.0, levels=2), "alpha": Limits(-0.2, 0.2, 2.0, rate=0.14)}, Noise(), sample_rate=20.0
@@ -81,53 +80,3 @@ def test_command_after_a_diagnosis(tmp_path, capsys):
     assert content["seconds"] <= 60.0
     assert main([*command, "--between", "conicity,plysteer"]) == 2
     assert "exclude each other" in capsys.readouterr().err
-
-
-CHAIN_BENCH = """
-sample_rate = 20.0
-[Fz]
-low = 2000.0
-high = 6000.0
-[alpha]
-low = "-10 deg"
-high = "10 deg"
-rate = "8 deg"
-[kappa]
-low = -0.2
-high = 0.2
-rate = 0.2
-[p]
-low = "180 kPa"
-high = "260 kPa"
-levels = 2
-"""
-
-
-def test_the_documented_chain_ends_with_the_effect(tmp_path):
-    """Load and pressure change together in the first recording, so that it does not tell their effects apart."""
-    golden = read_tir("tests/golden/MagicFormula61_Parameters.tir")
-    effects = {"combined_Gxa", "combined_Gyk"}
-    truth = replace(
-        golden, effects=effects | {"pressure_friction"}, values={**golden.values, "PPX3": -0.3, "PPY3": -0.3}
-    )
-    replace(truth, effects=effects).save(tmp_path / "base.tir")
-    truth.save(tmp_path / "truth.tir")
-    conditions = [(2000.0, 180e3), (6000.0, 260e3)] * 2
-    sweeps = [alpha_sweeps([load], sample_rate=25.0, held={"p": p, "V": 11.0}) for load, p in conditions]
-    sweeps += [kappa_sweeps([load], sample_rate=25.0, held={"p": p, "V": 11.0}) for load, p in conditions]
-    write_table(VirtualBench(truth, seed=1).run(concatenate(sweeps)).with_signs("iso").table, tmp_path / "bench.csv")
-    (tmp_path / "bench.toml").write_text(CHAIN_BENCH)
-    chain = (
-        "diagnose bench.csv --tire base.tir --candidates load_friction,pressure_friction --no-fmu -o answer",
-        "plan --bench bench.toml --after answer -o next",
-        "example --tire truth.tir --program next/program.csv --bench bench.toml -o next.csv",
-        "diagnose next.csv --tire base.tir --candidates load_friction,pressure_friction --no-fmu -o answer2",
-    )
-    files = {path.name for path in tmp_path.iterdir()} | {"answer", "next", "next.csv", "answer2", "next/program.csv"}
-    for command in chain:
-        words = [str(tmp_path / word) if word in files else word for word in command.split()]
-        assert main([*words, "--quiet"]) in (0, 1), command
-    first, second = (json.loads((tmp_path / name / "diagnosis.json").read_text()) for name in ("answer", "answer2"))
-    assert "pressure_friction" in {name for pair in pairs_of(tmp_path / "answer")[1] for name in pair}
-    assert first["explanations"][0]["probability"] < 0.99 or first["confounded_with"]
-    assert second["explanations"][0]["effects"] == ["pressure_friction"]

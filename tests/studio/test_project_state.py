@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.cli import main
 
 pytest.importorskip("tomlkit", reason="the extra studio is not installed")
@@ -91,9 +91,9 @@ def test_a_wrong_change_leaves_the_file_as_it_is(state, section, key, value):
 
 
 def test_unknown_keys_have_the_nearest_name(state):
-    with pytest.raises(TirefmuError, match="did you mean effects"):
+    with pytest.raises(UnknownName, match="did you mean effects"):
         changed(state, "fit", "efects", [])
-    with pytest.raises(TirefmuError, match="did you mean fit"):
+    with pytest.raises(UnknownName, match="section"):
         changed(state, "fitt", "effects", [])
 
 

@@ -235,11 +235,11 @@ def test_property_files_and_code_are_steps_of_the_project(window):
     records = Records.of(window.state.project().folder)
     for step in steps_of(window.state.project()):
         if step.command in ("convert", "generate"):
-            records.add(step, main([step.command, *step.arguments]), 0.0)
+            records.add(step, main([step.command, *step.arguments]))
         elif step.command == "fit":  # the tire is that of the fit
             for path in step.outputs:
                 path.touch()
-            records.add(step, 0, 0.0)
+            records.add(step, 0)
     shown = {each["command"]: each for each in page.result("state")["steps"]}
     assert shown["convert"]["files"] == ["convert_adams.json", "tire_adams.tir"]
     assert {"generate_cpp.json"} < set(shown["generate"]["files"])

@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.boundary.errors import EffectError
+from tirefmu.boundary.errors import EffectError, UnknownName
 from tirefmu.symbolic.added import effect_text, library, read_effect
+from tirefmu.symbolic.added.formula import formula, formula_text
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, read_tir
 
@@ -103,11 +104,15 @@ def test_an_effect_without_a_place_is_named(text, message):
         ("name = ", "own.toml"),
         (OWN.replace("physics", "phisics"), "unknown key 'phisics': did you mean physics"),
         (OWN.replace("[[acts]]", "[[act]]"), "unknown key 'act': did you mean acts"),
-        (OWN.replace("factor", "faktor"), "unknown key 'faktor' in acts.1.: did you mean factor"),
+        (OWN.replace("factor", "faktor"), "unknown key 'faktor': did you mean factor"),
+        (OWN.replace("1 + HMU1*(p", "__import__('os').remove(p"), "is not allowed in a formula"),
+        (OWN.replace("1 + HMU1*", "1 + HMU1**9999*"), "too high"),
+        (OWN.replace("1 + HMU1*(p", "1 + HMU1*sine(p"), "unknown function 'sine': did you mean sin"),
         (OWN.replace("1 + HMU1*(p - NOMPRES)", "1 + p"), "HMU1 is declared but not used"),
         (OWN.replace("lower = -1.0", "lower = 2.0"), "lower 2.0 is not below upper 1.0"),
-        (OWN.replace("lower = -1.0", "lower = true"), "coefficients.HMU1.lower is true: expected a number"),
+        (OWN.replace("lower = -1.0", "lower = true"), "lower = True is not a finite number"),
         (OWN.replace("HMU1 =", "hmu1 ="), "a word of capital letters"),
+        (OWN.replace('"1 + HMU1*(p - NOMPRES)"', '"1 +"'), "is not a formula"),
     ],
 )
 def test_an_invalid_file_gives_a_message_of_one_line(text, message):
@@ -115,6 +120,17 @@ def test_an_invalid_file_gives_a_message_of_one_line(text, message):
         read_effect(text, "own.toml")
     assert str(caught.value).startswith("own.toml")
     assert "\n" not in str(caught.value)
+
+
+def test_unknown_effects_offer_those_of_the_library_too():
+    with pytest.raises(UnknownName, match="did you mean temp_friction"):
+        Tire("mf61", VALUES, effects=["temp_frictoin"])
+
+
+@pytest.mark.parametrize("text", ["1 + 2*T**2", "A*exp(-T/B)", "abs(V)/LONGVL - 1", "sqrt(T)*tanh(A*p)", "-A*sgn1(V)"])
+def test_formulas_survive_their_text(text):
+    once = formula(text, "here")
+    assert formula(formula_text(once), "here") == once
 
 
 def test_a_tire_with_added_effects_survives_its_file(tmp_path):

@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import MODELS, model_named
@@ -91,8 +92,48 @@ def test_effects_of_the_book_are_those_in_its_lines():
         assert effect.physics
 
 
+@pytest.mark.parametrize(
+    ("effect", "owned"),
+    [
+        ("camber_thrust", {"PHY3", "PVY3", "PVY4"}),
+        ("camber_stiffness", {"PKY3"}),
+        ("camber_friction", {"PDX3", "PDY3"}),
+        ("load_friction", {"PDX2", "PDY2"}),
+        ("load_stiffness", {"PKX2", "PKX3", "PKY2"}),
+        ("load_curvature", {"PEX2", "PEX3", "PEY2"}),
+        ("combined_Gxa", {"RBX1", "RBX2", "RCX1", "RHX1", "LXA"}),
+        ("combined_Gyk", {"RBY1", "RBY2", "RBY3", "RCY1", "RHY1", "LYK"}),
+        ("kappa_sideforce_SVyk", {"RVY1", "RVY2", "RVY3", "RVY4", "RVY5", "RVY6", "LVYK"}),
+        ("plysteer", {"PHY1", "PHY2"}),
+        ("conicity", {"PVY1", "PVY2"}),
+        ("curvature_asym", {"PEX4", "PEY3"}),
+        ("residual_torque_Mzr", {"QBZ9", "QBZ10", "QDZ6", "QDZ7", "QDZ8", "QDZ9", "LMR"}),
+        ("trail_load", {"QBZ2", "QBZ3", "QDZ2", "QEZ2", "QEZ3"}),
+        ("Mz_from_Fx", {"SSZ1", "SSZ2", "SSZ3", "SSZ4", "LS"}),
+    ],
+)
+def test_what_the_effects_of_the_contract_own(effect, owned):
+    assert model_named("mf96").owned(effect) == owned
+
+
 def test_a_coefficient_of_two_effects_goes_with_both():
     symbolic_model = model_named("mf96")
     assert "LHY" not in symbolic_model.owned("plysteer") | symbolic_model.owned("camber_thrust")
     assert "LHY" in symbolic_model.owned("plysteer", "camber_thrust")
     assert "PEX2" not in symbolic_model.owned("curvature_asym")
+
+
+def test_the_core_is_what_every_model_of_the_book_requires():
+    assert model_named("mf96").core == {
+        "UNLOADED_RADIUS", "FNOMIN", "PCX1", "PDX1", "PEX1", "PKX1", "PCY1", "PDY1", "PEY1", "PKY1",
+        "QBZ1", "QCZ1", "QDZ1",
+    }  # fmt: skip
+
+
+def test_unknown_names_offer_the_nearest():
+    with pytest.raises(UnknownName, match=r"unknown model 'mf69': did you mean mf96\?"):
+        model_named("mf69")
+    with pytest.raises(UnknownName, match=r"effect of mf96 'camber_trust': did you mean camber_thrust\?"):
+        model_named("mf96").lines(["camber_trust"])
+    with pytest.raises(UnknownName, match="camber"):
+        model_named("mf96").owned("camber")

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pandas as pd
 import pytest
+import sympy as sp
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
+from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.code.casadi_code import casadi_expression
+from tirefmu.tires.drawing.files import draw
+from tirefmu.tires.property_file.reading import read_tir
 
 SIZE = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3}
 LOAD_EXPONENTS = {"NSTIFF": 0.7, "NMU": -0.12, "NPATCH": 0.6}
@@ -148,12 +155,70 @@ def test_in_full_sliding_friction_opposes_the_sliding_velocity(kappa, alpha):
     assert forces.Mz == 0
 
 
+def test_full_sliding_begins_where_the_book_has_it():
+    tire = made(ISOTROPIC)
+    begin = np.arctan(3 * 1.2 * 3000.0 / 6e4)
+    before, after = (evaluated(tire, [[0.0], [begin * share], [3000.0]]) for share in (0.999, 1.001))
+    assert before["psi"][0] < 1
+    assert before["Mz"][0] > 0
+    assert after["psi"][0] == 1
+    assert after["Fy"][0] == pytest.approx(-1.2 * 3000.0, rel=1e-14)
+    assert after["Mz"][0] == 0
+
+
+def test_the_largest_moment_is_where_a_quarter_slides():
+    """27/256 mu Fz a at psi = 1/4, by differentiating psi (1 - psi)^3."""
+    alpha = np.linspace(0.0, 0.2, 20_001)
+    answer = evaluated(made(ISOTROPIC), [0 * alpha, alpha, 0 * alpha + 3000.0])
+    top = answer.loc[answer["Mz"].idxmax()]
+    assert top["Mz"] == pytest.approx(27 / 256 * 1.2 * 3000.0 * 0.07, rel=1e-8)
+    assert top["psi"] == pytest.approx(0.25, abs=1e-3)
+
+
 def test_the_friction_ellipse_is_reached_and_never_exceeded(tire):
     answer = evaluated(tire, grid())
     use = np.hypot(answer["Fx"] / (answer["mu_x"] * answer["Fz"]), answer["Fy"] / (answer["mu_y"] * answer["Fz"]))
     assert use.max() == pytest.approx(1.0, rel=1e-13)
     assert (use[answer["psi"] < 1] < 1.0).all()
     np.testing.assert_allclose(use[answer["psi"] == 1], 1.0, rtol=1e-13)
+
+
+def test_pure_slip_is_the_limit_of_combined_slip(tire):
+    rows = grid()
+    for other in (0, 1):
+        pure, combined = rows.copy(), rows.copy()
+        pure[other], combined[other] = 0.0, 1e-9
+        assert np.abs(evaluated(tire, pure) - evaluated(tire, combined))[["Fx", "Fy", "Mz"]].to_numpy().max() < 1e-2
+    side, brake = (evaluated(tire, rows * np.array(on)[:, None]) for on in ([0, 1, 1], [1, 0, 1]))
+    assert (side["Fx"] == 0).all()
+    assert (brake[["Fy", "Mz"]] == 0).all(axis=None)
+    for answer, force, slip, stiffness, mu in (
+        (side, "Fy", "slip_y", "K_yalpha", "mu_y"),
+        (brake, "Fx", "slip_x", "K_xkappa", "mu_x"),
+    ):
+        limit = answer[mu] * answer["Fz"]
+        s = np.clip(answer[stiffness] * answer[slip] / (3 * limit), -1.0, 1.0)
+        np.testing.assert_allclose(answer[force], limit * (3 * s - 3 * s * abs(s) + s**3), rtol=1e-12, atol=1e-9)
+
+
+def test_left_equals_right_and_driving_equals_braking(tire):
+    rows = grid()
+    there, back = (evaluated(tire, rows * np.array([1, side, 1])[:, None]) for side in (1, -1))
+    np.testing.assert_array_equal(there[["Fx", "Fy", "Mz"]] * [1, -1, -1], back[["Fx", "Fy", "Mz"]])
+    slip = np.array([-0.4, -0.1, -0.02, 0.03])  # equal theoretical slips of opposite sign
+    kappa, mirrored = slip / (1 - slip), -slip / (1 + slip)
+    loads = np.full(4, 3000.0)
+    drive, brake = (evaluated(tire, [k, 0 * k, loads])["Fx"] for k in (kappa, mirrored))
+    np.testing.assert_allclose(drive, -brake, rtol=1e-12)
+
+
+def test_iso_and_adapted_sae_are_one_tire_of_the_same_coefficients(tire):
+    other = tire.in_signs("adapted-sae")
+    assert other.values == tire.values
+    iso, sae = (evaluated(one, grid()) for one in (tire, other))
+    reversed_ = [1, -1, -1]
+    np.testing.assert_array_equal(iso[["Fx", "Fy", "Mz"]] * reversed_, sae[["Fx", "Fy", "Mz"]])
+    assert tire.forces(alpha=0.05).Fy < 0 < tire.forces(alpha=0.05).Mz
 
 
 def test_load_exponents_are_the_option_of_absolute_stiffness():
@@ -169,12 +234,63 @@ def test_load_exponents_are_the_option_of_absolute_stiffness():
     np.testing.assert_allclose(answer["a"], 0.07 * np.sqrt(loads / 3000.0), rtol=1e-14)
 
 
+def test_an_effect_that_is_off_is_its_coefficients_at_neutral():
+    model = MODELS["brush"]
+    declarations = {name: each.neutral for name, each in model.coefficients.items() if each.neutral is not None}
+    assert declarations.keys() == LOAD_EXPONENTS.keys()
+    neutral = {sp.Symbol(name, real=True): sp.nsimplify(value) for name, value in declarations.items()}
+    lines = {name: line.subs(neutral) for name, line in model.as_written(model.effects).items()}
+    assert lines == model.as_written([])
+
+
+@pytest.mark.parametrize("language", ["numpy", "c", "casadi", "batch"])
+def test_every_code_agrees_and_is_finite(tire, language):
+    """Zero slip, lock, no load and a lifted wheel among the rows; CasADi differentiates by itself in the next test."""
+    lifted = np.array([[0.1, -1.0, 0.0], [0.1, 0.0, 0.0], [0.0, -5.0, -2000.0]])
+    rows, parameters = np.hstack([grid(), lifted]), tire.parameters()
+    code, oracle = code_for(tire.symbolic_model, language), code_for(tire.symbolic_model, "numpy")
+    forces = code.forces(rows, parameters)
+    np.testing.assert_allclose(forces, oracle.forces(rows, parameters), rtol=1e-12, atol=1e-12)
+    assert (forces[:, -3:] == 0).all()
+    for routine in ("jacobian_inputs", "jacobian_parameters"):
+        derivatives = getattr(code, routine)(rows, parameters)
+        assert np.isfinite(derivatives).all()
+        np.testing.assert_allclose(derivatives, getattr(oracle, routine)(rows, parameters), rtol=1e-9, atol=1e-7)
+
+
+@pytest.mark.parametrize("routine", ["jacobian_inputs", "jacobian_parameters"])
+def test_the_chain_rule_is_casadis(tire, routine):
+    rng = np.random.default_rng(0)
+    rows = np.stack([rng.uniform(-0.4, 0.6, 60), rng.uniform(-0.3, 0.3, 60), rng.uniform(500.0, 6000.0, 60)])
+    parameters = tire.parameters()
+    x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
+    by = x if routine == "jacobian_inputs" else p[: len(tire.symbolic_model.coefficients)]
+    function = ca.Function(
+        "jacobian", [x, p], [ca.jacobian(casadi_expression(tire.symbolic_model, "forces", x, p), by)]
+    )
+    expected = np.stack([np.array(function(row, parameters)) for row in rows.T])
+    ours = getattr(code_for(tire.symbolic_model, "c"), routine)(rows, parameters)
+    assert (np.abs(ours - expected) <= 1e-11 * np.abs(expected).max(axis=0) + 1e-12).all()
+
+
 def test_derivatives_are_continuous_into_full_sliding(tire):
     """The forces have no kink there: the last bristle that sticks carries nothing."""
     begin = brentq(lambda alpha: evaluated(tire, [[0.0], [alpha], [3000.0]])["psi"][0] - 1 + 1e-9, 0.01, 0.3)
     rows = np.array([[0.0, 0.0], [begin * (1 - 1e-7), begin * (1 + 1e-7)], [3000.0, 3000.0]])
     before, after = code_for(tire.symbolic_model, "c").jacobian_inputs(rows, tire.parameters())
     assert np.abs(before - after).max() < 1e-5 * tire.values["CALPHA"]
+
+
+def test_a_property_file_comes_back(tire, tmp_path):
+    path = tmp_path / "brush.tir"
+    tire.save(path)
+    text = path.read_text(encoding="utf-8")
+    assert "PROPERTY_FILE_FORMAT = 'BRUSH'" in text
+    assert "[BRUSH]" in text
+    again = read_tir(path)
+    assert again == replace(tire, name=again.name)
+    path.write_text(text[: text.index("$ What follows")], encoding="utf-8")
+    assert read_tir(path).model == "brush"  # also without the sections of tirefmu
 
 
 def bench(tire, n, *, loads, noise=0.0, signs="iso"):
@@ -216,6 +332,19 @@ def test_default_physical_constraints_are_enforced():
                without_constraints=["friction_falling", "stiffness_saturating"])  # fmt: skip
     assert free.tire.values["NSTIFF"] == pytest.approx(1.4, rel=1e-3)
     assert free.tire.values["NMU"] == pytest.approx(0.2, rel=1e-3)
+
+
+def test_it_is_drawn(tmp_path):
+    assert [path.name for path in draw(made(), tmp_path, loads=[3000.0])] == [
+        "pure.png", "surfaces_3000N.png", "combined.png"
+    ]  # fmt: skip
+
+
+def test_its_fmu_is_the_tire(tmp_path):
+    fmu = export(made(), tmp_path / "brush.fmu")
+    result = check(fmu, bench(made(), 100, loads=[1500.0, 4500.0]).assign(gamma=0.0), signs="iso")
+    assert all(channel.r2 > 1 - 1e-12 for channel in result.channels)
+    assert export(made(), tmp_path / "wheel.fmu", inputs="wheel").exists()
 
 
 def test_a_diagnosis_names_what_changes_with_load():

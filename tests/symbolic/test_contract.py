@@ -22,6 +22,7 @@ from tirefmu.symbolic.model.verification import verify
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.drawing.files import draw
 from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.property_file.reading import read_tir
 
@@ -180,6 +181,12 @@ def test_its_recipe_is_in_its_folder(made, monkeypatch, tmp_path):
     monkeypatch.setitem(MODELS, "toy", made(folder="toy_folder", recipes=("short",)))
     assert [stage.name for stage in load_recipe(None, "toy").stages] == ["all"]
     assert load_recipe("joint", "toy").name == "joint"
+
+
+def test_it_is_drawn(tire, tmp_path):
+    assert [path.name for path in draw(tire, tmp_path, loads=[1000.0])] == [
+        "pure.png", "surfaces_1000N.png", "combined.png"
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("inputs", ["slip", "wheel"])

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from math import atan, copysign, hypot, pi, tan
+from math import atan, copysign, hypot, pi, sqrt, tan
 
+import casadi as ca
 import numpy as np
 import pandas as pd
 import pytest
+from fmpy import simulate_fmu
 
+from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
+from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.code.casadi_code import casadi_expression
+from tirefmu.tires.drawing.files import draw
 from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.property_file.reading import read_tir, read_tir_with_notes
 
@@ -73,6 +79,28 @@ def test_it_computes_the_published_equations(rows):
         np.testing.assert_allclose(found[name], values, rtol=1e-12, atol=1e-9, err_msg=name)
 
 
+def test_every_code_agrees_and_differentiates(rows):
+    parameters = TIRE.parameters()
+    results = {language: code_for(TIRE.symbolic_model, language) for language in ("numpy", "c", "casadi", "batch")}
+    for code in results.values():
+        np.testing.assert_allclose(code.forces(rows, parameters), results["numpy"].forces(rows, parameters), rtol=1e-12)
+        for routine in ("jacobian_inputs", "jacobian_parameters"):
+            expected = by_casadi(routine, rows, parameters)
+            found = getattr(code, routine)(rows, parameters)
+            scale = np.abs(expected).max(axis=0)
+            assert (np.abs(found - expected) <= 1e-11 * scale).all(), routine
+
+
+def by_casadi(routine, rows, parameters):
+    """Return derivatives by the differentiation of CasADi, shape (n, n_forces, n_by)."""
+    x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
+    by = x if routine == "jacobian_inputs" else p[: len(TIRE.symbolic_model.coefficients)]
+    function = ca.Function(
+        "jacobian", [x, p], [ca.jacobian(casadi_expression(TIRE.symbolic_model, "forces", x, p), by)]
+    )
+    return np.stack([np.array(function(point, parameters)) for point in rows.T])
+
+
 def test_slopes_at_zero_are_the_stiffnesses():
     point = np.array([[0.0], [0.0], [LOAD], [10.0]])
     for code in (code_for(TIRE.symbolic_model, language) for language in ("numpy", "c")):
@@ -94,6 +122,67 @@ def test_jacobians_are_finite_where_branches_meet(umin, point):
         code = code_for(tire.symbolic_model, language)
         for routine in ("forces", "jacobian_inputs", "jacobian_parameters"):
             assert np.isfinite(getattr(code, routine)(column, tire.parameters())).all(), (language, routine)
+
+
+def test_it_has_no_force_off_the_ground_and_propagates_nan():
+    lifted = TIRE.forces(kappa=[0.1, -0.2], alpha=[0.3, 0.0], Fz=np.array([0.0, -500.0]))
+    assert all((values == 0).all() for values in lifted.values())
+    for name in ("kappa", "alpha", "Fz"):
+        forces = TIRE.forces(**{"kappa": 0.1, "alpha": 0.1, "Fz": LOAD, name: np.nan})
+        assert np.isnan([forces["Fx"], forces["Fy"], forces["Mz"]]).all(), name
+
+
+def test_full_sliding_is_the_friction_and_has_no_moment():
+    alpha = np.array([0.2, 0.5, 1.2])
+    answer = TIRE.evaluate(pd.DataFrame({"alpha": [*alpha, *-alpha], "Fz": LOAD}))
+    assert (np.abs(answer["alpha"]) > answer["alpha_crit"]).all()
+    np.testing.assert_allclose(answer["Fy"], -np.sign(answer["alpha"]) * answer["U"] * LOAD, rtol=1e-14)
+    assert (answer["Mz"] == 0).all()
+    # Friction decreases by UMAX - UMIN up to comprehensive slip 1, and is UMIN from there on.
+    assert answer["U"].to_numpy()[[2, 5]] == pytest.approx(VALUES["UMIN"])
+    locked = TIRE.forces(kappa=np.array([-1e9]), Fz=LOAD)["Fx"].item()
+    assert locked == pytest.approx(-VALUES["UMIN"] * LOAD, rel=1e-9)
+
+
+def test_the_moment_ends_at_the_critical_angle():
+    critical = TIRE.evaluate(pd.DataFrame({"alpha": [0.1], "Fz": LOAD}))["alpha_crit"].iloc[0]
+    for _ in range(50):  # friction at the critical angle depends on the angle
+        critical = TIRE.evaluate(pd.DataFrame({"alpha": [critical], "Fz": LOAD}))["alpha_crit"].iloc[0]
+    below, above = TIRE.forces(alpha=critical * np.array([0.9, 1.0001]), Fz=LOAD)["Mz"]
+    assert below > 0
+    assert above == 0
+
+
+def test_friction_bounds_each_axis_but_not_their_resultant(rows):
+    forces = TIRE.forces(**dict(zip(TIRE.inputs, rows, strict=True)))
+    limit = TIRE.evaluate(pd.DataFrame(dict(zip(TIRE.inputs, rows, strict=True))))["U"].to_numpy() * rows[2]
+    for name in ("Fx", "Fy"):
+        assert (np.abs(forces[name]) <= limit * (1 + 1e-14)).all(), name
+    resultant = np.hypot(forces["Fx"], forces["Fy"]) / limit
+    assert 1.2 < resultant.max() <= sqrt(2)
+
+
+def test_the_longitudinal_force_is_largest_at_the_slip_of_the_closed_form():
+    """The root of d/dkappa (L - L^2 / (4 CSLIP kappa)) with L = UMAX Fz - lost kappa."""
+    lost = (VALUES["UMAX"] - VALUES["UMIN"]) * LOAD
+    peak = VALUES["UMAX"] * LOAD / sqrt(lost * (lost + 4 * VALUES["CSLIP"]))
+    kappa = np.linspace(0.0, 1.0, 100_001)
+    force = TIRE.forces(kappa=kappa, Fz=LOAD)["Fx"]
+    assert kappa[force.argmax()] == pytest.approx(peak, abs=2e-5)
+    # Linear up to the critical slip, where half of the friction is reached.
+    crit = TIRE.evaluate(pd.DataFrame({"kappa": kappa, "Fz": LOAD}))["kappa_crit"].to_numpy()
+    linear = force == VALUES["CSLIP"] * kappa
+    assert (linear == (kappa <= crit)).all()
+
+
+def test_the_forces_are_odd_and_mirror_in_adapted_sae(rows):
+    kappa, alpha, Fz, V = rows
+    forces, opposite = (TIRE.forces(kappa=k * kappa, alpha=k * alpha, Fz=Fz, V=k * V) for k in (1, -1))
+    sae = TIRE.in_signs("adapted-sae").forces(kappa=kappa, alpha=alpha, Fz=Fz, V=V)
+    for name in TIRE.outputs:
+        np.testing.assert_array_equal(forces[name], -opposite[name], err_msg=name)
+        np.testing.assert_array_equal(forces[name], sae[name] * (1 if name == "Fx" else -1), err_msg=name)
+    assert (np.sign(forces["Fy"]) == -np.sign(alpha)).all()
 
 
 ADAMS = """[MDI_HEADER]
@@ -177,3 +266,36 @@ def test_friction_that_grows_with_slip_is_fitted_on_request_only(unmeasured):
     )
     assert free.tire.values["UMIN"] == pytest.approx(1.4, rel=0.02)
     assert bounded.tire.values["UMIN"] <= bounded.tire.values["UMAX"] * (1 + 1e-6)
+
+
+def test_it_is_drawn(tmp_path):
+    names = [path.name for path in draw(TIRE, tmp_path, loads=[LOAD])]
+    assert names == ["pure.png", "surfaces_3000N.png", "combined.png"]
+
+
+def test_its_fmu_is_the_tire_at_its_slips(tmp_path):
+    table = bench(TIRE)
+    table[list(TIRE.outputs)] = TIRE.evaluate(table)[list(TIRE.outputs)]
+    result = check(export(TIRE, tmp_path / "fiala.fmu", quantities=True), table, signs="iso")
+    assert [channel.name for channel in result.channels] == list(TIRE.outputs)
+    assert all(channel.r2 > 1 - 1e-9 for channel in result.channels)
+
+
+def test_its_fmu_on_a_wheel_computes_slips_from_velocities(tmp_path):
+    fmu = export(TIRE, tmp_path / "fiala.fmu", inputs="wheel")
+    given = {"V_x": 20.0, "V_y": 0.8, "omega": 21.0 / VALUES["UNLOADED_RADIUS"], "Fz": LOAD}
+    answer = simulate_fmu(str(fmu), start_values=given, stop_time=0.1, output=[*TIRE.outputs, "R_l"])[-1]
+    expected = TIRE.forces(kappa=0.05, alpha=atan(0.04), Fz=LOAD, V=20.0)
+    for name in TIRE.outputs:
+        assert float(answer[name]) == pytest.approx(float(expected[name]), rel=1e-9), name
+    assert float(answer["R_l"]) == pytest.approx(VALUES["UNLOADED_RADIUS"] - LOAD / VALUES["VERTICAL_STIFFNESS"])
+
+
+def test_a_diagnosis_identifies_the_missing_relaxation():
+    lengths = {"REL_LEN_LON": 0.2, "REL_LEN_LAT": 0.4}
+    lagging = Tire("fiala", {**VALUES, **lengths}, effects=TIRE.has | {"relax_lon", "relax_lat"})
+    nominal = {"Fz0": LOAD, "R0": VALUES["UNLOADED_RADIUS"]}
+    found = diagnose(bench(lagging, 1200), signs="iso", model="fiala", nominal=nominal).found
+    assert {one.effect for one in found} == {"relax_lon", "relax_lat", "rolling_resistance_My"}
+    values = {name: one.value for finding in found for name, one in finding.coefficients.items()}
+    assert {name: values[name] for name in lengths} == pytest.approx(lengths, rel=0.05)

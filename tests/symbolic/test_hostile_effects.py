@@ -142,7 +142,7 @@ def test_hostile_text_compiles_without_a_warning(tmp_path):
 @given(hostile_texts())
 def test_a_file_with_any_text_reads_back_equal(text):
     written = effect_text(effect(description=text, unit=text[:40], physics=f"x{text}", source=f"x{text}"))
-    text = re.sub("[\0\ud800-\udfff]", "\ufffd", text)  # which no file contains
+    text = re.sub("[\ud800-\udfff]", "\ufffd", text)  # which no file can contain
     assert read_effect(written, "own.toml") == effect(
         description=text, unit=text[:40], physics=f"x{text}", source=f"x{text}"
     )
@@ -187,17 +187,17 @@ TEXT = effect_text(effect())
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (TEXT.replace(f'physics = "{WORDS}"', f'physics = "{"x" * 601}"'), "expected a text of 1 to 600 characters"),
+        (TEXT.replace(f'physics = "{WORDS}"', f'physics = "{"x" * 601}"'), "physics has more than 600 characters"),
         (TEXT.replace('unit = "1"', f'unit = "{"m" * 41}"'), "OWN1: unit has more than 40 characters"),
-        (TEXT.replace("lower = -1.0", "lower = nan"), "OWN1.lower is nan: expected a number"),
-        (TEXT.replace("lower = -1.0", "lower = -inf"), "OWN1.lower is -inf: expected a number"),
-        (TEXT.replace("lower = -1.0", f"lower = -{'9' * 400}"), "expected a number"),
+        (TEXT.replace("lower = -1.0", "lower = nan"), "OWN1: lower = nan is not a finite number"),
+        (TEXT.replace("lower = -1.0", "lower = -inf"), "OWN1: lower = -inf is not a finite number"),
+        (TEXT.replace("lower = -1.0", f"lower = -{'9' * 400}"), "is not a finite number"),
         (TEXT.replace("lower = -1.0", f"lower = -{'9' * 5000}"), "own.toml: "),
         (TEXT.replace("neutral = 0.0", "neutral = 2.0"), "OWN1: neutral 2.0 is not between lower -1.0 and upper 1.0"),
         (TEXT.replace("neutral = 0.0", "start = -2.0"), "OWN1: start -2.0 is not between"),
-        (TEXT + TEXT[TEXT.index("\n[[acts]]") :] * 50, "expected a list of 1 to 50 tables"),
+        (TEXT + TEXT[TEXT.index("\n[[acts]]") :] * 50, "an effect has at most 50"),
         (TEXT + "#" * 100_000, "has at most 100000 characters"),
-        (TEXT.replace("OWN1 =", '"OWN\\u001b[2J" ='), "a word of capital letters"),
+        (TEXT.replace("OWN1 =", '"OWN\\u001b[2J" ='), "is not a word of capital letters"),
         (TEXT.replace("OWN1 =", "NAN ="), "coefficient 'NAN' is a macro of C"),
         (TEXT + '"a\\nb" = 1\n', "unknown key"),
         (TEXT + "a = " + "[" * 20_000, "own.toml: "),

@@ -28,11 +28,6 @@ class Outcome:
     out: str
     err: str
 
-    @property
-    def text(self):
-        """Standard output as one line, without the breaks of long lines."""
-        return " ".join(self.out.split())
-
 
 def run(*arguments):
     """Run a command in this process."""

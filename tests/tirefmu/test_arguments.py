@@ -61,6 +61,14 @@ def test_every_form_of_a_tire_evaluates_every_form_of_a_table(forms, tires, benc
     pd.testing.assert_frame_equal(tirefmu.evaluate(NAME, bench.with_signs("sae").table, signs="sae"), turned)
 
 
+def test_maps_and_figures_take_them_too(forms, tires, bench, tmp_path):
+    expected = residual_map(tires["Tire"], bench, "Fy").mean
+    np.testing.assert_allclose(residual_map(tires["str"], forms["str"], "Fy").mean, expected, atol=1e-9)
+    drawn = draw_figures(NAME, forms["DataFrame"], tmp_path)
+    assert "pure_Fy.png" in {path.name for path in drawn}
+    np.testing.assert_array_equal(assign_folds(bench.table, 2)[0], assign_folds([bench], 2)[0])
+
+
 def test_signs_are_those_of_the_table_and_a_contradiction_is_refused(bench):
     assert recording_from(bench.table, signs="adapted-sae").signs == "adapted-sae"
     assert recording_from(bench, signs="iso") is bench
@@ -186,3 +194,8 @@ def test_a_single_text_is_not_a_list_of_names(bench_csv):
     ):
         with pytest.raises(WrongType, match=r"^effects is 'plysteer' .* such as \['plysteer'\]$"):
             call()
+
+
+def test_a_misnamed_column_of_a_table_in_memory_is_refused():
+    with pytest.raises(DataError, match="column 'SlipAngle' is not a channel: did you mean alpha"):
+        tirefmu.evaluate("trento_hoosier", pd.DataFrame({"SlipAngle": [0.1], "Fz": 900.0}))

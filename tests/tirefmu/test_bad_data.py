@@ -17,9 +17,8 @@ def sweeps(friction=1.7, load=1.0, seed=0, rows=300):
     side = -load * mu * heavy * np.sin(1.4 * np.arctan(10.0 * alpha))
     return pd.DataFrame(
         {
-            "t": np.arange(4 * rows) / 100.0, "kappa": kappa, "alpha": alpha,
-            "gamma": np.random.default_rng(seed + 1).normal(0, 1e-4, 4 * rows), "Fz": load * heavy, "p": 83e3,
-            "V": 11.0,
+            "t": np.arange(4 * rows) / 100.0, "kappa": kappa, "alpha": alpha, "gamma": 0.0, "Fz": load * heavy,
+            "p": 83e3, "V": 11.0,
             "Fx": load * mu * heavy * np.sin(1.5 * np.arctan(12.0 * kappa)) + random.normal(0, 5, 4 * rows),
             "Fy": side + random.normal(0, 5, 4 * rows),
             "Mz": -0.03 * side * np.cos(1.1 * np.arctan(9.0 * alpha)) + random.normal(0, 0.3, 4 * rows),
@@ -31,15 +30,35 @@ def side_alone(table):
     return table[["t", "alpha", "gamma", "Fz", "Fy"]].iloc[: len(table) // 2]
 
 
-#: In addition to the inputs of docs/awkward_inputs.md, which `test_awkward_inputs.py` compares.
 REFUSED = {
+    "no output": (lambda t: [t.drop(columns=["Fx", "Fy", "Mz"])], "a.csv: no measured output (Fx, Fy, Mz, Mx, My)"),
     "outputs that were not measured": (lambda t: [t.assign(Fx=np.nan, Fy=np.nan, Mz=np.nan)], "a.csv: no measured"),
+    "load under another name": (
+        lambda t: [t.rename(columns={"Fz": "load"})], "column 'load' is not a channel: did you mean Fz?",
+    ),
+    "constant slips": (
+        lambda t: [t.assign(alpha=0.05, kappa=0.0)],
+        "a.csv: alpha is constant although Fy changes from -1.6 to 1.6 times the load: name its column (--columns",
+    ),
     "all rows lifted": (
         lambda t: [t.assign(Fz=0.0)],
         "a.csv: Fz is 0 in every row: it was not measured: name its column (--columns Fz=NAME)",
     ),
+    "no slip": (lambda t: [t.drop(columns="kappa")], "a.csv: kappa is missing although Fx changes from -1.6 to 1.6"),
     "load in lbf": (lambda t: [t.assign(Fz=t["Fz"] / 4.448)], "a.csv: the largest force over load is 6.89 (tires"),
     "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows excluded: standing (the wheel does not"),
+    "all loads out of range": (lambda t: [t.assign(Fz=5e6)], "a.csv: Fz reaches 5e+06 N: in another unit?"),
+    "slip angle under another name": (
+        lambda t: [t.rename(columns={"alpha": "SlipAngle"})],
+        "a.csv: column 'SlipAngle' is not a channel: did you mean alpha?",
+    ),
+    "side force under another name": (
+        lambda t: [t.rename(columns={"Fy": "LateralForce"})], "column 'LateralForce' is not a channel: did you mean",
+    ),
+    "load in kN": (lambda t: [t.assign(Fz=t["Fz"] / 1e3)], "a.csv: no |Fz| is above 0.9 N: in kN? declare it"),
+    "load of the other sign": (
+        lambda t: [t.assign(Fz=-t["Fz"])], "a.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
+    ),
     "side force of the other sign": (
         lambda t: [side_alone(t).assign(Fy=-side_alone(t)["Fy"])],
         "a.csv: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae)",
@@ -47,17 +66,47 @@ REFUSED = {
     "moment of the other sign": (
         lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles, in iso it rises: Mz has the",
     ),
+    "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, in iso it rises"),
+    "forces exchanged": (
+        lambda t: [t.rename(columns={"Fx": "Fy", "Fy": "Fx"})],
+        "Fy follows kappa and Fx does not: the columns Fx and Fy are exchanged (--columns Fx=Fy,Fy=Fx)",
+    ),
+    "degrees for radians": (
+        lambda t: [t.assign(alpha=np.degrees(t["alpha"]))],
+        "a.csv: alpha reaches 11.46 rad: in degrees? declare it: 'alpha [deg]'",
+    ),
+    "inclination in degrees": (lambda t: [t.assign(gamma=4.0)], "a.csv: gamma reaches 4 rad: in degrees?"),
+    "slip in percent": (lambda t: [t.assign(kappa=100 * t["kappa"])], "a.csv: kappa reaches 20: in percent?"),
+    "NaN in most rows of an input": (
+        lambda t: [t.assign(Fz=t["Fz"].where(t.index % 3 == 0))], "a.csv: line 3: Fz is NaN (800 of 1200",
+    ),
     "infinity in an output": (lambda t: [t.assign(Fx=t["Fx"].where(t.index != 7, np.inf))], "a.csv: line 9: Fx is inf"),
     "one row": (lambda t: [t.iloc[:1]], "is measured over a varying slip: nothing to fit"),
+    "no row": (lambda t: [t.iloc[:0]], "a.csv: no rows"),
     "the second file is bad": (
         lambda t: [t, t.assign(Fz=-t["Fz"])], "b.csv: Fz is negative in 100 % of the rows: SAE signs?",
     ),
 }  # fmt: skip
+
 REPORTED = {
+    "no load": (lambda t: [side_alone(t).drop(columns="Fz")], "a.csv: no column Fz: every row is evaluated at the"),
     "no slip": (
         lambda t: [t.drop(columns="kappa").assign(Fx=0.1 * t["Fx"])], "a.csv: Fx is not fitted, kappa does not vary",
     ),
+    "one load": (lambda t: [side_alone(t).assign(Fz=900.0)], "a.csv: only one load (900 N): the influence of load"),
     "ten rows": (lambda t: [side_alone(t).iloc[::60]], "a.csv: 10 rows are fewer than a fit of one force needs"),
+    "time going backwards": (lambda t: [side_alone(t).iloc[::-1]], "a.csv: t runs backwards in 599 of 599 steps"),
+    "NaN in an input": (
+        lambda t: [t.assign(Fz=t["Fz"].where(t.index != 7))],
+        "a.csv: 1 of 1200 rows lack an input: NaN in Fz (1), the first in row 8: excluded",
+    ),
+    "two tires in two files": (
+        lambda t: [side_alone(t), side_alone(sweeps(1.1, seed=1))], "two tires? at 900 N the largest |Fy|/Fz is 1.",
+    ),
+    "two tires in one file": (
+        lambda t: [pd.concat([side_alone(t), side_alone(sweeps(1.1, seed=1))])],
+        "two tires? at 900 N the largest |Fy|/Fz is 1.",
+    ),
     "two sizes of tires": (
         lambda t: [side_alone(t), side_alone(sweeps(load=9.0, seed=1))], "two tires? the load reaches 900 N in a.csv",
     ),

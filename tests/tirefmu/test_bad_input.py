@@ -19,9 +19,13 @@ def files(tmp_path_factory, bench_csv, published_tir, published_fmu):
     shutil.copy(published_fmu, folder / "good.fmu")
     table = pd.read_csv(bench_csv)
     odd = {
+        "names.csv": table.rename(columns={"alpha": "slip_angle", "Fz": "load"}),
+        "upper.csv": table.rename(columns={"Fx": "FX", "Fy": "FY", "Mz": "MZ"}),
         "nan.csv": table.assign(alpha=table["alpha"].where(table.index < 7)),
         "degrees.csv": table.assign(alpha=np.degrees(table["alpha"])),
+        "percent.csv": table.assign(kappa=100 * table["kappa"]),
         "negative.csv": table.assign(Fz=-table["Fz"]),
+        "still.csv": table.assign(alpha=0.0, kappa=0.0),
     }
     for name, content in odd.items():
         content.to_csv(folder / name, index=False)
@@ -31,7 +35,7 @@ def files(tmp_path_factory, bench_csv, published_tir, published_fmu):
     (folder / "notes.txt").write_text("nothing\n", encoding="utf-8")
     lines = (folder / "good.tir").read_text(encoding="utf-8").splitlines()
     (position,) = (i for i, line in enumerate(lines) if line.startswith("PDY1 "))
-    for name, line in (("broken.tir", "PDY1 2.7"), ("word.tir", "PDY1 = much")):
+    for name, line in (("broken.tir", "PDY1 2.7"), ("word.tir", "PDY1 = much"), ("unknown.tir", "PDYI = 2.7")):
         (folder / name).write_text("\n".join([*lines[:position], line, *lines[position + 1 :]]), encoding="utf-8")
     (folder / "cross.toml").write_text(
         '[[stage]]\nname = "one"\n[stage.free]\nPDY1 = { lower = 3, upper = 2 }\n', encoding="utf-8"
@@ -49,17 +53,26 @@ def folder(files, tmp_path, monkeypatch):
 
 
 FIT = ("-o", "new.tir", "--report", "new.html", "--figures", "new", "--json", "new.json")
-#: Unknown names are in `test_unknown_names.py`, wrong recordings in `test_awkward_inputs.py`.
 BAD = {
     "fit missing.csv {fit}": "missing.csv: no such file",
     "fit notes.txt {fit}": "notes.txt: unknown kind of recording '.txt'",
     "fit empty.csv {fit}": "empty.csv: the file is empty",
     "fit rows.csv {fit}": "rows.csv: no rows",
     "fit text.csv {fit}": "text.csv: line 2:",
+    "fit names.csv {fit}": "column 'slip_angle' is not a channel: did you mean alpha?",
+    "fit upper.csv {fit}": "upper.csv: column 'FX' is not a channel: did you mean Fx?",
     "fit nan.csv {fit}": "nan.csv: line 9: alpha",
+    "fit degrees.csv {fit}": "degrees.csv: alpha reaches",
+    "fit percent.csv {fit}": "percent.csv: kappa reaches",
     "fit negative.csv {fit}": "negative.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
     "fit good.csv --signs sae {fit}": "good.csv: Fz is positive in 100 % of the rows: not SAE?",
+    "fit still.csv {fit}": "still.csv: alpha is constant although Fy changes from",
     "fit good.csv good.csv missing.mat {fit}": "missing.mat: no such file",
+    "fit good.csv --model mf69 {fit}": "unknown model 'mf69': did you mean mf96?",
+    "fit good.csv --effects camber_trust {fit}": "unknown effect of mf61 'camber_trust': did you mean camber_thrust?",
+    "fit good.csv --without camber_trust {fit}": "unknown effect of mf61 'camber_trust': did you mean camber_thrust?",
+    "fit good.csv --recipe jiont {fit}": "unknown recipe 'jiont': did you mean joint?",
+    "fit good.csv --method iao {fit}": "unknown method 'iao': did you mean ioa?",
     "fit good.csv --iterations 0 {fit}": "0 is not in the range x>=1",
     "fit good.csv --recipe missing.toml {fit}": "missing.toml: cannot be read",
     "fit good.csv --recipe broken.toml {fit}": "broken.toml: ",
@@ -68,8 +81,10 @@ BAD = {
     "fit good.csv --start missing.tir {fit}": "missing.tir: cannot be read",
     "fit good.csv --start broken.tir {fit}": "broken.tir:",
     "fit good.csv --nominal Fz0 {fit}": "'Fz0' is not like Fz0=1000",
+    "fit good.csv --nominal Fz=220 {fit}": "unknown nominal value 'Fz': did you mean Fz0?",
     "fit good.csv --nominal Fz0=-220 {fit}": "nominal Fz0 = -220 is not positive",
     "fit good.csv --nominal Fz0=0.22 {fit}": "nominal Fz0 = 0.22 N is far from the median of Fz",
+    "fit good.csv --signs din {fit}": "'din' is not one of 'iso', 'sae', 'adapted-sae'",
     "fit good.csv --colour red {fit}": "No such option",
     "fit {fit}": "Missing argument 'TABLES...'",
     "fit good.csv": "Missing option '-o'",
@@ -81,22 +96,30 @@ BAD = {
     "evaluate missing.tir good.csv -o new.csv": "missing.tir: no such file",
     "evaluate broken.tir good.csv -o new.csv": "'PDY1 2.7' in [LATERAL_COEFFICIENTS] is not 'KEY = value'",
     "evaluate word.tir good.csv -o new.csv": "PDY1 = 'much' is not a number",
+    "evaluate unknown.tir good.csv -o new.csv": "unknown key PDYI of mf96: did you mean PDY",
     "evaluate good.csv good.csv -o new.csv": "not a .tir file",
     "evaluate good.tir missing.csv -o new.csv": "missing.csv: no such file",
+    "evaluate good.tir names.csv -o new.csv": "column 'slip_angle' is not a channel: did you mean alpha?",
     "evaluate good.tir nan.csv -o new.csv": "nan.csv: line 9: alpha",
+    "evaluate good.tir degrees.csv -o new.csv": "degrees.csv: alpha reaches",
     "evaluate good.tir negative.csv -o new.csv": "negative.csv: Fz is negative in 100 % of the rows",
     "evaluate good.tir good.csv -o new.txt": "new.txt: unknown kind of table '.txt'",
     "evaluate good.tir good.csv -o no/new.csv": "no/new.csv: no folder no",
     "evaluate good.tir good.csv -o new.csv --json no/new.json": "no/new.json: no folder no",
     "evaluate good.tir good.csv -o new.csv --code fortran": "'fortran' is not one of 'auto', 'numpy'",
     "export missing.tir -o new.fmu": "missing.tir: no such file",
+    "export broken.tir -o new.fmu": "broken.tir:",
     "export good.tir -o no/new.fmu": "no/new.fmu: no folder no",
     "export good.tir -o new.fmu --json no/new.json": "no/new.json: no folder no",
     "export good.tir -o new.fmu --fmi 4": "'4' is not one of '2', '3'",
+    "export good.tir -o new.fmu --inputs wheels": "inputs 'wheels' are unknown",
     "check missing.fmu good.csv --json new.json": "missing.fmu: no such file",
     "check good.csv good.csv --json new.json": "good.csv: not a readable FMU",
     "check good.fmu missing.csv --json new.json": "missing.csv: no such file",
     "check good.fmu degrees.csv --json new.json": "degrees.csv: alpha reaches",
+    "check good.fmu negative.csv --json new.json": "negative.csv: Fz is negative in 100 % of the rows",
+    "check good.fmu nan.csv --json new.json": "nan.csv: line 9: alpha",
+    "check good.fmu upper.csv --json new.json": "column 'FX' is not a channel: did you mean Fx?",
     "check good.fmu good.csv --json no/new.json": "no/new.json: no folder no",
     "check good.fmu good.csv --tolerance -1": "Invalid value for '--tolerance'",
     "info missing.tir": "missing.tir: no such file",
@@ -104,6 +127,8 @@ BAD = {
     "info taken": "taken: cannot be read",
     "demo -o good.csv": "good.csv: is a file, not a folder",
     "generate --check --json no/new.json": "no/new.json: no folder no",
+    "fitt good.csv": "No such command 'fitt'",
+    "--fit good.csv": "No such option",
 }  # fmt: skip
 
 

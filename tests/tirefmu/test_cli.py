@@ -20,12 +20,15 @@ from tirefmu.fitting.evidence.ripple import Ripple
 from tirefmu.fitting.results.fit_result import FitResult
 from tirefmu.fitting.results.records import FittedCoefficient, StageFit
 from tirefmu.fmu.comparison.result import CheckResult
+from tirefmu.measurements import read_recording
 from tirefmu.measurements.findings.finding import Finding
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers import generate
 from tirefmu.tires import read_tir
 
 from ..declared_flags import declared_flags, flags
+
+COMMANDS = ("generate", "inspect", "evaluate", "fit", "export", "check", "info", "draw", "demo")
 
 
 def strict(text):
@@ -142,14 +145,43 @@ def test_a_fit_from_a_tire_and_a_user_defined_recipe(chain, command, bench_csv, 
     folder, _ = chain
     recipe = tmp_path / "friction [only].toml"
     recipe.write_text('[[stage]]\nname = "[friction]"\n[stage.free]\nPDY1 = { guess = 2, lower = 1, upper = 4 }\n')
-    start = ("--start", folder / "fitted.tir", "--recipe", recipe, "-o", tmp_path / "[new].tir")
-    outcome = command("fit", bench_csv, "--model", "mf96", *start)
+    outcome = command(
+        "fit",
+        bench_csv,
+        "--model",
+        "mf96",
+        "--start",
+        folder / "fitted.tir",
+        "--recipe",
+        recipe,
+        "-o",
+        tmp_path / "[new].tir",
+    )
     assert outcome.status == 0, outcome.err
     before, after = read_tir(folder / "fitted.tir"), read_tir(tmp_path / "[new].tir")
     assert after.has == before.has
     assert {n for n in after.values if after.values[n] != before.values[n]} == {"PDY1"}
     assert "[friction]: iteration" in outcome.err  # brackets in names are not markup
     assert f"tire: {tmp_path / '[new].tir'}" in outcome.out
+
+
+def test_without_removes_effects(command, bench_csv, tmp_path):
+    outcome = command(
+        "fit", bench_csv, "--model", "mf96", "--effects", "load_stiffness, camber_thrust", "--without", "camber_thrust",
+        "-o", tmp_path / "tire.tir",
+    )  # fmt: skip
+    assert outcome.status == 0, outcome.err
+    assert read_tir(tmp_path / "tire.tir").has == {"load_stiffness"}
+
+
+def test_data_in_another_convention_are_refused(command, bench_csv, tmp_path):
+    outcome = command(
+        "fit", bench_csv, "--model", "mf96", "--signs", "adapted-sae", "--effects", "none", "-o", tmp_path / "odd.tir"
+    )
+    assert outcome.status == 2
+    assert outcome.err.count("bench.csv: Fy falls with alpha") == 1
+    assert "the data fit iso (--signs iso)" in outcome.err
+    assert not (tmp_path / "odd.tir").exists()
 
 
 # ------------------------------------------------------------------ evaluate
@@ -193,23 +225,34 @@ def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp
     assert clamped.loc[1, "alpha"] == free.loc[1, "alpha"]  # the input is returned unchanged
 
 
+def test_evaluate_writes_the_convention_of_the_table(command, chain, bench_csv, tmp_path):
+    folder, _ = chain
+    recording = read_recording(bench_csv)
+    results = {}
+    for signs in ("iso", "adapted-sae", "sae"):
+        path = tmp_path / f"{signs}.csv"
+        recording.with_signs(signs).table.to_csv(path, index=False)
+        out = tmp_path / f"{signs}_out.csv"
+        assert command("evaluate", folder / "fitted.tir", path, "--signs", signs, "-o", out).status == 0
+        results[signs] = pd.read_csv(out)
+    for name in ("Fx", "Fy", "Mz"):
+        flips = -1.0 if name != "Fx" else 1.0
+        for signs in ("adapted-sae", "sae"):
+            np.testing.assert_allclose(results[signs][name], flips * results["iso"][name], rtol=1e-9, atol=1e-9)
+
+
 # ------------------------------------------------------------------ printed output
 
 
-@pytest.fixture
-def calls(chain, bench_csv, published_tir, tmp_path):
-    """Return a call of every command of the workflow."""
-    fit = ["--model", "mf96", "--effects", "none", "-o", tmp_path / "t.tir", "--figures", tmp_path / "figures"]
-    return [
-        ["evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"],
-        ["fit", bench_csv, *fit],
-        ["export", published_tir, "-o", tmp_path / "t.fmu"],
-        ["check", chain[0] / "fmi3.fmu", bench_csv],
-        ["info", published_tir],
+def test_json_is_the_only_standard_output(chain, command, bench_csv, published_tir, tmp_path):
+    folder, _ = chain
+    calls = [
+        ("evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"),
+        ("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tmp_path / "t.tir"),
+        ("export", published_tir, "-o", tmp_path / "t.fmu"),
+        ("check", folder / "fmi3.fmu", bench_csv),
+        ("info", published_tir),
     ]
-
-
-def test_json_is_the_only_standard_output(calls, command):
     for call in calls:
         outcome = command(*call, "--quiet", "--json", "-")
         assert outcome.status == 0, (call, outcome.err)
@@ -217,7 +260,26 @@ def test_json_is_the_only_standard_output(calls, command):
         assert outcome.err == ""
 
 
-def test_quiet_prints_nothing(calls, capfd):
+def test_quiet_prints_nothing(chain, bench_csv, published_tir, tmp_path, capfd):
+    folder, _ = chain
+    calls = [
+        ["evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"],
+        [
+            "fit",
+            bench_csv,
+            "--model",
+            "mf96",
+            "--effects",
+            "none",
+            "-o",
+            tmp_path / "t.tir",
+            "--figures",
+            tmp_path / "figures",
+        ],
+        ["export", published_tir, "-o", tmp_path / "t.fmu"],
+        ["check", folder / "fmi2.fmu", bench_csv],
+        ["info", published_tir],
+    ]
     for call in calls:
         assert tirefmu.cli.main([*map(str, call), "--quiet"]) == 0
         assert capfd.readouterr() == ("", ""), call  # includes output that libraries write directly
@@ -231,6 +293,20 @@ def test_info_reports_what_is_in_a_tire(command, published_tir):
     reported = strict(command("info", published_tir, "--quiet", "--json", "-").out)
     assert reported["values"] == dict(read_tir(published_tir).values)
     assert set(reported["effects"]) | set(reported["effects_at_neutral"]) == read_tir(published_tir).has
+
+
+def test_help_names_every_command(command):
+    for outcome in (command("--help"), command()):
+        assert outcome.status == 0
+        assert "Usage: tirefmu " in outcome.out
+        for name in COMMANDS:
+            assert f"\n  {name} " in outcome.out
+    for name in COMMANDS:
+        outcome = command(name, "--help")
+        assert outcome.status == 0
+        assert "--json" in outcome.out
+        assert "--quiet" in outcome.out
+    assert tirefmu.__version__ in command("--version").out
 
 
 # ------------------------------------------------------------------ generate
@@ -253,6 +329,11 @@ def generated(smallest, tmp_path, monkeypatch):
     shutil.copytree(smallest, folder)
     monkeypatch.setattr(tirefmu.generated, "__file__", str(folder / "__init__.py"))
     return folder
+
+
+def test_code_that_is_what_the_book_generates_passes(command, generated):
+    outcome = command("generate", "--check")
+    assert outcome.status == 0, outcome.out
 
 
 def test_a_planted_edit_is_found_shown_and_repaired(command, generated, capfd):
@@ -291,6 +372,15 @@ def test_another_folder_gets_the_jacobians_too(command, generated, tmp_path, mon
     assert "all/c/fiala_jacobians.c" in outcome.out
     assert not list(generated.rglob("*_jacobians.*"))
     assert command("generate", "--check", "-o", str(tmp_path / "all")).status == 2
+
+
+def test_a_missing_and_a_stray_file_are_found(command, generated):
+    (generated / "numpy" / "mf96.py").unlink()
+    (generated / "c" / "mf00.c").write_text("int old = 1;\n", encoding="utf-8")
+    outcome = command("generate", "--check")
+    assert outcome.status == 1
+    assert "generated/numpy/mf96.py" in outcome.out
+    assert "-int old = 1;" in outcome.out
 
 
 # ------------------------------------------------------------------ as a process

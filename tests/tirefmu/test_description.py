@@ -156,6 +156,12 @@ def test_the_command_reports_missing_values(command, tmp_path):
         assert word in full.out, word
 
 
+def test_a_published_tire_is_reported_by_its_name(command):
+    outcome = command("info", "trento_hoosier")
+    assert outcome.status == 0
+    assert "Magic Formula 1996" in outcome.out
+
+
 def test_coefficients_that_the_model_ignores_are_named(command, golden, tmp_path):
     """PKY6 and PKY7 have no influence in MF5.2; a value of 0 is not worth a line."""
     text = (golden / "MagicFormula52_Parameters.tir").read_text(encoding="utf-8")

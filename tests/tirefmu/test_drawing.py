@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.measurements import Noise, VirtualBench, small_tire_program, write_table
 from tirefmu.symbolic.models import MODELS
-from tirefmu.tires import Tire, published
+from tirefmu.tires import PUBLISHED, Tire, published
 from tirefmu.tires.drawing import files
 from tirefmu.tires.drawing import tire_figures as drawing
 from tirefmu.tires.drawing.picture import picture, rendered
@@ -112,6 +112,10 @@ def test_a_load_beyond_the_range_is_reported(small):
         assert ("300 N: outside 60 to 160 N" in text) is noted
 
 
+def test_the_small_tires_loads_are_the_papers(small):
+    assert drawing.default_loads(small) == (60.0, 110.0, 160.0)
+
+
 @given(st.floats(0.0, 1e4), st.floats(0.0, 1e4), st.floats(10.0, 1e4))
 def test_the_default_loads_lie_in_the_range(first, second, nominal):
     low, high = sorted((first, second))
@@ -128,6 +132,13 @@ def test_invalid_loads_are_rejected(small, loads, tmp_path):
     with pytest.raises(TirefmuError, match="load"):
         files.draw(small, tmp_path / "figures", loads=loads)
     assert not (tmp_path / "figures").exists()
+
+
+def test_names_are_checked(small, tmp_path):
+    with pytest.raises(UnknownName, match="did you mean png"):
+        files.draw(small, tmp_path, suffix="pgn")
+    with pytest.raises(UnknownName, match="did you mean iso"):
+        files.draw(small, tmp_path, signs="iso8855")
 
 
 def test_a_tire_without_force_is_refused(tmp_path):
@@ -159,6 +170,22 @@ def test_a_folder_that_cannot_be_made_is_one_line(small, tmp_path):
 # ------------------------------------------------------------------ the command
 
 
+def test_the_command_draws_a_published_tire_by_name(command, tmp_path):
+    outcome = command("draw", "unicamp_small_tire", "-o", tmp_path / "figures", "--loads", "60,110")
+    assert outcome.status == 0, outcome.err
+    assert "figures at 60, 110 N, signs iso" in outcome.out
+    files = {path.name for path in (tmp_path / "figures").iterdir()}
+    assert files == {"pure.png", "surfaces_60N.png", "surfaces_110N.png", "combined.png"}
+
+
+def test_rows_without_load_are_drawn_at_the_nominal_load(command, tmp_path):
+    table = tmp_path / "run.csv"
+    table.write_text("alpha,Fy\n" + "".join(f"{0.01 * n},{-100 * n}\n" for n in range(-9, 10)), encoding="utf-8")
+    outcome = command("draw", "unicamp_small_tire", table, "-o", tmp_path / "figures")
+    assert outcome.status == 0, outcome.err
+    assert "figures at 60 N" in outcome.out
+
+
 def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir, tmp_path):
     outcome = command(
         "draw", published_tir, "-o", tmp_path / "figures", "--loads", "500", "--format", "svg", "--quiet", "--json", "-"
@@ -187,6 +214,13 @@ def test_bad_input_is_one_line(command, arguments, message, tmp_path):
     assert message in outcome.err
     assert len(outcome.err.splitlines()) == 1
     assert not (tmp_path / "figures").exists()
+
+
+@pytest.mark.parametrize("name", sorted(PUBLISHED))
+def test_other_commands_accept_a_published_name(command, name):
+    outcome = command("info", name, "--quiet", "--json", "-")
+    assert outcome.status == 0, outcome.err
+    assert json.loads(outcome.out)["about"] == published(name).about
 
 
 @pytest.mark.parametrize("text", HOSTILE)

@@ -110,3 +110,14 @@ def test_texts_of_a_file_do_not_reach_the_page_as_markup(command, tmp_path):
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert "<img src=x>" not in page
     assert "<b>lap" not in page
+
+
+@pytest.mark.parametrize(("command_line", "status"), [("evaluate trento_hoosier {} -o out.csv", 2), ("inspect {}", 0)])
+def test_rows_without_an_input(command, bench_csv, tmp_path, monkeypatch, command_line, status):
+    monkeypatch.chdir(tmp_path)
+    table = pd.read_csv(bench_csv)
+    table.assign(alpha=table["alpha"].where(table.index != 7)).to_csv("nan.csv", index=False)
+    outcome = command(*command_line.format("nan.csv").split())
+    assert outcome.status == status
+    assert "rows lack an input: NaN in alpha (1), the first in row 8" in outcome.out + outcome.err
+    assert not (tmp_path / "out.csv").exists()

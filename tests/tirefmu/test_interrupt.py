@@ -38,7 +38,7 @@ def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
     out, err = process.communicate()
     assert process.returncode == 1, err
     assert "fit interrupted in stage" in out
-    assert f"{saved}; to continue: tirefmu fit " in " ".join(out.split())
+    assert f"{saved}; to continue: tirefmu fit " in out
     assert "Traceback" not in err
     reported = json.loads(where[1].read_text(encoding="utf-8"))
     assert reported["ok"] is False

@@ -100,6 +100,8 @@ def test_parts_are_those_of_the_file_in_any_order_of_requests(rows, tmp_path):
     (lambda t: t.assign(alpha=t["alpha"].where(t.index != 700, 12.0)), "in.parquet: alpha reaches 12 rad: in degrees?"),
     (lambda t: t.assign(Fz=t["Fz"].where(t.index != 801, np.nan)), "in.parquet: row 802: Fz is NaN: every row of"),
     (lambda t: t.assign(Fy=t["Fy"].where(t.index != 3, np.inf)), "in.parquet: row 4: Fy is infinite"),
+    (lambda t: t.assign(Fz=-t["Fz"]), "in.parquet: Fz is negative in 100 % of the rows: SAE signs?"),
+    (lambda t: t.rename(columns={"alpha": "SlipAngle"}), "column 'SlipAngle' is not a channel: did you mean alpha?"),
     (lambda t: t.assign(Fz="heavy"), "in.parquet: row 1: column Fz: 'heavy' is not a number"),
 ])  # fmt: skip
 def test_bad_values_anywhere_are_refused_in_one_line(evaluated, rows, tmp_path, change, message):
@@ -117,7 +119,7 @@ def test_wrong_signs_are_reported_in_the_same_words(evaluated, rows, tmp_path):
     assert warning.startswith(
         "in.parquet: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae), or alpha has"
     )
-    assert f"warning: {warning}" in outcome.text
+    assert f"warning: {warning}" in outcome.out
 
 
 def test_units_are_those_of_the_header(evaluated, rows):

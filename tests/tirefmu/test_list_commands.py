@@ -7,6 +7,7 @@ import re
 import shlex
 
 import click
+import pytest
 
 from tirefmu.catalogue import effects
 from tirefmu.cli import cli
@@ -28,12 +29,22 @@ def test_every_effect_that_a_tire_can_have_is_listed(command):
 
 
 def test_an_effect_is_described_with_formula_coefficients_and_measurement(command):
-    out = command("effects", "temp_friction").text
+    out = command("effects", "temp_friction").out
     (declared,) = effects("temp_friction")
     for text in ("TMU1", "1/K", "-0.05 to 0.05", declared["source"], declared["formulas"][0]["factor"], "T"):
         assert text in out
     assert "camber_thrust" in command("effects", "--model", "mf61").out
     assert "camber_thrust" not in command("effects", "--model", "brush").out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [(["camber_trust"], "did you mean camber_thrust?"), (["--model", "mf60"], "unknown model 'mf60'")],
+)
+def test_an_unknown_name_is_one_line(command, arguments, message):
+    outcome = command("effects", *arguments)
+    assert (outcome.status, outcome.out, outcome.err.count("\n")) == (2, "", 1)
+    assert message in outcome.err
 
 
 def test_models_and_published_tires_are_listed(command):

@@ -105,7 +105,7 @@ def test_each_step_prints_the_next_one_which_runs(folder, command):
         assert done.status in (0, 1), done.err
         arguments = following(done.out) if "next: " in done.out else []
     assert steps[:2] == ["inspect", "fit"]
-    assert steps[2:] in (["export", "explore"], ["diagnose", "check", "check"])
+    assert steps[2:] in (["export"], ["diagnose", "check"])
     assert list(folder.rglob("*.fmu"))
 
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from tirefmu.fitting import fit
+from tirefmu.fitting import cross_validate, fit
 from tirefmu.forecast import Forecast, seconds_left
 from tirefmu.measurements import read_recording
 from tirefmu.progress import EVIDENCE, FitProgress, Stages, counting, showing_stages
@@ -97,6 +97,18 @@ def test_a_fit_announces_its_stages(bench_csv):
         assert size >= stage.rows * stage.free  # those that the rows do not determine are announced, too
 
 
+def test_a_failure_of_the_announcement_is_raised(bench_csv):
+    class Wrong:
+        def planned(self, work):
+            raise ValueError("planned")
+
+        def __call__(self, *call):
+            pytest.fail("called after a failure")
+
+    with pytest.raises(ValueError, match="planned"):
+        fit([read_recording(bench_csv)], "mf96", effects=[], progress=Wrong())
+
+
 def test_a_fit_prints_a_line_for_each_stage_without_a_terminal(validated, command, bench_csv, tmp_path):
     shown, found = validated
     lines = shown.err.splitlines()
@@ -114,6 +126,13 @@ def test_a_fit_prints_a_line_for_each_stage_without_a_terminal(validated, comman
     assert not any(line in shown.out for line in lines)
     fast = ("--model", "mf96", "--effects", "none", "--cross-validate", "2", "--quiet")
     assert command("fit", bench_csv, *fast, "-o", tmp_path / "t.tir").err == ""
+
+
+def test_folds_in_this_process_are_those_of_the_library(validated, bench_csv):
+    printed = validated[1]["held_out"]
+    found = cross_validate([read_recording(bench_csv)], "mf96", folds=2, effects=EFFECTS.split(","),
+                           nominal={"Fz0": 220.0, "R0": 0.23})  # fmt: skip
+    assert [each["held_out"] for each in printed] == pytest.approx([each.held_out for each in found], rel=1e-12)
 
 
 @pytest.mark.parametrize("terminal", [True, False])

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import json
 import re
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+import click
 import jsonschema
 import pytest
 from hypothesis import given
@@ -16,6 +19,7 @@ from hypothesis import strategies as st
 from tests.json_schemas import check_file, objections, validator
 from tirefmu.batch.jobs import read_jobs
 from tirefmu.batch.study_file import read_study
+from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.json_schema import json_value, schema_of
 from tirefmu.cli import cli
 from tirefmu.driving.inputs.car import read_car
@@ -122,6 +126,63 @@ def test_the_examples_are_valid(kind, tmp_path):
     (tmp_path / "heat_friction.toml").write_text(text, encoding="utf-8")
     reader(tmp_path / "heat_friction.toml")
     check_file(kind, tmp_path / "heat_friction.toml")
+
+
+def toml(value):
+    """Return a value as TOML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {toml(one)}" for key, one in value.items()) + "}"
+    return f"[{', '.join(map(toml, value))}]" if isinstance(value, list) else json.dumps(value)
+
+
+def changed(content):
+    """Yield contents with one change: another key in a table, another value at a place, a place without a value."""
+
+    def places(value, path=()):
+        yield path
+        items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+        for key, one in items:
+            yield from places(one, (*path, key))
+
+    def at(path):
+        tree = copy.deepcopy(content)
+        parent = tree
+        for key in path[:-1]:
+            parent = parent[key]
+        return tree, parent
+
+    for path in places(content):
+        if path:
+            for value in (3, -1.5, "text", True, [], [2.0], ["text"], {}, {"a": 1.0}):
+                tree, parent = at(path)
+                parent[path[-1]] = value
+                yield path, tree
+            tree, parent = at(path)
+            del parent[path[-1]]
+            yield path, tree
+        tree, parent = at((*path, None))
+        if isinstance(parent, dict):
+            parent["not_a_key"] = 1.0
+            yield (*path, "not_a_key"), tree
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_what_a_reader_accepts_is_valid_and_an_unknown_key_is_not(kind, tmp_path):
+    """A reader also refuses what no schema can state: bounds that cross, names of other effects, formulas."""
+    text, reader = EXAMPLES[kind]
+    path = tmp_path / "heat_friction.toml"
+    refused = found = 0
+    for place, content in changed(tomllib.loads(text)):
+        path.write_text("".join(f"{json.dumps(key)} = {toml(value)}\n" for key, value in content.items()), "utf-8")
+        invalid, refusal = objections(kind, content), ""
+        try:
+            reader(path)
+        except (TirefmuError, click.UsageError) as error:
+            refusal = str(error)
+        assert refusal or not invalid, (place, invalid)
+        assert invalid or not ("unknown key" in refusal and place[-1] == "not_a_key"), (place, refusal)
+        refused, found = refused + bool(refusal), found + bool(refusal and invalid)
+    assert found >= 0.9 * refused > 0, (found, refused)
 
 
 def test_files_that_commands_write_are_valid(command, chain, validated, bench_csv, tmp_path):

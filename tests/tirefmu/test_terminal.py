@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
-import shutil
 import sys
 from dataclasses import replace
 
@@ -14,11 +12,10 @@ from rich.console import Console
 from tirefmu.boundary.errors import LONGEST, TirefmuError, UnknownName
 from tirefmu.cli import main
 from tirefmu.fit_tables import LONGEST_CELL, plain_table
-from tirefmu.terminal import LINE, Terminal, wrapped
+from tirefmu.terminal import Terminal
 from tirefmu.tires import published
 
 from ..hostile import HOSTILE, is_plain
-from .conftest import EFFECTS
 
 
 @pytest.mark.parametrize("text", HOSTILE)
@@ -35,8 +32,7 @@ def test_a_line_stays_a_line(text, capsys):
 def test_titles_and_cells_are_text(text, capsys):
     table = plain_table("recording", "rows", title=text)
     table.add_row(text, "12")
-    Terminal().heading(text, "of a file")
-    Terminal().heading("file", text)
+    Terminal().heading(text, text)
     Terminal()._out.print(table)
     out = capsys.readouterr().out
     assert is_plain(out)
@@ -105,32 +101,3 @@ def test_a_terminal_without_a_character_still_shows_the_line(monkeypatch, tmp_pa
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(screen, encoding="ascii", write_through=True))
     assert main(["info", str(path)]) == 0
     assert screen.getvalue().startswith(rb"Stra\xdfe \u65e5: ")
-
-
-def test_no_line_is_longer_than_the_limit(command, bench_csv, published_fmu, tmp_path, monkeypatch):
-    """Except for a command to enter: all tables and texts of the main commands, on a recording with few rows."""
-    monkeypatch.chdir(tmp_path)
-    shutil.copy(bench_csv, "bench.csv")
-    shutil.copy(published_fmu, "trento.fmu")
-    fit = f"fit bench.csv --model mf96 --nominal Fz0=220,R0=0.23 --effects {EFFECTS} --all -o my.tir"
-    lines = [
-        "inspect bench.csv --all", fit, "info my.tir --all", "info trento_hoosier", "effects", "effects camber_thrust",
-        "columns", "models", "lint my.tir --for carsim", "convert my.tir --for adams -o adams.tir",
-        "compare my.tir trento_hoosier -o comparison", "check trento.fmu bench.csv", "export my.tir -o my.fmu",
-        "explore my.tir bench.csv -o my.html",
-    ]  # fmt: skip
-    for line in lines:
-        done = command(*line.split())
-        assert done.status in (0, 1), done.err
-        printed = [re.sub(r"\(?tirefmu [a-z]+ .*", "", shown) for shown in (done.out + done.err).splitlines()]
-        assert printed
-        assert [shown for shown in printed if len(shown) > LINE or "\u2026" in shown] == []
-
-
-def test_a_command_to_enter_remains_in_one_line():
-    enter = "tirefmu diagnose 'run 1.csv' --where " + 40 * "t"
-    assert wrapped(f"next: {enter} {enter}") == [f"next: {enter} {enter}"]
-    *text, last = wrapped(f"warning: {30 * 'word '}; to continue: {enter}")
-    assert last == f"  to continue: {enter}"
-    assert max(map(len, text)) <= LINE
-    assert " ".join(map(str.strip, text)) == f"warning: {30 * 'word '};"

@@ -10,7 +10,7 @@ import pytest
 from tirefmu.batch.jobs import OPTIONS
 from tirefmu.batch.study_file import KEYS
 from tirefmu.boundary.errors import LISTED_BY
-from tirefmu.fitting.problem.recipe import RECIPES, recipe_schema
+from tirefmu.fitting.problem.recipe import RECIPES, STAGE_KEYS
 from tirefmu.measurements import CHANNELS
 from tirefmu.project.project_file import SECTIONS
 from tirefmu.symbolic.models import MODELS
@@ -51,14 +51,14 @@ FILES = {
     "a key of a study": ("s.toml", "manoeuvre = 1\n", "study tire.fmu {file} -o out", tuple(KEYS)),
     "a key of a recipe": (
         "r.toml", "[[stage]]\nname = 'a'\nchanels = ['Fx']\n", "fit a.csv --model mf96 --recipe {file} -o t.tir",
-        tuple(recipe_schema()["properties"]["stage"]["items"]["properties"]),
+        tuple(STAGE_KEYS),
     ),
     "a channel of a recipe": (
         "r.toml", "[[stage]]\nname = 'a'\nchannels = ['Fq']\n", "fit a.csv --model mf96 --recipe {file} -o t.tir",
         ("Fx", "Fy", "Mz", "Mx", "My"),
     ),
     "a coefficient of a recipe": (
-        "r.toml", "[[stage]]\nname = 'a'\n[stage.free]\nPCX9 = {guess = 1.0}\n",
+        "r.toml", "[[stage]]\nname = 'a'\n[stage.free]\nPCX9 = [1, 0, 2]\n",
         "fit a.csv --model mf96 --recipe {file} -o t.tir", ("PCX1", LISTED_BY["coefficient"]),
     ),
     "a key of an effect": ("e.toml", effect("sorce = 'x'"), "diagnose a.csv --effect {file} -o out", EFFECT_KEYS),

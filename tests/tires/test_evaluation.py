@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.tires import Tire, convert_signs
@@ -71,6 +73,22 @@ def test_the_other_side_is_the_mirror_image(tire, signs):
         np.testing.assert_array_equal(answer[name], table[name])  # the inputs are returned unchanged
     other = tire.evaluate(table, signs=signs)
     assert np.max(np.abs(answer["Fy"] - other["Fy"])) > 10.0  # the tire is asymmetric
+
+
+@settings(max_examples=40)
+@given(
+    kappa=st.floats(-1, 1), alpha=st.floats(-1, 1), gamma=st.floats(-0.5, 0.5), load=st.floats(0, 9000),
+    speed=st.floats(-40, 40), spin=st.floats(-1, 1),
+)  # fmt: skip
+@pytest.mark.parametrize("name", MAGIC)
+def test_twice_in_the_mirror_is_the_tire(name, kappa, alpha, gamma, load, speed, spin):
+    tire = asymmetric(name)
+    row = pd.DataFrame([{"kappa": kappa, "alpha": alpha, "gamma": gamma, "Fz": load, "V": speed, "phit": spin}])
+    forces = list(tire.outputs)
+    mirrored = tire.evaluate(turned(row), mirror=True)
+    pd.testing.assert_frame_equal(turned(mirrored[forces]), tire.evaluate(row)[forces], check_exact=True)
+    # Its quantities are those of the measured tire at the mirrored inputs.
+    pd.testing.assert_series_equal(mirrored["K_yalpha"], tire.evaluate(row)["K_yalpha"], check_exact=True)
 
 
 def test_the_side_of_a_tire_changes_nothing_by_itself(tire):

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import UnknownName
 from tirefmu.tires import PUBLISHED, published, read_tir
 
 #: The UNICAMP paper's tables 2 and 3.
@@ -87,6 +88,11 @@ def bench(loads=LOADS, angles=ANGLES, slips=SLIPS):
     return pd.DataFrame(dict(zip(("Fz", "alpha", "kappa"), (part.ravel() for part in grid), strict=True)))
 
 
+def turns(values):
+    """Count how often a curve changes between rising and falling."""
+    return int(np.count_nonzero(np.diff(np.sign(np.diff(values)))))
+
+
 @pytest.mark.parametrize("name", sorted(PUBLISHED))
 def test_every_published_tire_can_be_read_and_states_its_source(name):
     tire = published(name)
@@ -105,6 +111,11 @@ def test_a_published_tire_survives_writing(name, tmp_path):
     assert again.ranges == tire.ranges
 
 
+def test_an_unknown_tire_is_reported_with_the_nearest_name():
+    with pytest.raises(UnknownName, match="unicamp_small_tire"):
+        published("unicamp_smal_tire")
+
+
 def test_the_small_tire_has_the_forces_of_the_printed_formula(small):
     table = bench()
     printed = {"RBY1": 100.0 * PRINTED["RBY1"], "RBY2": PRINTED["RBY2"]}
@@ -117,6 +128,37 @@ def test_the_small_tire_has_the_forces_of_the_printed_formula(small):
     assert {name for name in PURE_FX | PURE_FY if abs(PRINTED[name]) != abs(small.values[name])} == {
         "PKX1", "PKX2", "PHX1", "PHX2", "PKY1", "PKY2", "PKY4",
     }  # fmt: skip
+
+
+def test_the_replaced_weight_changes_the_side_force_less_than_the_error_of_the_paper(small):
+    table = bench()
+    computed = small.evaluate(table, signs="adapted-sae", slip_angle="angle")
+    Fx, Fy, _ = paper_forces(100.0 * table["kappa"], table["alpha"], table["Fz"])
+    np.testing.assert_allclose(computed["Fx"], Fx, rtol=1e-6, atol=1e-6)
+    moved = (computed["Fy"] - Fy).abs()
+    assert moved.max() < np.sqrt(MISSED / MEASURED)
+    assert moved[table["alpha"].abs() > 0.05].max() < 0.2
+
+
+def test_the_omitted_term_is_small_in_the_measured_range_and_a_spike_at_zero(small):
+    table = bench()
+    _, _, own = paper_forces(100.0 * table["kappa"], table["alpha"], table["Fz"])
+    straight = table["alpha"].abs() < 1e-12
+    assert own[~straight].abs().max() < 1.0
+    assert own[straight].abs().max() > 1000.0 * max(LOADS)
+    assert "kappa_sideforce_SVyk" not in small.has
+
+
+def test_the_printed_cornering_stiffness_reverses_between_the_loads_and_the_replaced_does_not(small):
+    loads = np.linspace(60.0, 160.0, 501)
+    top = PRINTED["PKY2"] * (1 + PRINTED["PPY2"] * DPI)
+    printed = np.sin(PRINTED["PKY4"] * np.arctan(loads / NOMINAL_LOAD / top))
+    assert printed[loads == 60.0] > 0.5
+    assert printed.min() < -0.9
+    replaced = small.evaluate(pd.DataFrame({"Fz": loads}), signs="adapted-sae")["K_yalpha"].to_numpy()
+    assert replaced.min() > 0.0
+    assert turns(printed) > 2
+    assert turns(replaced) <= 1
 
 
 def test_the_small_tire_has_no_spike(small):

@@ -248,9 +248,7 @@ HEAD += 'OWNLEN = {description = "x", unit = "m", neutral = 0.3}\nGAIN = {}\n'
 ACT = '[[acts]]\non = "mu_y"\nfactor = "1 + GAIN*late"\n'
 SWING = LAG.replace('"lag"', '"oscillator"').replace("length", "damping") + "frequency = 50\n"
 WRONG = {
-    "did you mean lag? Known are lag, heat, temperature, accumulation, oscillator, hysteresis, play": LAG.replace(
-        '"lag"', '"lagg"'
-    ),
+    "did you mean lag? Known are lag, heat, accumulation, oscillator, hysteresis, play": LAG.replace('"lag"', '"lagg"'),
     "a lag requires rate or length": LAG.replace('length = "OWNLEN"', ""),
     "an oscillator requires damping": LAG.replace('"lag"', '"oscillator"').replace("length", "frequency"),
     "[states.late_speed] has the name of the speed of an oscillator": SWING + LAG.replace(".late]", ".late_speed]"),
@@ -258,13 +256,13 @@ WRONG = {
     "a lag has no width": LAG + 'width = "OWNLEN"\n',
     "unknown key 'lenght'": LAG.replace("length", "lenght"),
     "unknown function '__import__'": LAG.replace('"alpha"', '"__import__(os)"'),
-    "'Late' in states is not a word of small letters": LAG.replace("states.late", "states.Late"),
+    "'Late' is not a word of small letters": LAG.replace("states.late", "states.Late"),
     "'exp' is a name of the generated code": LAG.replace("states.late", "states.exp"),
     "drive 'alpha' is no lag of this effect": LAG.replace('"lag"', '"hysteresis"').replace("length", "width"),
     "'t' is a name of the program": LAG.replace("states.late", "states.t"),
     "'kappa_lagged' is a name of the program": LAG.replace("states.late", "states.kappa_lagged"),
     "state other is declared but not used": LAG + LAG.replace("states.late", "states.other"),
-    "states.late.drive is []: expected a list of one or two lags": LAG.replace('drive = "alpha"', "drive = []"),
+    "drive is missing or not a text": LAG.replace('drive = "alpha"', "drive = []"),
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import replace
 from decimal import Decimal
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import TireError, TirError
 from tirefmu.symbolic.models import MODELS
-from tirefmu.tires import Tire, published, read_tir, tire_from, write_tir
+from tirefmu.tires import PUBLISHED, Tire, published, read_tir, tire_from, write_tir
 from tirefmu.tires.definition import RANGES
 from tirefmu.tires.property_file import other_entries, reading
 from tirefmu.tires.property_file import text as form
@@ -65,9 +66,42 @@ def test_written_and_read_is_the_same_tire(folder, tire):
         name: value.hex() for name, value in iso.values.items()
     }
     assert tir_text(again) == tir_text(tire)
-    # Nothing that another reader takes for a comment.
-    assert not set("$!") & set(next((line for line in tir_text(tire).splitlines() if line.startswith("NAME = ")), ""))
     assert [path.name for path in folder.iterdir()] == ["made.tir"]
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_a_published_tire_is_written_as_it_was_read(tmp_path, name):
+    tire = published(name).in_signs("iso")
+    tire.save(tmp_path / "published.tir")
+    again = read_tir(tmp_path / "published.tir")
+    assert again == tire
+    assert not_given(again) == not_given(tire)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "it's 5 $ a piece",
+        "'quoted'",
+        '"quoted"',
+        "'",
+        "it's $ 'odd'",
+        "a\\nb \\",
+        "two\nlines",
+        " blanks ",
+        "",
+        "50 % ! = [x]",
+    ],
+)
+def test_a_text_is_read_back_exactly(tmp_path, text):
+    tire = replace(published("trento_hoosier"), name=text, about={"source": text, "after": "the next line"})
+    tire.save(tmp_path / "written.tir")
+    again = read_tir(tmp_path / "written.tir")
+    assert again.name == again.about["source"] == text
+    assert again.about["after"] == "the next line"
+    # The file contains nothing that another reader takes for a comment or for a second line.
+    line = next(line for line in tir_text(tire).splitlines() if line.startswith("NAME = "))
+    assert not set("$!") & set(line)
 
 
 @pytest.mark.parametrize("key", ["name", "effects", "fittyp", "pky1", "length", "fzmin", "tirefmu_model", "core_pky1"])
@@ -85,6 +119,15 @@ def test_numbers_of_numpy_are_written_as_numbers(tmp_path):
     assert read_tir(tmp_path / "numpy.tir") == tire
 
 
+def test_a_written_tire_is_iso_and_its_forces_are_mirrored(tmp_path):
+    tire = published("trento_hoosier")
+    tire.save(tmp_path / "hoosier.tir")
+    again = read_tir(tmp_path / "hoosier.tir")
+    inputs = {"kappa": 0.05, "alpha": np.linspace(-0.2, 0.2, 9), "gamma": 0.03, "Fz": 900.0}
+    assert again.signs == "iso"
+    np.testing.assert_allclose(again.forces(**inputs).Fy, -tire.forces(**inputs).Fy, rtol=1e-13)
+
+
 def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
     """PKY2 = 1e6 and PKY1 scaled: without the section of tirefmu the file is the same tire with all effects on."""
     core = replace(published("trento_hoosier"), effects=[])
@@ -100,13 +143,52 @@ def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
         np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-9)
 
 
+def test_a_file_of_another_author(tmp_path):
+    """Comments, cases, blanks, a table of shapes, unknown sections, numbers of Fortran."""
+    (tmp_path / "other.tir").write_text(
+        """! a comment
+        [MDI_HEADER]
+        FILE_TYPE = 'tir'   $ with a comment
+        [units]
+        Length = 'METER'
+        [MODEL]
+        fittyp = 96  ! the model
+        [DIMENSION]
+        UNLOADED_RADIUS=0.25
+        [SHAPE]
+        {radial width}
+        1.0 0.0
+        [VERTICAL]
+        FNOMIN = 1.0D+3
+        [NOBODY_KNOWS]
+        PRICE = 'high $ and higher ! still'
+        [LATERAL_COEFFICIENTS]
+        PKY1 = -2.5e1 $ a slope
+        """,
+        encoding="latin-1",
+    )
+    tire = read_tir(tmp_path / "other.tir")
+    assert (tire.values["FNOMIN"], tire.values["UNLOADED_RADIUS"], tire.values["PKY1"]) == (1000.0, 0.25, -25.0)
+    assert tire.name == "other"
+    assert "PKY1" not in tire.defaulted
+    assert "PDY1" in tire.defaulted
+
+
 @pytest.mark.parametrize(
     ("replaced", "by", "expected"),
     [
         ("PCY1 = 1", "PCY1 1", "'PCY1 1.1348519668471597' in [LATERAL_COEFFICIENTS] is not 'KEY = value'"),
         ("[VERTICAL]", "[VERTICAL", "section '[VERTICAL' is not closed by ']'"),
         ("FNOMIN = 220.0", "FNOMIN = heavy", "FNOMIN = 'heavy' is not a number"),
+        ("FNOMIN = 220.0", "FNOMIN = nan", "FNOMIN = 'nan' is not a number"),
         ("FNOMIN = 220.0", "FNOMIN = $", "FNOMIN has no value: a tire needs it"),
+        ("PDX1 = ", "PDX1 = 1,5 $", "PDX1 = '1,5' is not a number"),
+        ("PDX1 = ", "PDX1 = 1.5 2.5 $", "PDX1 = '1.5 2.5' is not a number"),
+        ("PDX1 = ", "PDX1 = 1e999 $", "PDX1 = '1e999' is not a number"),
+        ("PCY1 = ", "PCYI = ", "unknown key PCYI of mf96: did you mean PCY1?"),
+        ("LENGTH = 'meter'", "LENGTH = 'meterz'", "LENGTH in 'meterz': did you mean meter"),
+        ("ANGLE = 'radians'", "ANGLE = 'degress'", "ANGLE in 'degress': did you mean degrees?"),
+        ("ANGLE = 'radians'", "ANGEL = 'degrees'", "unknown key ANGEL in [UNITS]: did you mean ANGLE?"),
         ("FORCE = 'newton'", "FORCE =", "FORCE in [UNITS] has no value"),
         ("FNOMIN = 220.0", "FNOMIN = 0.22 kN", "FNOMIN = '0.22 kN': units are declared in [UNITS] only"),
         ("[VERTICAL]", "[VERTICAL] FNOMIN = 3", "text behind section [VERTICAL]: 'FNOMIN = 3'"),
@@ -117,6 +199,7 @@ def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
         ("NAME = 'Hoosier", 'NAME = "Hoosier', 'NAME is not a quoted text: "Hoosier'),
         ("NAME = ", "EFFECTS = 'camber_trust' $", "effect of mf96 'camber_trust': did you mean camber_thrust?"),
         ("NAME = ", "EFFECTS = ''\nCORE_PKYI = 1 $", "unknown key CORE_PKYI of mf96: did you mean CORE_PKY"),
+        ("NAME = ", "EFECTS = 'none' $", "unknown key EFECTS of mf96: did you mean EFFECTS?"),
     ],
 )
 def test_a_broken_line_is_named(tmp_path, replaced, by, expected):
@@ -203,6 +286,14 @@ def test_a_failed_write_creates_no_file(tmp_path):
     with pytest.raises(TirError, match="cannot be written"):
         tire.save(tmp_path / "no_such_folder" / "tire.tir")
     assert [path.name for path in tmp_path.rglob("*")] == ["a_folder.tir"]
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="no folder is read-only for this user")
+def test_a_failed_write_in_a_read_only_folder_creates_no_file(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(TirError, match="cannot be written"):
+        published("trento_hoosier").save(tmp_path / "tire.tir")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_failed_write_preserves_the_old_file(tmp_path, monkeypatch):

@@ -89,6 +89,14 @@ def test_forces_of_scalars_lists_and_nothing(hoosier, code):
     assert hoosier.evaluate(pd.DataFrame({"alpha": []}), code=code).shape[0] == 0
 
 
+def test_an_omitted_input_is_nominal(hoosier):
+    assert hoosier.forces(alpha=0.1).Fy == hoosier.forces(kappa=0, alpha=0.1, gamma=0, Fz=220.0).Fy
+
+
+def test_inputs_that_the_model_does_not_read_have_no_influence(hoosier):
+    assert hoosier.forces(alpha=0.1, p=2e5, V=20.0, T=80.0).Fy == hoosier.forces(alpha=0.1).Fy
+
+
 def test_unknown_inputs_and_languages_are_refused(hoosier):
     with pytest.raises(UnknownName, match=r"unknown input 'Alpha': did you mean alpha\?"):
         hoosier.forces(Alpha=0.1)
@@ -170,6 +178,11 @@ def test_evaluate_rejects_inputs_that_are_not_finite_numbers(hoosier, table, val
     assert str(caught.value) == message
 
 
+def test_evaluate_refuses_an_unknown_convention(hoosier, table):
+    with pytest.raises(UnknownName, match="unknown sign convention 'din'"):
+        hoosier.evaluate(table, signs="din")
+
+
 def test_evaluate_does_not_modify_the_table(hoosier, table):
     before = table.copy()
     hoosier.evaluate(table, signs="sae", limits=True)
@@ -183,3 +196,8 @@ def test_published_tires_have_the_signs_of_their_source(name):
     assert "source" in tire.about
     # The paper of the small tire gives Fx and Fy only: all other coefficients are neutral, and the file states it.
     assert tire.defaulted == () if name == "trento_hoosier" else "left_out" in tire.about
+
+
+def test_an_unknown_published_tire():
+    with pytest.raises(UnknownName, match=r"unknown published tire 'trento': did you mean trento_hoosier\?"):
+        published("trento")

@@ -52,6 +52,15 @@ def acting(answer):
     return answer[["kappa_lagged", "alpha_lagged"]].to_numpy()
 
 
+def test_a_constant_slip_stays():
+    n = 50
+    t = np.cumsum(np.random.default_rng(0).uniform(0.0, 0.1, n))
+    for hold in (True, False):
+        np.testing.assert_allclose(
+            lagged(t, np.full(n, 0.1), np.full(n, 7.0), np.full(n, 0.4), hold=hold), 0.1, rtol=1e-14
+        )
+
+
 def test_a_step_is_the_exponential_of_the_rolled_distance():
     t = np.array([0.0, 0.01, 0.02, 0.05, 0.2, 3.0])
     acts = lagged(t, np.full(6, 0.1), np.full(6, 12.0), np.full(6, 0.5), hold=True)

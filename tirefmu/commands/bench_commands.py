@@ -16,8 +16,9 @@ from tirefmu.boundary.escaping import command_text
 from ..arguments import FILE, check_input_paths, check_output_paths, command_line, common, grouped, names, write_json
 
 if TYPE_CHECKING:
-    from tirefmu.planning.plan import PlanResult
+    from tirefmu.planning.plan import PlanResult, Progress
 
+    from ..progress import Stages
     from ..terminal import Terminal
 
 #: The published tire of each program.
@@ -95,21 +96,15 @@ def plan(
     terminal = Terminal(quiet)
     today = recording_from(compare) if compare else None
     with terminal.stages([]) as stages:
-
-        def report(what: str, share: float) -> None:
-            if not share:
-                stages.begin(what)
-            stages.report(f"{100.0 * share:.0f} % of the bench time" if share else "")
-
         if pairs:
             from tirefmu.planning.separation import plan_between
 
-            result = plan_between(tire, limits, pairs, minutes=minutes or 2.0, progress=report)
+            result = plan_between(tire, limits, pairs, minutes=minutes or 2.0, progress=_reporting(stages))
         else:
             tires = tires_from(tire)
             result = run(
                 tires[0] if len(tires) == 1 else tires, limits, aims=aim.aims or ("all",), minutes=minutes or 20.0,
-                today=today, progress=report,
+                today=today, progress=_reporting(stages),
             )  # fmt: skip
     options = ("--tire", tire, "--program", output / "program.csv", "--bench", bench, "-o", "measured.csv")
     next_command = "" if tire.is_dir() else command_text("example", *options)
@@ -123,14 +118,31 @@ def plan(
 
 def _print(terminal: Terminal, result: PlanResult, written: Sequence[Path]) -> None:
     """Print the size of a program, its table, and what it does not determine."""
-    from tirefmu.planning.report import comparison, tables
+    from tirefmu.planning.report import result_rows
 
     terminal.print(f"program: {len(result.program.steps)} steps, {result.program.seconds / 60.0:.1f} min: {written[0]}")
-    terminal.table("", next(iter(tables(result).values())))
-    for line in (comparison(result), *(f"not determined: {n}: {why}" for n, why in result.undetermined.items())):
-        if line:
-            terminal.print(line)
+    terminal.table("", result_rows(result))
+    if result.today is not None:
+        equal, whole = result.equal_after(), result.today.seconds / 60.0
+        text = f"equal intervals after {equal / 60.0:.1f} min" if equal else "at least one interval is wider"
+        terminal.print(f"{text}, compared with {whole:.1f} min of {result.today.name}")
+    for name, reason in result.undetermined.items():
+        terminal.print(f"not determined: {name}: {reason}")
     terminal.print(f"report: {written[-1]}")
+
+
+def _reporting(stages: Stages) -> Progress:
+    """Return what reports the activity and its share to the terminal."""
+    latest = ""
+
+    def report(what: str, share: float) -> None:
+        nonlocal latest
+        if what != latest:
+            stages.begin(what)
+            latest = what
+        stages.report(f"{100.0 * share:.0f} % of the bench time" if share else "")
+
+    return report
 
 
 @click.command()

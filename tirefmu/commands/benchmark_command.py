@@ -76,7 +76,7 @@ def _written(terminal: Terminal, folder: Path, seed: int | None) -> dict[str, An
 
     if seed is None and (folder / "benchmark.json").exists():
         about = read_about(folder)
-        seed = next((published for published in PUBLISHED_SEEDS if commitment(published) == about["commitment"]), None)
+        seed = next((one for one in PUBLISHED_SEEDS if commitment(one) == about["commitment"]), None)
         return {"seed": seed, "digest": about["digest"]}
     seed = 1 if seed is None else seed
     with terminal.working(f"making the recordings of seed {seed}"):
@@ -109,9 +109,9 @@ def _scored(terminal: Terminal, answers: Path, seed: int, only: tuple[str, ...] 
 
     with terminal.working(f"making the truth of seed {seed}"):
         cases: dict[str, Made] = {case.name: case for case in made(seed)}
-    table = scores(read_outcomes([cases[name] for name in _chosen(only, list(cases))], answers))
-    terminal.table("", (["recordings", *HEAD], [[tier, *row(summary)] for tier, summary in table.items()]))
-    return table
+    found = scores(read_outcomes([cases[name] for name in _chosen(only, list(cases))], answers))
+    terminal.table("", (["recordings", *HEAD], [[tier, *row(summary)] for tier, summary in found.items()]))
+    return found
 
 
 def _chosen(only: tuple[str, ...] | None, cases: list[str]) -> list[str]:

@@ -99,13 +99,13 @@ def diagnose(
     terminal = Terminal(quiet)
     recording, *further = recordings_from([table, *others], **vars(selection))
     if turning:
-        recording, *further = (with_turn_slip(part) for part in (recording, *further))
+        recording, *further = (with_turn_slip(one) for one in (recording, *further))
     terminal.selection(recording, *further)
     check_columns(recording)  # before the findings, which would print the same sentence
-    for part in (recording, *further):
-        part.measured()  # raises for a table without a measured output
+    for one in (recording, *further):
+        one.measured()  # raises for a table without a measured output
     shown = ("incomplete rows", "warm-up", "clock")
-    terminal.findings(finding for finding in data_findings([recording]) if finding.serious or finding.kind in shown)
+    terminal.findings(each for each in data_findings([recording]) if each.serious or each.kind in shown)
     if "tire" in given:
         given["tire"] = tire_from(given["tire"])
     tested = [*map(user_effect, user_files), *(candidates or ())] or None
@@ -132,11 +132,11 @@ def diagnose(
     terminal.print(result.verdict)
     for line in _error_lines(summary):
         terminal.print(line)
-    written_names = [*written.values(), *(f"{effect.name}.toml" for effect in result.proposed)]
+    written_names = [*written.values(), *(f"{one.name}.toml" for one in result.proposed)]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
     tire, fmu = output / "improved.tir", output / "improved.fmu"
     check, export = ("check", fmu, table, *selection.arguments), ("export", tire, "-o", fmu)
-    terminal.print(f"next: {command_text(*(str(argument) for argument in (check if fmus else export)))}")
+    terminal.print(f"next: {command_text(*(str(each) for each in (check if fmus else export)))}")
     return 0 if ok else 1
 
 
@@ -150,16 +150,16 @@ def _diagnose_many(
 
     terminal = Terminal(quiet)
 
-    def progress(result: DiagnosisResult, finished: int, recordings: int) -> None:
-        text = result.verdict if result.complete else "; ".join((result.status, *result.reasons))
-        terminal.print(f"{result.name}: {text}")
+    def progress(one: DiagnosisResult, finished: int, recordings: int) -> None:
+        text = one.verdict if one.complete else "; ".join((one.status, *one.reasons))
+        terminal.print(f"{one.name}: {text}")
         counted(finished, recordings)
 
     with terminal.counting("diagnosing", singly=True) as counted:
         results = diagnose_many(tables, output, progress=progress, **options)
-    complete = all(result.complete for result in results)
-    write_json(json_file, {"ok": complete, "results": [result.to_json() for result in results]})
-    terminal.print(f"{sum(result.complete for result in results)} of {len(results)} recordings diagnosed")
+    complete = all(one.complete for one in results)
+    write_json(json_file, {"ok": complete, "results": [one.to_json() for one in results]})
+    terminal.print(f"{sum(one.complete for one in results)} of {len(results)} recordings diagnosed")
     terminal.print(f"reports, tires and summary.html: {output}")
     return 0 if complete else 1
 

@@ -32,13 +32,12 @@ class Columns(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # gener
 @click.option("--rear", type=FILE, help="Tire of the rear axle.")
 @click.option("-o", "--output", type=FILE, help="Folder to write: drive.json, wheels.csv, tires, report.html.")
 @click.option("--columns", type=Columns(), help="Headers of channels that have other names in the log.")
-@click.option("--fmus", is_flag=True, help="Simulate the vehicle on four tire FMUs, and write those of the new tires.")
 @click.option("--example", type=FILE, is_flag=False, flag_value=Path("car.toml"),
               help="Write a commented car file (car.toml) and its JSON Schema, and stop.")  # fmt: skip
 @common
 def drive(
     log: Path | None, vehicle: Path | None, tire: Path | None, rear: Path | None, output: Path | None,
-    columns: dict[str, str] | None, fmus: bool, example: Path | None, quiet: bool, json_file: Path | None,
+    columns: dict[str, str] | None, example: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Compare the LOG of a drive with the tires of the car.
 
@@ -58,7 +57,7 @@ def drive(
 
     terminal = Terminal(quiet)
     with terminal.working(f"estimating the motion of {log.name}"):
-        answer = run(log, vehicle=vehicle, tire=tire, rear=rear, columns=columns, fmus=fmus)
+        answer = run(log, vehicle=vehicle, tire=tire, rear=rear, columns=columns)
     with terminal.working("writing the answer"):
         written = answer.save(output)
         write_json(output / "drive.json", answer.to_json())

@@ -10,7 +10,6 @@ from typing import Any
 import click
 
 from tirefmu.boundary.errors import TirefmuError
-from tirefmu.boundary.escaping import command_text
 
 from ..arguments import (
     FILE,
@@ -182,8 +181,4 @@ def export(
     terminal.print(f"{form}, {tires_of}{shown}{size / 1024:.0f} KB: {written}")
     if (inputs != "slip" or kind == "sti") and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
-    if proof.path:
-        terminal.print(f"next: {command_text('check', written)}")
-    else:
-        terminal.print(f"next: {command_text('explore', tires[0], '-o', written.with_suffix('.html'))}")
     return 0

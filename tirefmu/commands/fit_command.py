@@ -98,8 +98,6 @@ class Checks:
               help="Coefficients that are not fitted, with their values in ISO-W: PCY1=1.3,PHY1=0.")  # fmt: skip
 @click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
               help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
-@click.option("--exact-sensors", "sensor_errors", is_flag=True, callback=lambda context, option, given: not given,
-              help="Intervals without offsets, drift and cross-talk of the sensors.")  # fmt: skip
 @click.option("--temperature", metavar="COLUMN",
               help="Also fit the effect temperature to this recorded temperature, deg C  [default: T, if --effects "
                    "has temperature]")  # fmt: skip
@@ -261,5 +259,5 @@ def _testable(effects: Sequence[str], tire: Tire, recording: Recording) -> list[
     from tirefmu.diagnosis.diagnose import with_library
     from tirefmu.diagnosis.probing.candidates import candidates_for
 
-    candidates = candidates_for(with_library(tire)) if "Fz" in recording.table else {}
-    return [name for name in effects if name in candidates and {*candidates[name].requires} <= {*recording.table}]
+    known = candidates_for(with_library(tire)) if "Fz" in recording.table else {}
+    return [name for name in effects if name in known and {*known[name].requires} <= {*recording.table}]

@@ -77,18 +77,18 @@ def inspect(
             "ok": ok,
             "verdict": verdict_on(findings),
             "findings": [vars(finding) for finding in findings],
-            "recordings": [inspection.to_json() for inspection in inspections],
+            "recordings": [each.to_json() for each in inspections],
         },
     )
     terminal.print(f"verdict: {verdict_on(findings)}")
     terminal.findings(findings)
-    for inspection in inspections:
-        terminal.heading(inspection.recording.source, texts.title(inspection))
-        for name, explanation, content in texts.all_tables(inspection):
+    for each in inspections:
+        terminal.heading(each.recording.source, texts.title(each))
+        for name, explanation, content in texts.all_tables(each):
             terminal.table(name, content, most=10_000 if every else MAX_ROWS)
             if every and explanation:
                 terminal.print(explanation)
-        for note in inspection.exclusion.notes if every else ():
+        for note in each.exclusion.notes if every else ():
             terminal.print(f"excluded from a fit: {note}")
     for path, kind in ((output, "page"), (selected, "selected rows")):
         if path:

@@ -24,19 +24,19 @@ def effects(name: str | None, model: str | None, quiet: bool, json_file: Path | 
     from ..catalogue import effects as found_effects
     from ..terminal import Terminal
 
-    effects = found_effects(name, model)
-    write_json(json_file, {"ok": True, "effects": effects})
+    found = found_effects(name, model)
+    write_json(json_file, {"ok": True, "effects": found})
     terminal = Terminal(quiet)
     if name:
-        for effect in effects:
-            terminal.print(*_description(effect))
+        for each in found:
+            terminal.print(*_description(each))
             rows = [
-                [key, coefficient["unit"], _bounds(coefficient["bounds"]), coefficient["description"]]
-                for key, coefficient in effect["coefficients"].items()
+                [key, one["unit"], _bounds(one["bounds"]), one["description"]]
+                for key, one in each["coefficients"].items()
             ]
             terminal.table("", (["coefficient", "unit", "bounds", "description"], rows))
         return 0
-    rows = [[effect["name"], effect["kind"], ", ".join(effect["models"]), effect["physics"]] for effect in effects]
+    rows = [[each["name"], each["kind"], ", ".join(each["models"]), each["physics"]] for each in found]
     terminal.table("", (["effect", "kind", "models", "description"], rows))
     terminal.print("tirefmu effects NAME describes one")
     return 0
@@ -73,17 +73,11 @@ def models(quiet: bool, json_file: Path | None) -> int:
     from ..catalogue import models as found_models
     from ..terminal import Terminal
 
-    models = found_models()
-    write_json(json_file, {"ok": True, "models": models})
+    found = found_models()
+    write_json(json_file, {"ok": True, "models": found})
     rows = [
-        [
-            model["name"],
-            " ".join(model["inputs"]),
-            " ".join(model["outputs"]),
-            str(model["coefficients"]),
-            model["title"],
-        ]
-        for model in models
+        [each["name"], " ".join(each["inputs"]), " ".join(each["outputs"]), str(each["coefficients"]), each["title"]]
+        for each in found
     ]
     Terminal(quiet).table("", (["model", "inputs", "outputs", "coefficients", "description"], rows))
     return 0
@@ -97,9 +91,9 @@ def published(quiet: bool, json_file: Path | None) -> int:
     from ..catalogue import published_tires
     from ..terminal import Terminal
 
-    tires = published_tires()
-    write_json(json_file, {"ok": True, "published": tires})
-    rows = [[tire["name"], tire["model"], f"{tire['Fz0']:g}", f"{tire['R0']:g}", tire["tire"]] for tire in tires]
+    found = published_tires()
+    write_json(json_file, {"ok": True, "published": found})
+    rows = [[each["name"], each["model"], f"{each['Fz0']:g}", f"{each['R0']:g}", each["tire"]] for each in found]
     terminal = Terminal(quiet)
     terminal.table("", (["tire", "model", "Fz0 (N)", "R0 (m)", "description"], rows))
     terminal.print("tirefmu info NAME shows source, ranges and coefficients")
@@ -147,12 +141,12 @@ def columns(quiet: bool, json_file: Path | None) -> int:
     from ..catalogue import columns as known_columns
     from ..terminal import Terminal
 
-    columns = known_columns()
-    write_json(json_file, {"ok": True, "columns": columns})
+    known = known_columns()
+    write_json(json_file, {"ok": True, "columns": known})
     rows = [
-        [column["name"], column["meaning"], column["unit"], " ".join(column["units"]), " ".join(column["ttc"]),
-         " ".join(column["aliases"])]
-        for column in columns
+        [each["name"], each["meaning"], each["unit"], " ".join(each["units"]), " ".join(each["ttc"]),
+         " ".join(each["aliases"])]
+        for each in known
     ]  # fmt: skip
     terminal = Terminal(quiet)
     header = ["channel", "meaning", "SI unit", "units in a header", "FSAE TTC", "a message suggests it for"]

@@ -77,8 +77,8 @@ def fit_many(
     }
     with terminal.counting("fitting", singly=True) as counted:
         batch = run(jobs, output, **vars(spread), resume=resume, progress=progress, **given)
-    unusable = [result.name for result in batch.results if not result.usable]
-    write_json(json_file, {"ok": not unusable, "results": [result.to_json() for result in batch.results]})
+    unusable = [one.name for one in batch.results if not one.usable]
+    write_json(json_file, {"ok": not unusable, "results": [one.to_json() for one in batch.results]})
     terminal.print(f"{len(batch.results) - len(unusable)} of {len(batch.results)} tires are usable")
     terminal.print(f"tires, reports and summary.html: {output}")
     return 1 if unusable else 0

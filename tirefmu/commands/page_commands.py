@@ -62,16 +62,15 @@ def compare(
         if names:
             terminal.print(f"effects of {name} only: {', '.join(names)}")
     quality = []
-    for error in result.errors:
-        pairs = zip(error.rmse, error.r2, strict=True)
+    for each in result.errors:
+        pairs = zip(each.rmse, each.r2, strict=True)
         numbers = [_short(number) for pair in pairs for number in pair]
-        quality.append([error.recording, error.channel, str(error.rows), *numbers])
+        quality.append([each.recording, each.channel, str(each.rows), *numbers])
     if quality:
         columns = [f"{what} {name}" for name in result.names for what in ("RMSE", "R2")]
         terminal.table("", (["recording", "channel", "rows", *columns], quality))
     values = [
-        [difference.name, _short(difference.first), _short(difference.second), difference.unit, difference.description]
-        for difference in result.differences
+        [each.name, _short(each.first), _short(each.second), each.unit, each.description] for each in result.differences
     ]
     terminal.table("", (["coefficient", *result.names, "unit", "description"], values), most=10_000 if every else 12)
     terminal.print(f"report: {written[0]}")

@@ -75,7 +75,7 @@ def init(
     for name in nominal or {}:
         if name not in NOMINAL:
             raise UnknownName("nominal value", name, NOMINAL)
-    possible = [effect["name"] for effect in found_effects(only_model=chosen)] if effects else []
+    possible = [each["name"] for each in found_effects(only_model=chosen)] if effects else []
     for name in effects or ():
         if name not in possible:
             raise UnknownName(f"effect of {chosen}", name, possible)
@@ -134,7 +134,7 @@ def run(
     check_output_paths(json_file)
     from ..project.limited import run_limited
     from ..project.project_file import read_project
-    from ..project.run import INDEX, run_project
+    from ..project.run import run_project
     from ..project.steps import Step, steps_of
     from ..terminal import Terminal
 
@@ -160,22 +160,13 @@ def run(
             group.commands[step.command].make_context(step.command, list(step.arguments))
         except click.UsageError as error:
             raise TirefmuError(f"{project}: step {step.name}: {' '.join(error.format_message().split())}") from error
-    index = read.folder / INDEX
-    try:
-        outcomes = run_project(read, command, terminal, force=force, outside=outside, only=only)
-    except KeyboardInterrupt:
-        terminal.print("", f"interrupted; index page: {index}; to continue: {command_text('run', project)}")
-        raise
-    failed = [outcome.step.name for outcome in outcomes if outcome.status]
+    outcomes = run_project(read, command, terminal, force=force, outside=outside, only=only)
+    failed = [each.step.name for each in outcomes if each.status]
     steps = [
-        {
-            "name": outcome.step.name,
-            "ok": outcome.status == 0,
-            "repeated": outcome.repeated,
-            "summary": list(outcome.summary),
-        }
-        for outcome in outcomes
+        {"name": each.step.name, "ok": each.status == 0, "repeated": each.repeated, "summary": list(each.summary)}
+        for each in outcomes
     ]
+    index = read.folder / "index.html"
     write_json(json_file, {"ok": not failed, "index": str(index), "steps": steps})
     terminal.print(
         "", f"{'check failed: ' + ', '.join(failed) if failed else 'all checks passed'}; index page: {index}"

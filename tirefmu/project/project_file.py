@@ -2,63 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tirefmu.boundary.bounded_file import toml_file
-from tirefmu.boundary.errors import TirefmuError
-from tirefmu.boundary.escaping import toml_string
-from tirefmu.boundary.json_schema import document, object_schema, one_of
-from tirefmu.boundary.schema_check import check_content
+from tirefmu.boundary.errors import TirefmuError, UnknownName
+from tirefmu.boundary.escaping import quoted, toml_string
+from tirefmu.boundary.json_schema import document, is_of, object_schema, schema_of
 from tirefmu.hosts.dialects import HOSTS
 from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from tirefmu.symbolic.printers.languages import LANGUAGES
 
 #: Default time limit of a diagnosis, seconds. Judgement: longer than all other steps of a measured recording together.
 TIME_LIMIT = 900.0
-_TEXT: dict[str, Any] = {"type": "string"}
-_TEXTS: dict[str, Any] = {"type": "array", "items": _TEXT}
-_NUMBERS: dict[str, Any] = {"type": "object", "additionalProperties": {"type": "number"}}
-#: Kinds of values and the JSON Schemas of their values.
-KINDS: dict[str, dict[str, Any]] = {
-    "text": _TEXT,
-    "file": _TEXT,
-    "name or file": _TEXT,
-    "files": _TEXTS,
-    "names": _TEXTS,
-    "number": {"type": "number"},
-    "pairs": {**_NUMBERS, "examples": [{"Fz0": 1000.0, "R0": 0.25}]},
-    "weights": {**_NUMBERS, "examples": [{"Fz in 200..240 N": 2.0}]},
-    "texts": {"type": "object", "additionalProperties": _TEXT, "examples": [{"Fy": "FYC", "alpha": "-SA"}]},
-    "flag": {"type": "boolean"},
+#: Kinds of values, as a message names them.
+KINDS = {
+    "text": "a text",
+    "file": "the path of a file",
+    "name or file": "a name, or the path of a file",
+    "files": "a list of paths",
+    "names": "a list of names",
+    "number": "a number",
+    "pairs": "a table of numbers, such as {Fz0 = 1000.0, R0 = 0.25}",
+    "weights": 'a table of expressions and numbers, such as {"Fz in 200..240 N" = 2.0}',
+    "texts": 'a table of texts, such as {Fy = "FYC", alpha = "-SA"}',
+    "flag": "true or false",
 }
+#: Types of values; those of other kinds are texts.
+TYPES: dict[str, Any] = {
+    "files": list[str], "names": list[str], "number": float, "pairs": dict[str, float],
+    "weights": dict[str, float], "texts": dict[str, str], "flag": bool,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Key:
     """A key of the project file: the kind of its value, and the option of the command that takes it, or its meaning.
 
-    `limits`: further keywords of the JSON Schema of its value.
+    `names`: the possible names of a list; empty if they depend on other values.
     """
 
     kind: str
     option: str = ""
     meaning: str = ""
-    limits: Mapping[str, Any] = field(default_factory=dict)
+    names: Collection[str] = ()
 
     @property
-    def schema(self) -> dict[str, Any]:
-        """The JSON Schema of its value."""
-        return {**KINDS[self.kind], **({"description": self.meaning} if self.meaning else {}), **self.limits}
+    def type(self) -> Any:
+        """The type of its value."""
+        return TYPES.get(self.kind, str)
 
 
 #: The keys of each section. Options are those of the command with the name of the section; those of [data] are options
 #: of all commands that read tables.
 SECTIONS: dict[str, dict[str, Key]] = {
     "data": {
-        "tables": Key("files", meaning="Bench files.", limits={"minItems": 1}),
+        "tables": Key("files", meaning="Bench files."),
         "signs": Key("text", "--signs"),
         "where": Key("name or file", meaning="Rows to use: an expression, or a file with one (.where, .txt)."),
         "columns": Key("texts", "--columns"),
@@ -90,17 +91,15 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "platforms": Key("text", "--platforms"),
         "kind": Key("text", "--kind"),
         "proof": Key("name or file", "--proof"),
-        "convert": Key(
-            "names", meaning="Programs for which property files are written.", limits={"items": one_of(HOSTS)}
-        ),
-        "generate": Key("names", meaning="Languages in which code is written.", limits={"items": one_of(LANGUAGES)}),
+        "convert": Key("names", meaning="Programs for which property files are written.", names=tuple(HOSTS)),
+        "generate": Key("names", meaning="Languages in which code is written.", names=tuple(LANGUAGES)),
     },
     "check": {"tolerance": Key("number", "--tolerance")},
     "diagnose": {
         "run": Key("flag", meaning="Whether recordings are diagnosed."),
         "tables": Key("files", meaning="Recordings to diagnose (default: all)."),
         "candidates": Key("names", "--candidates"),
-        "time_limit": Key("number", meaning="Of each recording, s.", limits={"exclusiveMinimum": 0.0}),
+        "time_limit": Key("number", meaning="Of each recording, s."),
     },
     "output": {"folder": Key("file", meaning="Folder of the results.")},
 }
@@ -135,8 +134,8 @@ class Project:
         """The tables of the diagnosis: all, unless the file has a list of its own or none is diagnosed."""
         if not self.get("diagnose", "run", True):
             return ()
-        listed = self.get("diagnose", "tables")
-        return self.tables if listed is None else tuple(map(self.located, listed))
+        own = self.get("diagnose", "tables")
+        return self.tables if own is None else tuple(map(self.located, own))
 
     @property
     def time_limit(self) -> float:
@@ -161,7 +160,7 @@ class Project:
 
         # An expression may end in a comment.
         included = [] if where is None else [f"({expression_of(self._argument('name or file', where))}\n)"]
-        return " and ".join([*included, *(f"not ({expression})" for expression in excluded)])
+        return " and ".join([*included, *(f"not ({each})" for each in excluded)])
 
     def data_options(self, *, fitted: bool = False) -> list[str]:
         """Return the options of a command that reads the tables; `fitted` as for `rows`."""
@@ -170,16 +169,14 @@ class Project:
 
     def options(self, section: str) -> list[str]:
         """Return the options of a command: those of a section that the file has."""
-        options: list[str] = []
+        found: list[str] = []
         for name, key in SECTIONS[section].items():
             value = self.get(section, name)
             if key.kind == "weights" and value is not None:
-                options += [
-                    part for expression, factor in value.items() for part in (key.option, f"{factor!r}: {expression}")
-                ]
+                found += [part for each, factor in value.items() for part in (key.option, f"{factor!r}: {each}")]
             elif key.option and value is not None:
-                options += [key.option, self._argument(key.kind, value)]
-        return options
+                found += [key.option, self._argument(key.kind, value)]
+        return found
 
     def files_of(self, section: str) -> list[Path]:
         """Return the files, other than tables, that a section names and that exist."""
@@ -207,7 +204,8 @@ class Project:
 def read_project(path: Path) -> Project:
     """Read a project file.
 
-    Raises `TirefmuError` if it cannot be read, is not TOML, has no tables, an unknown key or an invalid value.
+    Raises `TirefmuError` if it cannot be read, is not TOML, or has no tables. Raises `UnknownName` if a section or a
+    key does not exist.
     """
     return checked_project(path, toml_file(path, TirefmuError))
 
@@ -217,29 +215,47 @@ def checked_project(path: Path, content: Mapping[str, Any], *, empty: bool = Fal
 
     `empty`: whether it may be without tables. Raises as `read_project`.
     """
-    check_content(content, project_schema(empty=empty), str(path), TirefmuError)
+    for section, keys in content.items():
+        if section not in SECTIONS:
+            raise UnknownName(f"section of {path}", section, SECTIONS)
+        if not isinstance(keys, dict):
+            raise TirefmuError(f"{path}: {section} is a section: [{section}]")
+        for name, value in keys.items():
+            if name not in SECTIONS[section]:
+                raise UnknownName(f"key of [{section}] of {path}", name, SECTIONS[section])
+            if not is_of(value, SECTIONS[section][name].type):
+                kind = KINDS[SECTIONS[section][name].kind]
+                raise TirefmuError(f"{path}: [{section}] {name} is {quoted(value)}: expected {kind}")
+            possible = SECTIONS[section][name].names
+            for each in value if possible else ():
+                if each not in possible:
+                    raise UnknownName(f"name in [{section}] {name} of {path}", each, possible)
+    if not content.get("diagnose", {}).get("time_limit", TIME_LIMIT) > 0:
+        raise TirefmuError(f"{path}: [diagnose] time_limit is not positive: a number of seconds is expected")
+    if not empty and not content.get("data", {}).get("tables"):
+        raise TirefmuError(f"{path}: [data] tables is missing: the list of bench files")
     return Project(path, content)
 
 
-def project_schema(
-    facts: Callable[[str, str], Mapping[str, Any]] = lambda section, option: {}, *, empty: bool = False
-) -> dict[str, Any]:
+def project_schema(facts: Callable[[str, str], Mapping[str, Any]]) -> dict[str, Any]:
     """Return the JSON Schema of a project file.
 
-    `facts`: returns further keywords of the schema, such as the description, of an option of a section. `empty`:
-    whether a project may be without tables.
+    `facts`: returns further keywords of the schema, such as the description, of an option of a section.
     """
     sections: dict[str, Any] = {
         section: object_schema(
-            {name: {**key.schema, **(facts(section, key.option) if key.option else {})} for name, key in keys.items()}
+            {
+                name: {
+                    **schema_of(key.type),
+                    **(facts(section, key.option) if key.option else {"description": key.meaning}),
+                }
+                for name, key in keys.items()
+            }
         )
         for section, keys in SECTIONS.items()
     }
-    if empty:
-        sections["data"]["properties"]["tables"]["minItems"] = 0
-    else:
-        sections["data"]["required"] = ["tables"]
-    return document("project", "1.0", "Project", object_schema(sections, [] if empty else ["data"]))
+    sections["data"] |= {"required": ["tables"]}
+    return document("project", "1.0", "Project", object_schema(sections, ["data"]))
 
 
 def project_text(

@@ -27,12 +27,11 @@ class StepRecord(TypedDict):
     key: Annotated[str, "digest of version, equations, command line and inputs"]
     outputs: Annotated[dict[str, str], "SHA-256 digest by file"]
     status: Annotated[int, "exit code"]
-    seconds: Annotated[float, "time that the step took"]
 
 
 def records_schema() -> dict[str, Any]:
     """Return the JSON Schema of the file of records."""
-    return document("run", "1.1", "Records of the steps of a project", schema_of(dict[str, StepRecord]))
+    return document("run", "1.0", "Records of the steps of a project", schema_of(dict[str, StepRecord]))
 
 
 @dataclass
@@ -54,7 +53,7 @@ class Records:
             entries = json.loads(read_bounded(path, LARGEST))
         except (OSError, ValueError, RecursionError):
             entries = {}
-        whole = isinstance(entries, dict) and all(isinstance(entry, dict) for entry in entries.values())
+        whole = isinstance(entries, dict) and all(isinstance(each, dict) for each in entries.values())
         return cls(path, entries if whole else {})
 
     def status(self, step: Step) -> int | None:
@@ -64,22 +63,14 @@ class Records:
         current = entry.get("key") == _key(step) and entry.get("outputs") == _digests(step.outputs)
         return status if current and status in (0, 1) else None
 
-    def seconds(self, step: Step) -> float | None:
-        """Return the time that a step took the last time that it ended, or None."""
-        entry: Mapping[str, Any] = self.entries.get(step.name, {})
-        seconds = entry.get("seconds")
-        return float(seconds) if isinstance(seconds, int | float) else None
-
-    def add(self, step: Step, status: int, seconds: float) -> None:
+    def add(self, step: Step, status: int) -> None:
         """Record a step that has ended, and write the file."""
-        outputs = _digests(step.outputs)
-        self.entries[step.name] = {"key": _key(step), "outputs": outputs, "status": status, "seconds": seconds}
+        self.entries[step.name] = {"key": _key(step), "outputs": _digests(step.outputs), "status": status}
         self._write()
 
     def forget(self, step: Step) -> None:
-        """Invalidate the record of a step that begins, and write the file; the time of the step remains."""
-        if step.name in self.entries:
-            self.entries[step.name]["key"] = ""
+        """Remove the record of a step that begins, and write the file."""
+        if self.entries.pop(step.name, None):
             self._write()
 
     def _write(self) -> None:
@@ -105,7 +96,7 @@ def _digests(paths: Iterable[Path]) -> dict[str, str]:
 def files_of(path: Path) -> Iterator[Path]:
     """Yield a file, or the files in a folder and below it."""
     if path.is_dir():
-        yield from sorted(file for file in path.rglob("*") if file.is_file())
+        yield from sorted(each for each in path.rglob("*") if each.is_file())
     else:
         yield path
 

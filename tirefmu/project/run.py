@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-import re
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import monotonic
 from typing import Any
 from urllib.parse import quote
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.tires.drawing.page import page_text, write_page
 
-from ..forecast import left_text
 from ..terminal import Terminal
 from .limited import TimeLimitReached
 from .project_file import Project
@@ -25,8 +22,6 @@ from .summaries import Headline, headline_of, summary_of
 
 #: Name of the page over all results, in their folder.
 INDEX = "index.html"
-#: The first picture of a page: that of its first figure, which the page shows in print.
-PICTURE = re.compile(r'src="(data:image/png;base64,[A-Za-z0-9+/=]+)"')
 #: Runs a step and returns its exit code.
 Command = Callable[[Step], int]
 
@@ -39,7 +34,6 @@ class Outcome:
     - `repeated`: false if the results were up to date.
     - `headline`: what the step found, in one line.
     - `summary`: the details, a line each.
-    - `picture`: the first picture of its page, as the address of an image; empty if there is none.
     """
 
     step: Step
@@ -47,14 +41,13 @@ class Outcome:
     repeated: bool
     headline: Headline
     summary: tuple[str, ...]
-    picture: str = ""
 
 
 def run_project(
     project: Project, command: Command, terminal: Terminal, *, force: bool = False, outside: bool = False,
     only: Collection[str] = (),
 ) -> list[Outcome]:  # fmt: skip
-    """Run the steps of a project and write the page ``index.html`` before the first and after each.
+    """Run the steps of a project and write the page ``index.html`` after each.
 
     `command`: runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
     `terminal`: shows the outcome of each step, a line or a few. `force`: repeat also the steps whose results are up to
@@ -78,21 +71,19 @@ def run_project(
     outcomes: list[Outcome] = []
     chosen = needed(steps, only) if only else steps
     skipped: dict[str, Step] = {}
-    ahead = _seconds_ahead(chosen, records, force)
-    _write_index(project, outcomes, [step.name for step in steps])
     for number, step in enumerate(steps, 1):
-        if step not in chosen and (reads_results(step, skipped.values()) or records.status(step) is None):
+        stale = reads_results(step, skipped.values()) or records.status(step) is None
+        if step not in chosen and stale:
             skipped[step.name] = step
             continue
-        left = left_text(_sum(ahead[later.name] for later in steps[number - 1 :] if later.name in ahead))
-        terminal.begin(f"{number}/{len(steps)} {step.name}" + (f" (all steps: {left})" if left else ""))
+        terminal.begin(f"{number}/{len(steps)} {step.name}")
         outcome = _run(step, records, command, terminal, force and step in chosen)
         outcomes.append(outcome)
         state = outcome.headline.text + ("" if outcome.repeated else " (up to date)")
         terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
         terminal.print(*(f"  {line}" for line in outcome.summary))
         _write_index(
-            project, outcomes, [step.name for i, step in enumerate(steps) if i >= number or step.name in skipped]
+            project, outcomes, [each.name for i, each in enumerate(steps) if i >= number or each.name in skipped]
         )
     return outcomes
 
@@ -112,40 +103,17 @@ def _run(step: Step, records: Records, command: Command, terminal: Terminal, for
     if status is None:
         records.forget(step)
         try:
-            began = monotonic()
             status = command(step)
-            seconds = monotonic() - began
         except TimeLimitReached as reached:
             return _unfinished(step, str(reached))
         except TirefmuError as error:
             raise TirefmuError(f"step {step.name}: {error}") from error
         if _result(step).get("interrupted"):
             raise KeyboardInterrupt  # a fit ends with the best values so far, which is no complete step
-        records.add(step, status, round(seconds, 1))
+        records.add(step, status)
     result = _result(step)
     headline = headline_of(step.command, result, status)
-    return Outcome(step, status, repeated, headline, tuple(summary_of(step.command, result)), _picture(step))
-
-
-def _seconds_ahead(steps: Sequence[Step], records: Records, force: bool) -> dict[str, float | None]:
-    """Return the time that each step took the last time, for the steps that are likely to be repeated."""
-    repeated: list[Step] = []
-    for step in steps:
-        if force or records.status(step) is None or reads_results(step, repeated):
-            repeated.append(step)
-    return {step.name: records.seconds(step) for step in repeated}
-
-
-def _sum(seconds: Iterable[float | None]) -> float | None:
-    """Return the sum of times; None if one of them is unknown."""
-    times = list(seconds)
-    return None if None in times else sum(time for time in times if time is not None)
-
-
-def _picture(step: Step) -> str:
-    page = step.page.read_text(encoding="utf-8", errors="replace") if step.page and step.page.is_file() else ""
-    first = PICTURE.search(page)
-    return first[1] if first else ""
+    return Outcome(step, status, repeated, headline, tuple(summary_of(step.command, result)))
 
 
 def _unfinished(step: Step, last: str) -> Outcome:
@@ -170,7 +138,7 @@ def _write_index(project: Project, outcomes: Sequence[Outcome], missing: Sequenc
     def links(outcome: Outcome) -> list[tuple[str, str]]:
         first = [outcome.step.page] if outcome.step.page else []
         written = [file for output in outcome.step.outputs for file in files_of(output)]
-        files = [file.relative_to(folder).as_posix() for file in dict.fromkeys([*first, *written])]
+        files = [each.relative_to(folder).as_posix() for each in dict.fromkeys([*first, *written])]
         return [("open the page" if i < len(first) else file, "./" + quote(file)) for i, file in enumerate(files)]
 
     text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes,

@@ -74,13 +74,13 @@ def needed(steps: Sequence[Step], commands: Collection[str]) -> list[Step]:
     chosen = {step.name for step in steps if step.command in commands}
     for step in reversed(steps):  # a step reads results of earlier ones
         if step.name in chosen:
-            chosen |= {other.name for other in steps if reads_results(step, [other])}
+            chosen |= {each.name for each in steps if reads_results(step, [each])}
     return [step for step in steps if step.name in chosen]
 
 
 def reads_results(step: Step, others: Iterable[Step]) -> bool:
     """Return whether a step reads results of other steps."""
-    return any({*other.outputs} & {*step.inputs} for other in others)
+    return any({*each.outputs} & {*step.inputs} for each in others)
 
 
 def _export(project: Project, tire: Path, fmu: Path, fitted: Path, given: tuple[Path, ...]) -> Step:

@@ -33,7 +33,7 @@ def headline_of(command: str, result: Mapping[str, Any], status: int) -> Headlin
 
 
 def _inspect_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
-    serious = any(finding["serious"] for finding in result["findings"])
+    serious = any(each["serious"] for each in result["findings"])
     return "data would mislead a fit" if serious else "data ready for a fit", bool(result["findings"])
 
 
@@ -46,9 +46,9 @@ def _check_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
 
 
 def _diagnose_headline(result: Mapping[str, Any]) -> tuple[str, bool]:
-    effects = ", ".join(finding["effect"] for finding in result["found"])
-    adequate = all(channel["adequate"] for channel in result["adequacy"].values())
-    return (f"missing effect: {effects}", True) if effects else ("no missing effect identified", not adequate)
+    found = ", ".join(each["effect"] for each in result["found"])
+    adequate = all(each["adequate"] for each in result["adequacy"].values())
+    return (f"missing effect: {found}", True) if found else ("no missing effect identified", not adequate)
 
 
 _HEADLINES: dict[str, Callable[[Mapping[str, Any]], tuple[str, bool]]] = {
@@ -75,15 +75,15 @@ def summary_of(command: str, result: Mapping[str, Any]) -> Iterator[str]:
 def _inspect(result: Mapping[str, Any]) -> Iterator[str]:
     findings = result["findings"]
     yield f"{len(findings) or 'no'} finding{'s'[: len(findings) != 1]}"
-    yield from (f"{'warning' if finding['serious'] else 'note'}: {finding['text']}" for finding in findings)
+    yield from (f"{'warning' if each['serious'] else 'note'}: {each['text']}" for each in findings)
 
 
 def _fit(result: Mapping[str, Any]) -> Iterator[str]:
     yield f"model {result['model']}"
     yield from result["reasons"]
-    for channel in result["channels"]:
-        quality = f"RMSE {_short(channel['rmse'])} {channel['unit']}, R2 {_short(channel['r2'])}"
-        yield f"{channel['recording']}, {channel['channel']}: {quality}"
+    for each in result["channels"]:
+        quality = f"RMSE {_short(each['rmse'])} {each['unit']}, R2 {_short(each['r2'])}"
+        yield f"{each['recording']}, {each['channel']}: {quality}"
 
 
 def _explore(result: Mapping[str, Any]) -> Iterator[str]:
@@ -98,7 +98,7 @@ def _convert(result: Mapping[str, Any]) -> Iterator[str]:
     if result["refitted"]:
         yield "coefficients fitted to the forces of the tire"
     yield from (f"{name}: RMS error {error:.2%}" for name, error in result["errors"].items())
-    yield from (f"{finding['severity']}: {finding['text']}" for finding in result["findings"])
+    yield from (f"{each['severity']}: {each['text']}" for each in result["findings"])
 
 
 def _generate(result: Mapping[str, Any]) -> Iterator[str]:
@@ -106,8 +106,8 @@ def _generate(result: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _check(result: Mapping[str, Any]) -> Iterator[str]:
-    for name, channel in result["channels"].items():
-        yield f"{name}: RMSE {_short(channel['rmse'])} {channel['unit']}, R2 {_short(channel['r2'])}"
+    for name, each in result["channels"].items():
+        yield f"{name}: RMSE {_short(each['rmse'])} {each['unit']}, R2 {_short(each['r2'])}"
 
 
 def _diagnose(result: Mapping[str, Any]) -> Iterator[str]:

@@ -14,7 +14,7 @@ import pandas as pd
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations.answer import answer_of
 from tirefmu.diagnosis.explanations.evidence import NormalEquations
-from tirefmu.diagnosis.thresholds import EFFECT_ODDS, FORM_ERROR, LIKELIHOOD_POWER, UNKNOWN_SHARE
+from tirefmu.diagnosis.thresholds import EFFECT_ODDS, FORM_ERROR, LIKELIHOOD_POWER, UNKNOWN_ODDS, UNKNOWN_SHARE
 
 from ..answers import UNKNOWN, Answer, Case, FloatArray
 from .problem import Channel, channels_of, inputs_of, scaled
@@ -67,7 +67,7 @@ class _Comparison:
 
     def evidence(self, parts: Parts) -> float:
         """Return the logarithm of the evidence of an explanation with its prior odds."""
-        odds = [np.log(EFFECT_ODDS / len(self.pairs) if pair else EFFECT_ODDS) for _, pair in parts]
+        odds = [np.log(UNKNOWN_ODDS / len(self.pairs) if pair else EFFECT_ODDS) for _, pair in parts]
         return sum(self._solved(one, parts)[0] for one in self.channels.values()) + float(np.sum(odds))
 
     def forces(self, parts: Parts) -> pd.DataFrame:

@@ -1,9 +1,9 @@
-"""Layout of functions as text: statements with remarks, indentation."""
+"""Layout of functions as text: statements with remarks, indentation, templates."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from textwrap import wrap
@@ -87,6 +87,15 @@ class Layout:
         """Return lines as a text, indented."""
         text = "\n".join(lines).strip("\n")
         return "\n".join(self.indent * depth + line if line else "" for line in text.split("\n"))
+
+
+def filled(template: str, values: Mapping[str, object]) -> str:
+    """Return a template with ``@name@`` replaced; code is full of braces and dollar signs.
+
+    >>> filled("struct @name@ {};", {"name": "tire"})
+    'struct tire {};'
+    """
+    return re.sub("@([a-z_]+)@", lambda found: str(values[found[1]]), template)
 
 
 def wrapped(items: Sequence[str], width: int = 100, separator: str = ", ") -> list[str]:

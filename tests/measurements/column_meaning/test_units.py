@@ -6,11 +6,17 @@ import pytest
 
 from tirefmu.boundary.errors import DataError, TirefmuError
 from tirefmu.measurements import (
+    Noise,
     Recording,
+    VirtualBench,
     check_columns,
     column_notes,
     recording_from,
+    small_tire_program,
+    trento_program,
 )
+from tirefmu.measurements.column_meaning.explanation import explanation
+from tirefmu.measurements.column_meaning.traits import FAR, SIZES
 from tirefmu.measurements.interpretation import Interpretation
 from tirefmu.measurements.units import POUND
 
@@ -115,6 +121,18 @@ def test_constant_copied_missing_and_exchanged_columns_are_refused(change, expec
         check_columns(Recording(change(table()), "iso", "a"))
     assert expected in str(caught.value)
     assert "--columns " in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "program", "load"), [
+    ("trento_hoosier", trento_program, 1.0), ("unicamp_small_tire", small_tire_program, 0.05)
+])  # fmt: skip
+def test_published_tires_stand(name, program, load):
+    """Each size of a published tire is within what the distributions call a tire."""
+    made = VirtualBench(name, Noise().scaled(load), seed=3).run(program())
+    assert column_notes(made) == []
+    traits = explanation(made).claimed.traits
+    assert not traits.contradictions
+    assert all(abs(SIZES[size].deviation(value)) < FAR for size, value in traits.sizes.items())
 
 
 def test_columns_and_units_of_a_dataframe():

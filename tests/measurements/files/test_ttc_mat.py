@@ -97,6 +97,15 @@ def test_bad_files(tmp_path, options, expected):
     assert str(caught.value).startswith(str(path))
 
 
+def test_files_that_are_not_matlabs(tmp_path):
+    (tmp_path / "a.mat").write_bytes(b"not a MATLAB file at all" * 20)
+    (tmp_path / "b.mat").write_bytes(b"")
+    for name in "ab":
+        with pytest.raises(DataError) as caught:
+            read_recording(tmp_path / f"{name}.mat")
+        assert "\n" not in str(caught.value)
+
+
 @pytest.fixture(scope="session")
 def matio():
     """Return the optional package; importing it warns of an option of pandas."""
@@ -128,6 +137,13 @@ def test_a_table_with_contract_names_is_read_like_a_csv(tmp_path, matio):
     recording = read_recording(tmp_path / "a.mat")
     pd.testing.assert_frame_equal(recording.table, table)
     assert recording.signs == "iso"
+
+
+def test_broken_newer_file(tmp_path, matio):
+    (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + b"\x89HDF" * 50)
+    with pytest.raises(DataError, match="cannot be read as a MATLAB file") as caught:
+        read_recording(tmp_path / "b.mat")
+    assert "\n" not in str(caught.value)
 
 
 def test_missing_mat_io_names_the_extra(tmp_path, without_package):

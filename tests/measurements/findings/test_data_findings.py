@@ -9,13 +9,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import (
     Recording,
+    VirtualBench,
     data_findings,
     recording_from,
     residual_findings,
+    small_tire_program,
+    trento_program,
 )
 from tirefmu.measurements.row_selection.expression import parse_selection
+from tirefmu.tires import published
 
 STEP = 0.01
 
@@ -35,7 +40,7 @@ def bench(
     force = -friction * load * np.sin(1.4 * np.arctan(stiffness / 1.4 / friction * (late + shift)))
     return pd.DataFrame(
         {
-            "t": clock, "alpha": alpha, "gamma": 1e-4, "Fz": load + random.normal(0.0, 4.0, len(alpha)),
+            "t": clock, "alpha": alpha, "gamma": 0.0, "Fz": load + random.normal(0.0, 4.0, len(alpha)),
             "p": np.repeat([pressure for _, pressure in program], rows) + random.normal(0.0, 200.0, len(alpha)),
             "V": 11.0, "T": warm, "Fy": force * (1.0 + heat * (warm - 60.0)) + random.normal(0.0, noise, len(alpha)),
         }
@@ -69,7 +74,7 @@ def test_files_that_share_rows():
 
 def channels(**columns):
     sweep = {"kappa": [0.0, 0.1] * 40, "alpha": [-0.1, 0.1] * 40, "Fz": [500.0, 900.0] * 40, "Fy": [9.0, -9.0] * 40}
-    sweep |= {"gamma": [1e-3] * 80}
+    sweep |= {"gamma": [0.0] * 80}
     table = {name: values for name, values in (sweep | columns).items() if values is not None}
     return data_findings([Recording(pd.DataFrame(table), "iso", "a.csv")])
 
@@ -88,7 +93,6 @@ def test_a_table_without_camber_is_fitted_at_an_assumed_one():
     assert finding.text.startswith("a.csv: no column gamma: 0 deg assumed")
     assert channels(gamma=None, Fy=None, Fx=[-9.0, 9.0] * 40) == []  # camber has no influence on Fx
     assert channels(gamma=[0.0, 0.05] * 40) == []
-    assert [finding.text[:41] for finding in channels(gamma=0.0)] == ["a.csv: gamma is exactly 0 in every row; i"]
 
 
 def test_columns_that_are_not_read_are_named_and_counted():
@@ -113,7 +117,7 @@ def test_repeated_rows(rows, serious):
 def test_a_sweep_back_without_noise_is_no_repetition():
     there = np.linspace(-0.1, 0.1, 200)
     alpha = np.concatenate([there, there[::-1]])
-    table = pd.DataFrame({"alpha": alpha, "gamma": 1e-3, "Fz": 500.0, "Fy": -9e3 * alpha})
+    table = pd.DataFrame({"alpha": alpha, "gamma": 0.0, "Fz": 500.0, "Fy": -9e3 * alpha})
     assert kinds(table) == {"coverage"}  # one load
 
 
@@ -134,6 +138,14 @@ def test_names_of_tires():
     assert two_tires([*named, unnamed]) == []
     both = [Recording(bench(rows=100), "iso", f"{name}.mat", {"tireid": name}) for name in ("Hoosier", "Avon")]
     assert two_tires(both) == ["two tires? the tire is 'Hoosier' in Hoosier.mat, 'Avon' in Avon.mat"]
+
+
+@pytest.mark.parametrize("signs", ["iso", "sae"])
+def test_loads_too_different_for_one_tire(signs):
+    small = VirtualBench(published("unicamp_small_tire")).run(small_tire_program()).with_signs(signs)
+    large = VirtualBench(published("trento_hoosier")).run(trento_program()).with_signs(signs)
+    (note,) = two_tires([large, small])
+    assert re.match(r"two tires\? the load reaches 16\d(\.\d)? N in virtual bench: small tire \(UNICAMP\), ", note)
 
 
 def test_two_files_in_one():
@@ -193,12 +205,49 @@ def test_pressures_that_were_run_one_after_another():
     assert kinds(bench(pressures=(83e3, 70e3, 83e3))) == set()
 
 
+def test_clock_and_unit():
+    table = bench()
+    half = len(table) // 2
+    jumps = {
+        "jumps forward within a sweep 1 time, most by 50 s at row 302": {"t": table["t"] + 50.0 * (table.index > 300)},
+        "jumps back 1 time, most by 8.99 s at row 1801": {"t": table["t"] - np.where(table.index < half, 0, 9)},
+        "t repeats in 1 of 3599 steps": {"t": table["t"].where(table.index != 5, 0.04)},
+        "t repeats in 3599 of 3599 steps": {"t": 0.0},
+        "mixed units? V is 11 m/s in some rows and 39.6 m/s in others, the ratio of m/s and km/h":
+            {"V": np.where(table.index < half, 11.0, 39.6)},
+        "mixed units? p is 83 Pa in some rows and 8.3e+04 Pa in others, the ratio of Pa and kPa":
+            {"p": np.where(table.index < half, 83e3, 83.0)},
+        "V is about 40 m/s (144 km/h) and declares no unit: in km/h?": {"V": 40.0},
+    }  # fmt: skip
+    for text, change in jumps.items():
+        assert any(text in finding.text for finding in found(table.assign(**change))), text
+
+
 def test_a_pause_between_two_sweeps_is_no_finding():
     table = bench()
     assert found(table.assign(t=table["t"] + 20.0 * (table.index // 900))) == []
     ramp = np.tile(np.linspace(-0.2, 0.2, 900), 4)  # each sweep from one end to the other
     clock = np.arange(3600) * STEP + 20.0 * (table.index // 900)
     assert "clock" not in kinds(table.assign(t=clock, alpha=ramp, Fz=500.0))
+
+
+def test_rows_without_an_input_are_excluded_and_counted_up_to_a_share():
+    table = bench()
+    table.loc[table.index % 10 == 0, "alpha"] = np.nan
+    recording = recording_from(Recording(table, "iso", "a.csv"))
+    assert len(recording) == 0.9 * len(table)
+    assert recording.table["alpha"].notna().all()
+    (finding,) = [each for each in data_findings([recording]) if each.kind == "incomplete rows"]
+    assert "360 of 3600 rows lack an input: NaN in alpha (360), the first in row 1: excluded" in finding.text
+    table.loc[table.index % 10 < 2, "alpha"] = np.nan
+    table.loc[table.index % 10 == 2, "Fz"] = np.nan
+    with pytest.raises(
+        DataError, match=r"1080 of 3600 rows lack .* alpha \(720\), Fz \(360\).* up to 20 % are excluded"
+    ):
+        recording_from(Recording(table, "iso", "a.csv"))
+    table.loc[table.index % 10 < 3, "alpha"] = np.nan
+    with pytest.raises(DataError, match=r"row 1: alpha is NaN \(1080 of 3600 rows\)"):
+        recording_from(Recording(table, "iso", "a.csv"))
 
 
 def test_temperature_and_lag_in_the_residual():

@@ -13,6 +13,13 @@ from tirefmu.tires import published
 SLACK = 25  # rows: a level is reached once it is within the channel's tolerance, after the median of 0.2 s
 
 
+def rows_of(found, kind):
+    rows = np.zeros(found[-1].rows.stop, dtype=bool)
+    for phase in found:
+        rows[phase.rows] = phase.kind == kind
+    return rows
+
+
 @pytest.mark.parametrize("change", [0.0, 1.0])
 @pytest.mark.parametrize(
     ("channel", "levels"),
