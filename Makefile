@@ -48,7 +48,7 @@ fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read,
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fmu/test_robustness.py -k random_calls $(PYTEST_ARGS)
 
-mutants: $(VENV)/installed-dev  ## 61 single-line faults in a copy of the tree: lists those that the nearest tests miss
+mutants: $(VENV)/installed-dev  ## 66 single-line faults in a copy of the tree: lists those that the nearest tests miss
 	$(BIN)/python benchmarks/mutants.py $(MUTANTS_ARGS)
 
 perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with other instruction sets and rounding

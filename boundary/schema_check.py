@@ -44,12 +44,13 @@ def check_content(content: Any, schema: Mapping[str, Any], source: str, error: t
     place, value = _place(difference.absolute_path), difference.instance
     within, start = f" in {place}" if place else "", f"{source}: {place}" if place else source
     rule, limits = difference.validator, difference.schema
+    keys = limits.get("properties", {})
     if rule == "additionalProperties":
-        key = next(key for key in value if key not in limits["properties"])
-        raise error(f"{source}: unknown key {quoted(key)}{within}{nearest(key, limits['properties'])}")
+        key = next(key for key in value if key not in keys)
+        raise error(f"{source}: unknown key {quoted(key)}{within}{nearest(key, keys)}")
     if rule == "required":
         name = next(name for name in limits["required"] if name not in value)
-        raise error(f"{source}: {name} is missing{within}: it is {_described(limits['properties'][name])}")
+        raise error(f"{source}: {name} is missing{within}: it is {_described(keys.get(name, {}))}")
     if rule == "enum" and isinstance(value, str):
         raise error(f"{source}: unknown word {quoted(value)}{within}{nearest(value, limits['enum'])}")
     if "propertyNames" in difference.relative_schema_path:
@@ -70,6 +71,8 @@ def expected(schema: Mapping[str, Any]) -> str:
     examples = f", such as {_shown(schema['examples'][0])}" if "examples" in schema else ""
     if "title" in schema:
         return str(schema["title"])
+    if "const" in schema:
+        return str(schema["const"])
     if "enum" in schema:
         return f"one of {', '.join(map(str, schema['enum']))}"
     for rule in ("anyOf", "oneOf"):

@@ -18,6 +18,7 @@ import pandas as pd
 from tirefmu.boundary.bounded_file import read_bounded
 from tirefmu.boundary.errors import DataError
 from tirefmu.boundary.escaping import quoted
+from tirefmu.boundary.schema_check import check_content
 
 FloatArray = npt.NDArray[np.float64]
 UNKNOWN = "UNKNOWN"
@@ -95,14 +96,10 @@ def read_answer(folder: Path, case: str, channels: list[str], rows: int) -> Answ
 
     Raises `DataError` if a file is missing, contradicts the schema, or has not a finite force in each channel and row.
     """
-    import jsonschema
-
     path = folder / f"{case}.json"
     content = _json(path)
     schema = json.loads((files("tirefmu.missing_effects") / "answer.schema.json").read_text(encoding="utf-8"))
-    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(content))
-    if error is not None:
-        raise DataError(f"{path}: {error.json_path[2:] or 'content'}: {error.message}")
+    check_content(content, schema, str(path), DataError)
     if content["case"] != case:
         raise DataError(f"{path}: is the answer to {content['case']}")
     known = {name: content[name] for name in ("probabilities", "cpu_seconds", "failed")}

@@ -66,7 +66,7 @@ def test_coefficients_are_recovered_with_their_intervals():
     known = table.assign(Fx=evaluated["Fx"], Fy=evaluated["Fy"], T=shown + noise)
     _, found = fit_temperature(tire, [Recording(known, "iso", "known")])
     assert found.rmse < 0.1
-    assert found.holdout_rmse < 0.2
+    assert found.holdout_rmse < 1.5 * 0.1  # the noise; a slow node is hardly determined by five minutes
     assert abs(found.delay[0] - 0.3) < 0.02
     for name in ("THCAPS", "THCONS"):
         assert abs(np.log(found.values[name] / truth[name])) < 1.5 * np.log(found.intervals[name]) + 0.01
