@@ -135,7 +135,7 @@ class PlanResult:
     - `aims`: as given, or the effects that it separates.
     - `prediction`: what it determines; None for a program that separates effects.
     - `today`: the same of the program to which it is compared.
-    - `undetermined`: coefficients that remain undetermined, and why.
+    - `undetermined`: coefficients that remain undetermined, or pairs of effects that it does not separate, and why.
     - `separations`: how well the program separates effects.
     """
 
