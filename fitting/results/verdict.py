@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 GOOD, LIMITED, UNUSABLE = "good", "usable with limits", "not usable"
 #: The forces, without which a tire is not usable.
 FORCES = ("Fx", "Fy")
-#: R2 below which a channel is described poorly; below 0 its mean is a better description.
+#: R2 below which a channel is described poorly: more than 70 % of its variation remains. Noise may be the reason; below 0
+#: the mean of the channel is a better description.
 POOR_R2 = 0.5
 #: Relative errors of the slip stiffness: above the first, at one load and beyond two standard errors of the data, the
 #: handling of a vehicle changes noticeably; above the second, over all loads, it is that of another tire. Judgement.
@@ -79,7 +80,8 @@ class Verdict:
 def verdict_of(result: FitResult) -> Verdict:
     """Return the verdict on a fit."""
     wrong = [] if result.ok else [result.status]
-    wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
+    poor = [c for c in result.channels if c.channel in FORCES and c.fitted_r2 < POOR_R2]
+    wrong += [_quality_reason(c) for c in poor if c.fitted_r2 < 0.0 or lacks_something(c)]
     wrong += [_clipped_reason(c) for c in result.findings.clipped if c.channel in FORCES]
     wrong += _wrong_data(result.channels)
     wrong += _unsteady(result)
@@ -88,7 +90,7 @@ def verdict_of(result: FitResult) -> Verdict:
     wrong += _few_rows(result, 1)
     limits = [
         *_missing_forces(result),
-        *(_quality_reason(c) for c in result.channels if c.channel in FORCES and 0.0 <= c.fitted_r2 < POOR_R2),
+        *(_quality_reason(c) for c in poor),
         *(floor_reason(c) for c in result.channels if lacks_something(c)),
         *_stiffness_reasons(result.findings),
         *_characteristic_reasons(result.findings),
