@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 GOOD, LIMITED, UNUSABLE = "good", "usable with limits", "not usable"
 #: The forces, without which a tire is not usable.
 FORCES = ("Fx", "Fy")
-#: R2 below which a channel is described poorly: more than 70 % of its variation remains. Noise may be the reason; below 0
-#: the mean of the channel is a better description.
+#: R2 below which a channel is described poorly: 70 % of its variation remain, which may be noise; below 0 its mean is a
+#: better description.
 POOR_R2 = 0.5
 #: Relative errors of the slip stiffness: above the first, at one load and beyond two standard errors of the data, the
 #: handling of a vehicle changes noticeably; above the second, over all loads, it is that of another tire. Judgement.

@@ -10,7 +10,7 @@ from tirefmu.tires.signs import REVERSED
 from ..channels import OUTPUTS
 from ..column_names import check_names
 from ..recording import Recording, once
-from .defects import defects, unmoved_slips
+from .defects import defects, lost_signs, unmoved_slips
 from .explanation import Candidate, Explanation, explanation
 from .traits import NOTABLE, SIZES
 
@@ -52,8 +52,8 @@ def column_notes(recording: Recording, *, fitted: bool = True) -> list[str]:
         return [f"{source}: {text}" for text in objections]
     result = explanation(recording)
     exchanged = result.better and any(result.better[0].hypothesis.exchanges(name) for name in ("alpha", "Fx"))
-    if fitted and not exchanged and (unmoved := [f"{source}: {text}" for text in unmoved_slips(recording)]):
-        return unmoved
+    if fitted and not exchanged and (lost := [*unmoved_slips(recording), *lost_signs(recording)]):
+        return [f"{source}: {text}" for text in lost]
     if result.better:
         return [f"{source}: {_facts(result, recording.signs)}: {_advice(result, recording.signs)}"]
     asserted = recording.about.get("asserted", "").split()
