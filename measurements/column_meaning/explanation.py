@@ -114,7 +114,9 @@ def _scored(recording: Recording, readings: Sequence[Hypothesis], claimed: Candi
     candidates = []
     for hypothesis in readings:
         traits = _traits(hypothesis.applied(sample))
-        vanished = claimed.traits.sizes.keys() - traits.sizes.keys() - ONE_SIDED
+        # The stiffness of one slip is part of that of both.
+        present = traits.sizes.keys() | ({"C_x", "C_y"} if "C_xy" in traits.sizes else set())
+        vanished = claimed.traits.sizes.keys() - present - ONE_SIDED
         candidates.append(Candidate(hypothesis, traits, traits.penalty + hypothesis.cost + VANISHED * len(vanished)))
     return sorted(candidates, key=_score)
 

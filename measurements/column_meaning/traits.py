@@ -229,13 +229,9 @@ def _contradictions(rows: SampledRows, side: float, along: float, thrust: float)
         follows, instead = _strength(rows, slip, force), _strength(rows, slip, other)
         if force in rows and instead > STRONG_CORRELATION and follows < WEAK_CORRELATION:
             yield f"{other} follows {slip} and {force} does not", WRONG_SIGN
-    moved = float(np.std(rows["alpha"])) > MIN_SLIP_DEVIATION
-    if (
-        moved
-        and _strength(rows, "gamma", "Fy") > STRONG_CORRELATION
-        and _strength(rows, "alpha", "Fy") < WEAK_CORRELATION
-    ):
-        yield "Fy follows gamma and not alpha", WRONG_SIGN
+        moved, by_camber = float(np.std(rows[slip])) > MIN_SLIP_DEVIATION, _strength(rows, "gamma", force)
+        if moved and by_camber > STRONG_CORRELATION and follows < WEAK_CORRELATION:
+            yield f"{force} follows gamma and not {slip}", WRONG_SIGN
     if _strength(rows, "kappa", "Mz") > STRONG_CORRELATION and _strength(rows, "alpha", "Mz") < WEAK_CORRELATION:
         yield "Mz follows kappa and not alpha", WRONG_SIGN
     if _arm_at_large_slip(rows, "Mx") < MAX_FAR_TRAIL and _arm_at_large_slip(rows, "Mz") > MIN_FAR_ARM:

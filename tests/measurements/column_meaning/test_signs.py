@@ -154,7 +154,9 @@ def test_a_sweep_of_one_side_has_its_sign():
     assert column_notes(Recording(table[table["alpha"] > -0.03], "iso", "half.csv")) == []
 
 
-def test_exchanged_slip_angle_and_camber_are_named():
+@pytest.mark.parametrize("slip", ["alpha", "kappa"])
+def test_a_slip_exchanged_with_camber_is_named(slip):
     table = bench().table.assign(gamma=lambda rows: np.where(rows["Fz"] > 500.0, 0.05, 0.0))
-    swapped = table.rename(columns={"alpha": "gamma", "gamma": "alpha"})
-    assert "alpha=gamma,gamma=alpha" in column_notes(Recording(swapped, "iso", "bench.csv"))[0]
+    swapped = table.rename(columns={slip: "gamma", "gamma": slip})
+    (note,) = column_notes(Recording(swapped, "iso", "bench.csv"))
+    assert f"--columns {slip}=gamma,gamma={slip}" in note
