@@ -16,7 +16,8 @@ from tirefmu.hosts.printout import generate, printed
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS
 from tirefmu.tires import Tire
 
-from .conftest import command_of, differences, tool, with_faults
+from .conftest import command_of, tool, with_faults
+from .self_tests import differences
 
 #: Columns of the worksheet and named quantities.
 COLUMNS = {
