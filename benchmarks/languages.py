@@ -15,12 +15,13 @@ import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "hosts"))
-from languages_table import cell, update
+from doc_tables import DOCS, cells_of, put, split, table
 from self_tests import COMMANDS, command_of, differences
 
 from tirefmu.hosts.printout import printed, program_of
@@ -86,6 +87,17 @@ with torch.no_grad():
 print(round((time.process_time() - start)*1e4), float(y))""",
 }
 ENDINGS = {"c": ".c", "cpp": ".cpp", "javascript": ".mjs", "matlab": ".m"}
+
+PAGE, PART = DOCS / "languages.md", "bench-languages"
+#: The functions behind each of the numbers of a cell.
+NUMBERS = {
+    "values": ("forces", "quantities"),
+    "Jacobian": ("jacobian_inputs", "jacobian_parameters"),
+    "states": ("states",),
+}
+
+#: The cell of a language that was not installed where the table was written.
+NOT_INSTALLED = "not run (2)"
 
 
 def tires() -> dict[str, Tire]:
@@ -160,6 +172,34 @@ def compared(name: str, language: str, rows: int, struct_rows: int) -> str:
     return cell(found, f"{rows} rows, forces" if language in FEWER_ROWS else "")
 
 
+def cell(differences: Mapping[str, list[float]], remark: str = "") -> str:
+    """Return the text of a cell.
+
+    `differences`: by function, the largest differences of the printouts with values in the lines and with coefficients.
+    `remark`: how the run differs from the others.
+
+    >>> cell({"forces": [1e-15, 2e-15], "jacobian_inputs": [3e-14], "states": []}, "40 rows")
+    '2e-15, 3e-14, - (40 rows)'
+    """
+    parts = []
+    for functions in NUMBERS.values():
+        found = [difference for name in functions for difference in differences.get(name, [])]
+        parts.append(f"{max(found):.0e}" if found else "-")
+    return ", ".join(parts) + (f" ({remark})" if remark else "")
+
+
+def update(language: str, model: str, text: str) -> None:
+    """Write a cell into the page; the others stay."""
+    rows = cells_of(split(PAGE, PART)[1])
+    models = ["language", *tires()]
+    names = [row[0] for row in rows]
+    if language not in names:
+        rows.append([language, *[NOT_INSTALLED] * len(tires())])
+        names.append(language)
+    rows[names.index(language)][models.index(model)] = text
+    put(PAGE, {PART: table(models, rows)})
+
+
 def main() -> None:
     """Print the largest differences, or the times; write the table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -178,7 +218,7 @@ def main() -> None:
                 else:
                     text = compared(name, language, options.rows, options.struct_rows)
                     if options.write:
-                        update({(language, name): text})
+                        update(language, name, text)
             except (RuntimeError, OSError, subprocess.SubprocessError) as error:
                 text = f"not run: {error}"
             print(f"{name} | {language} | {text}", flush=True)

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from doc_tables import DOCS, put, table
 from evaluation_times import CASADI, evaluation_times
 from fit_times import compare, growth
 from startup_times import startup_times
@@ -29,7 +30,7 @@ from threadpoolctl import threadpool_limits
 
 from tirefmu.symbolic.models import model_named
 
-PAGE = Path(__file__).parents[1] / "docs" / "performance.md"
+PAGE = DOCS / "performance.md"
 #: ns a point on the reference machine.
 REFERENCE_NS = 386.0
 MANY = 1_000_000
@@ -92,12 +93,6 @@ EVALUATION = {
         "scalar C, forces", ".61", 0.60, "eight elementary functions and four divisions that follow each other",
     ),
 }  # fmt: skip
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
 
 def verdict(value: float, line: Benchmark) -> str:
@@ -163,7 +158,7 @@ def fit_texts(
     return {
         "fit": table(("", "here", "reference machine", "target", "before"), rows),
         "solvers": table(("", "CPU s", "of trf", "cost", "Jacobians"), solvers),
-        "stages": f"{table(('stage', 'rows', 'free', 'iterations'), stages)}\n"
+        "stages": f"{table(('stage', 'rows', 'free', 'iterations'), stages)}\n\n"
         f"The derivative passes of these iterations, with all coefficients, need {spent:.2f} of {whole:.2f} s.",
     }
 
@@ -219,12 +214,6 @@ def _lines(path: Path) -> list[str]:
     return path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
 
 
-def put(page: str, part: str, text: str) -> str:
-    """Return a page with a part replaced, between its marks."""
-    begin, end = (f"<!-- {part}: {mark} -->" for mark in ("begin", "end"))
-    return f"{page.split(begin)[0]}{begin}\n\n{text.strip()}\n\n{end}{page.split(end)[1]}"
-
-
 def main() -> None:
     """Run the benchmarks and print or write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -252,12 +241,10 @@ def main() -> None:
         text["memory"] = memory_text(streaming_runs([600_000] if given.quick else [MANY, 10 * MANY]))
     short = "**A short run: one repetition, few rows, no diagnosis.** " if given.quick else ""
     text["machine"] = short + surroundings((start, os.getloadavg()[0]), ns)
-    page = PAGE.read_text(encoding="utf-8")
-    for part, table_of_part in text.items():
-        page = put(page, part, table_of_part)
-        print(f"{part}\n\n{table_of_part}")
+    for part, content in text.items():
+        print(f"{part}\n\n{content}\n")
     if given.write:
-        PAGE.write_text(page, encoding="utf-8")
+        put(PAGE, text)
 
 
 if __name__ == "__main__":
