@@ -59,7 +59,7 @@ def test_the_worksheets_functions_from_one_command(golden, tmp_path):
     values = {names.get(key, key.upper()): value for key, value in parameters.items()}
     tire = tmp_path / "trento.tir"
     Tire("mf96", values, signs="adapted-sae").save(tire)
-    rows = pd.read_csv(golden / "mf96_trento.csv.gz")
+    rows = pd.read_csv(golden / "mf96_trento.csv.xz")
     np.savetxt(tmp_path / "rows.txt", rows[["kappa", "alpha", "gamma", "Fz"]], fmt="%.17g")
 
     arguments = ["generate", str(tire), "--language", "matlab", "-o", str(tmp_path), "--values", "struct", "--quiet"]
