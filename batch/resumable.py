@@ -142,10 +142,10 @@ def digest_of(parts: object, paths: Iterable[str | Path]) -> str:
 
 def recordings_in(folder: Path) -> list[Path]:
     """Return the recordings in a folder; raise `FitError` if there is none."""
-    found = sorted(path for path in folder.iterdir() if path.suffix.lower() in READERS and path.is_file())
-    if not found:
+    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in READERS and path.is_file())
+    if not paths:
         raise FitError(f"{folder}: no recording ({', '.join(READERS)})")
-    return found
+    return paths
 
 
 def write_summary(table: pd.DataFrame, folder: Path, template: str, **content: Any) -> None:
@@ -196,10 +196,10 @@ def _outcomes(
             numbers.append(number)
             yield task
 
-    for place, found in outcomes_of(kind.run, tasks(), scheduler, workers):
-        if isinstance(found, Lost):
-            found = Outcome(kind.without(jobs[numbers[place]].name, LOST, (found.reason,)))
-        yield numbers[place], found
+    for place, outcome in outcomes_of(kind.run, tasks(), scheduler, workers):
+        if isinstance(outcome, Lost):
+            outcome = Outcome(kind.without(jobs[numbers[place]].name, LOST, (outcome.reason,)))
+        yield numbers[place], outcome
         yield from (unreadable.pop(0) for _ in range(len(unreadable)))
     yield from unreadable
 

@@ -104,9 +104,9 @@ def _errors(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator
     yield Series("points", time, error, RED, "FMU - data", marker="s", size=1.5 if len(time) > MANY else 4.0)
     lines = []
     for rows in _segments(result):
-        known = error[rows][np.isfinite(error[rows])]
-        if len(known):
-            rmse = float(np.sqrt(np.mean(known**2)))
+        finite = error[rows][np.isfinite(error[rows])]
+        if len(finite):
+            rmse = float(np.sqrt(np.mean(finite**2)))
             ends = [*time[rows][[0, -1]], np.nan]
             lines += [np.array([ends, [side, side, np.nan]]) for side in (-rmse, rmse)]
     x, y = np.hstack(lines)

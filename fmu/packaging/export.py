@@ -153,10 +153,10 @@ def _prebuilt(
     """Return the prebuilt binaries by platform, and the file of values that they read."""
     if shown.road or not has_prebuilt():
         return {}, {}
-    found = generic(tire, inputs=shown.inputs, axes=shown.axes)
+    shared = generic(tire, inputs=shown.inputs, axes=shown.axes)
     names = {host_platform() if name == "host" else name for name in requested}
-    ready = {name: content for name in names if (content := prebuilt_binary(found.structure, name)) is not None}
-    return ready, {VALUES_FILE: values_file(found, token, len(shown.variables))} if ready else {}
+    ready = {name: content for name in names if (content := prebuilt_binary(shared.structure, name)) is not None}
+    return ready, {VALUES_FILE: values_file(shared, token, len(shown.variables))} if ready else {}
 
 
 def checked_interface(inputs: str, axes: str) -> None:
@@ -166,9 +166,9 @@ def checked_interface(inputs: str, axes: str) -> None:
 
     >>> checked_interface("slip", "iso")
     """
-    for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
-        if given not in known:
-            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(known)}")
+    for what, given, allowed in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
+        if given not in allowed:
+            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(allowed)}")
 
 
 def fmi_version(fmi: Any) -> int:
@@ -186,10 +186,10 @@ def fmi_version(fmi: Any) -> int:
     """
     if isinstance(fmi, bool) or not isinstance(fmi, (int, float, str)):
         raise WrongType("fmi", fmi, "2 or 3, as a number or a text")
-    known = {text: version for version in VERSIONS for text in (str(version), f"{version}.0")}
-    if str(fmi).strip() not in known:
+    versions = {text: version for version in VERSIONS for text in (str(version), f"{version}.0")}
+    if str(fmi).strip() not in versions:
         raise FmuError(f"FMI {fmi} is not supported: supported are 2 and 3")
-    return known[str(fmi).strip()]
+    return versions[str(fmi).strip()]
 
 
 def contents(
@@ -282,8 +282,8 @@ def fmi_headers() -> Path:
 
     Raises `FmuError` if fmpy is not installed, or has no headers.
     """
-    found = importlib.util.find_spec("fmpy")  # not imported: the import is slow
-    for root in (found.submodule_search_locations or []) if found else []:
+    spec = importlib.util.find_spec("fmpy")  # not imported: the import is slow
+    for root in (spec.submodule_search_locations or []) if spec else []:
         folder = Path(root) / "c-code"
         if (folder / "fmi3Functions.h").is_file() and (folder / "fmi2Functions.h").is_file():
             return folder

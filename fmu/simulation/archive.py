@@ -87,7 +87,7 @@ def _content(path: Path) -> bytes:
 def _check(entries: list[zipfile.ZipInfo]) -> None:
     """Raise if the directory of an archive has an entry that is not allowed."""
     total = 0
-    known: dict[str, tuple[str, bool]] = {}
+    earlier: dict[str, tuple[str, bool]] = {}
     for entry in entries:
         shown = _shown(entry.orig_filename)
         if _is_unsafe(entry):
@@ -106,9 +106,9 @@ def _check(entries: list[zipfile.ZipInfo]) -> None:
             raise FmuError(f"it has more than {_megabytes(MAX_BYTES)} when unpacked")
         for path, is_folder in _paths(entry):
             key = unicodedata.normalize("NFC", path).casefold()
-            if key in known and (not is_folder or known[key] != (path, is_folder)):
+            if key in earlier and (not is_folder or earlier[key] != (path, is_folder)):
                 raise FmuError(f"{shown} is a duplicate, or differs from another name only by case")
-            known[key] = path, is_folder
+            earlier[key] = path, is_folder
 
 
 def _paths(entry: zipfile.ZipInfo) -> Iterator[tuple[str, bool]]:

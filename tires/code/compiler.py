@@ -221,8 +221,8 @@ def _errors(output: str) -> str:
     "a.c:3:1: error: expected ';'"
     """
     lines = [line.strip() for line in output.strip().splitlines()]
-    found = [line for line in lines if "error:" in line or "undefined reference" in line]
-    return " / ".join(visible(line)[:LONGEST_LINE] for line in (found[:3] or lines[-3:]))
+    reasons = [line for line in lines if "error:" in line or "undefined reference" in line]
+    return " / ".join(visible(line)[:LONGEST_LINE] for line in (reasons[:3] or lines[-3:]))
 
 
 @lru_cache(maxsize=1)

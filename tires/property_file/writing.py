@@ -108,18 +108,18 @@ def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
 
 def _only_here(tire: TireDefinition) -> list[str]:
     """Return the lines with information that a .tir file cannot state otherwise."""
-    own = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
+    entries = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
     absent = [effect for name, effect in tire.symbolic_model.effects.items() if name not in tire.has]
     if tire.has != tire.symbolic_model.default_effects:
-        own["EFFECTS"] = f"'{','.join(name for name in tire.symbolic_model.effects if name in tire.has)}'"
+        entries["EFFECTS"] = f"'{','.join(name for name in tire.symbolic_model.effects if name in tire.has)}'"
     # An absent effect may rescale a coefficient for other readers; its own value is stored here with every digit.
-    own |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
+    entries |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
     own_files = [effect for effect in tire.added if packaged_library().get(effect.name) != effect]
     ranges = {key: tire.ranges[name] for name, key in OWN_RANGES.items() if name in tire.ranges}
     assumed = {key: text for _, key, text in assumed_lines(not_given(tire), tire.symbolic_model)}
     return [
         "[TIREFMU]",
-        *(f"{key} = {value}" for key, value in own.items()),
+        *(f"{key} = {value}" for key, value in entries.items()),
         *_section(ADDED, {effect.name.upper(): _quoted(effect_text(effect)) for effect in own_files}),
         *_section("TIREFMU_ABOUT", {key.upper(): _quoted(str(value)) for key, value in tire.about.items()}),
         *_section("TIREFMU_RANGES", {key: f"'{low!r},{high!r}'" for key, (low, high) in ranges.items()}),
