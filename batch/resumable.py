@@ -16,9 +16,9 @@ from typing import Any, Generic, Protocol, TypeVar
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, FitError, TirefmuError
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.measurements.files.reading import READERS
 from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.drawing.whole_file import write_whole
 
 from .execution import Lost
 from .workers import results as outcomes_of

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from tirefmu.boundary.errors import FmuError, WrongType, path_from
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 from tirefmu.tires.roads.opencrg import read_crg
@@ -315,15 +316,7 @@ def write_file(target: Path, content: bytes) -> None:
 
     Raises `FmuError` if it cannot be written.
     """
-    partial: Path | None = None
     try:
-        with tempfile.NamedTemporaryFile(dir=target.parent, suffix=target.suffix, delete=False) as file:
-            partial = Path(file.name)
-            file.write(content)
-        partial.chmod(0o644)
-        os.replace(partial, target)
+        write_whole(target, content)
     except OSError as error:
         raise FmuError(f"{target} cannot be written: {error.strerror}") from error
-    finally:
-        if partial is not None:
-            partial.unlink(missing_ok=True)

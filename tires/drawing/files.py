@@ -8,12 +8,12 @@ from pathlib import Path
 import pandas as pd
 
 from tirefmu.boundary.errors import TirefmuError, UnknownName, path_from
+from tirefmu.boundary.whole_file import write_whole
 
 from ..tire_argument import TireLike, tire_from
 from .picture import DPI, picture, rendered
 from .surface_figure import surfaces
 from .tire_figures import combined, pure, sketched
-from .whole_file import write_whole
 
 FORMATS = ("png", "svg", "pdf")
 _DATELESS = {"png": None, "svg": {"Date": None}, "pdf": {"CreationDate": None}}

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from tirefmu.boundary.whole_file import write_whole
+
 from .figure import Cells, Figure, Panel, Series
 from .own_matplotlib import (
     Axes,
@@ -23,7 +25,6 @@ from .own_matplotlib import (
     colormaps,
     own_settings,
 )
-from .whole_file import write_whole
 
 DPI = 120
 #: Of the picture of a page.

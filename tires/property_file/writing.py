@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
 from tirefmu.boundary.errors import TirError, path_from
 from tirefmu.boundary.escaping import visible
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.symbolic.added import effect_text, packaged_library
 
 from ..definition import RANGES, TireDefinition
@@ -47,10 +46,7 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
     path = path_from(path)
     text = tir_text(tire)
     try:
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
-            written = Path(scratch) / path.name
-            written.write_text(text, encoding="utf-8", newline="\n")
-            os.replace(written, path)
+        write_whole(path, text.encode())
     except OSError as error:
         raise TirError(f"{path}: cannot be written ({error.strerror or error})") from error
 
