@@ -15,7 +15,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, FitError, TirefmuError
+from tirefmu.boundary.errors import DataError, FitError, TirefmuError, writing
 from tirefmu.boundary.whole_file import write_whole
 from tirefmu.measurements.files.reading import READERS
 from tirefmu.tires.drawing.page import page_text, write_page
@@ -156,7 +156,7 @@ def write_summary(table: pd.DataFrame, folder: Path, template: str, **content: A
     numbers = {"number": lambda value: "" if value is None else f"{value:.4g}"}
     for suffix in (".csv", ".parquet") if find_spec("pyarrow") else (".csv",):
         write_table(table, folder / f"summary{suffix}")
-    with _writing(folder):
+    with writing(folder, DataError):
         write_page(page_text("tirefmu.batch", numbers, template=template, **content), folder / "summary.html")
 
 
@@ -167,16 +167,8 @@ def write_table(table: pd.DataFrame, path: Path) -> None:
         table.to_parquet(buffer)
     else:
         table.to_csv(buffer, index=False)
-    with _writing(path):
+    with writing(path, DataError):
         write_whole(path, buffer.getvalue())
-
-
-@contextlib.contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 def _outcomes(
@@ -220,7 +212,7 @@ def _write(kind: Kind[Job, Task, Result], folder: Path, digest: str, outcome: Ou
     """Write the files of a job; NAME.json last, as it states that all are complete."""
     name = outcome.result.name
     plain = {"digest": digest, "result": outcome.result.to_json(), "files": sorted(outcome.files), **outcome.report}
-    with _writing(folder):
+    with writing(folder, DataError):
         (folder / f"{name}.json").unlink(missing_ok=True)
         for earlier in kind.earlier(folder, name):
             earlier.unlink(missing_ok=True)

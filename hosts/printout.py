@@ -9,7 +9,7 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from tirefmu.boundary.errors import TirefmuError, UnknownName
+from tirefmu.boundary.errors import TirefmuError, UnknownName, writing
 from tirefmu.boundary.escaping import excerpt
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import MODELS
@@ -52,15 +52,13 @@ def generate(
     """
     files = printed(tire, language, functions=functions, values=values, only=only, rows=rows)
     folder = Path(folder)
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder, prefix=".tirefmu.") as scratch:
             for name, text in files.items():
                 (Path(scratch) / name).write_text(text, encoding="ascii", newline="\n")
             for name in files:
                 os.replace(Path(scratch) / name, folder / name)
-    except OSError as error:
-        raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
     return [folder / name for name in files]
 
 

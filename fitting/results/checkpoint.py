@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FitError
+from tirefmu.boundary.errors import FitError, writing
 from tirefmu.boundary.json_schema import json_value, schema_of
 from tirefmu.boundary.schema_check import check_content
 from tirefmu.boundary.whole_file import write_whole
@@ -97,10 +97,8 @@ class Checkpoint:
         Raises `FitError` if the file cannot be written.
         """
         content = {"version": VERSION, "identity": dict(self.identity), "state": json_value(state)}
-        try:
+        with writing(self.path, FitError):
             write_whole(self.path, self.sealed(content).encode())
-        except OSError as error:
-            raise FitError(f"{self.path}: cannot be written ({error.strerror or error})") from error
 
     @staticmethod
     def sealed(content: Mapping[str, Any]) -> str:

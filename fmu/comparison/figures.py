@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.errors import FmuError, writing
 from tirefmu.boundary.escaping import figure_text
 from tirefmu.tires.drawing.figure import Figure, Panel, Series
 from tirefmu.tires.drawing.labels import note
@@ -45,10 +45,8 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     """
     from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which is slow
 
-    try:
+    with writing(Path(folder), FmuError):
         return write_figures(check_figures(result), Path(folder), prefix)
-    except OSError as error:
-        raise FmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
 def check_figures(result: CheckResult) -> list[Figure]:

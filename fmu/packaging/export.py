@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import FmuError, WrongType, path_from
+from tirefmu.boundary.errors import FmuError, WrongType, path_from, writing
 from tirefmu.boundary.whole_file import write_whole
 from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
@@ -316,7 +316,5 @@ def write_file(target: Path, content: bytes) -> None:
 
     Raises `FmuError` if it cannot be written.
     """
-    try:
+    with writing(target, FmuError):
         write_whole(target, content)
-    except OSError as error:
-        raise FmuError(f"{target} cannot be written: {error.strerror}") from error

@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.errors import FmuError, reading
 from tirefmu.boundary.escaping import visible
 
 #: The largest archive, and its largest size when unpacked, bytes.
@@ -74,10 +74,8 @@ def _content(path: Path) -> bytes:
     """Return the bytes of an archive within the size limit."""
     if not path.is_file():
         raise FmuError(f"{path}: no such file")
-    try:
+    with reading(path, FmuError):
         content = read_bounded(path, MAX_BYTES)
-    except OSError as error:
-        raise FmuError(f"{path}: cannot be read ({error.strerror or error})") from error
     # Reading a directory with millions of entries takes minutes, so they are counted first.
     if content.count(_ENTRY) > MAX_ENTRIES:
         raise FmuError(f"{path}: more than {MAX_ENTRIES} files")

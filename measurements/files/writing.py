@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
+from tirefmu.boundary.errors import DataError, writing
 from tirefmu.boundary.whole_file import replacing
 
 from .parquet_table import EXTRA
@@ -84,9 +84,7 @@ def _replaced(target: Path) -> Iterator[Path]:
     if kind not in (".csv", ".parquet"):
         raise DataError(f"{target}: unknown kind of table {target.suffix!r}: known are .csv, .parquet")
     try:
-        with replacing(target) as part:
+        with writing(target, DataError), replacing(target) as part:
             yield part
     except ImportError:
         raise DataError(f"{target}: {EXTRA}") from None
-    except OSError as error:
-        raise DataError(f"{target}: cannot be written: {error.strerror or error}") from None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.boundary.errors import TirefmuError, UnknownName, path_from
+from tirefmu.boundary.errors import UnknownName, path_from, writing
 from tirefmu.boundary.whole_file import write_whole
 
 from ..tire_argument import TireLike, tire_from
@@ -81,8 +81,6 @@ def draw(
         f"{name}.{suffix}": rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])
         for name, figure in figures.items()
     }
-    try:
+    with writing(target):
         target.mkdir(parents=True, exist_ok=True)
         return [write_whole(target / name, image) for name, image in images.items()]
-    except OSError as error:
-        raise TirefmuError(f"{target}: figures cannot be written ({error.strerror or error})") from None

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from tirefmu.boundary.errors import TirError, path_from
+from tirefmu.boundary.errors import TirError, path_from, writing
 from tirefmu.boundary.escaping import visible
 from tirefmu.boundary.whole_file import write_whole
 from tirefmu.symbolic.added import effect_text, packaged_library
@@ -45,10 +45,8 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
     """
     path = path_from(path)
     text = tir_text(tire)
-    try:
+    with writing(path, TirError):
         write_whole(path, text.encode())
-    except OSError as error:
-        raise TirError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 def tir_text(tire: TireDefinition) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import DataError, nearest, path_from
+from tirefmu.boundary.errors import DataError, nearest, path_from, reading
 from tirefmu.boundary.escaping import quoted
 
 from .road import Road
@@ -54,10 +54,8 @@ def read_crg(path: str | Path) -> Road:
     Source: ASAM OpenCRG 1.2.
     """
     file = path_from(path)
-    try:
+    with reading(file, DataError):
         lines = read_bounded(file, _LARGEST_FILE).decode("latin-1").split("\n")
-    except OSError as error:
-        raise DataError(f"{file} cannot be read: {error.strerror}") from error
     end = next((i for i, line in enumerate(lines) if line.startswith("$$$$")), None)
     if end is None or not lines[0].upper().startswith("$CT"):
         raise DataError(f"{file}: no OpenCRG file: it begins with $CT, and its data follow a line $$$$")
