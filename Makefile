@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -140,23 +140,11 @@ check: $(VENV)/installed-dev types  ## lint, format, types, imports, and generat
 generate: $(VENV)/installed  ## write generated/
 	$(BIN)/tirefmu generate
 
-bench: $(VENV)/installed  ## time per point: CasADi, SymPy, NumPy, C and the batch kernels in one run
-	$(BIN)/python benchmarks/evaluation.py $(BENCH_ARGS)
-
-bench-fit: $(VENV)/installed  ## time of a fit compared with SciPy's trf; time and memory up to a million rows
-	$(BIN)/python benchmarks/fitting.py $(BENCH_ARGS)
-
 bench-languages: $(VENV)/installed  ## every model in every installed language compared with NumPy: the table of docs/languages.md
 	$(BIN)/python benchmarks/languages.py --write $(BENCH_ARGS)
 
-bench-startup: $(VENV)/installed  ## CPU time of short commands, of the first fit and the first diagnosis of a process
-	$(BIN)/python benchmarks/startup.py $(BENCH_ARGS)
-
 bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs: median, 99.99 %, longest of a million
 	$(BIN)/python benchmarks/step_times.py $(BENCH_ARGS)
-
-bench-streaming: $(VENV)/installed-dev  ## memory and time of commands over Parquet tables of up to ten million rows
-	$(BIN)/python benchmarks/streaming.py $(BENCH_ARGS)
 
 performance: $(VENV)/installed-dev  ## docs/performance.md: start-up, fits, evaluation, memory in one run, on an idle machine
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/performance.py --write $(BENCH_ARGS)

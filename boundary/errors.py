@@ -5,7 +5,8 @@ from __future__ import annotations
 import difflib
 import os
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -172,3 +173,28 @@ def path_from(value: Any, parameter: str = "path") -> Path:
     if not isinstance(value, (str, os.PathLike)):
         raise WrongType(parameter, value, "a str or a Path")
     return Path(value)
+
+
+@contextmanager
+def reading(path: Path | str, error: type[TirefmuError] = TirefmuError) -> Iterator[None]:
+    """Raise an error of one line if the system refuses what is read inside.
+
+    >>> with reading("none.tir"):
+    ...     Path("none.tir").read_bytes()
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.TirefmuError: none.tir: cannot be read (No such file or directory)
+    """
+    try:
+        yield
+    except OSError as reason:
+        raise error(f"{path}: cannot be read ({reason.strerror or reason})") from reason
+
+
+@contextmanager
+def writing(path: Path | str, error: type[TirefmuError] = TirefmuError) -> Iterator[None]:
+    """Raise an error of one line if the system refuses what is written inside."""
+    try:
+        yield
+    except OSError as reason:
+        raise error(f"{path}: cannot be written ({reason.strerror or reason})") from reason

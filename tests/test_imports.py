@@ -1,4 +1,4 @@
-"""How packages are imported, and how large folders are. import-linter checks who may import whom (`make check`)."""
+"""Imports, sizes of folders, and names of variables. import-linter checks who may import whom (`make check`)."""
 
 from __future__ import annotations
 
@@ -53,3 +53,37 @@ def test_a_wrong_import_is_found(source):
 def test_folders_are_small():
     modules = Counter((ROOT / path).parent for path in FILES if not path.startswith("generated/"))
     assert max(modules.values()) <= MAX_MODULES, modules.most_common(1)
+
+
+#: Words that do not say what a variable is, and packages in which no variable has one of them as its name.
+EMPTY_WORDS = {"each", "one", "own", "found", "known"}
+NAMED = (
+    "batch",
+    "comparison",
+    "estimation",
+    "fmu",
+    "hosts",
+    "measurements",
+    "planning",
+    "studio",
+    "symbolic",
+    "tires",
+    "tirefmu",
+)
+#: A key of the JSON of a diagnosis; a file that FMUs contain.
+AS_THEY_ARE = {"batch/diagnose_many.py: found", "fmu/packaging/python_slave.py: known"}
+
+
+def test_names_of_variables_say_what_they_are():
+    empty = {
+        f"{path}: {name}"
+        for path in FILES
+        if path.startswith(tuple(f"{package}/" for package in NAMED))
+        for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8")))
+        for name in EMPTY_WORDS & {getattr(node, "arg", None), node.id if _is_stored(node) else None}
+    }
+    assert empty == AS_THEY_ARE
+
+
+def _is_stored(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)

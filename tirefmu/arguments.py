@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError, writing
 from tirefmu.symbolic import DEFAULT_MODEL
 
 #: The models of the package; the equations take too long to load for a help text.
@@ -243,7 +243,5 @@ def write_json(path: Path | None, content: dict[str, Any]) -> None:
     if str(path) == "-":
         print(text)
         return
-    try:
+    with writing(path):
         path.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error

@@ -95,7 +95,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
             drawn = figures.result()
     terminal.print(f"  {len(drawn)} figures of both fits: {folder / 'figures'}")
     shown = {"fit": chapters[1], "fmu_check": chapters[2], "diagnosis": chapters[4]}
-    pictures = write_figures([replace(each.figures[0], name=name) for name, each in shown.items()], folder)
+    pictures = write_figures([replace(chapter.figures[0], name=name) for name, chapter in shown.items()], folder)
     terminal.print(f"  the results in three pictures: {', '.join(map(str, pictures))}")
     seconds = time.perf_counter() - began
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]

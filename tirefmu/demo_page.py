@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import writing
 from tirefmu.tires.drawing.figure import Figure
 from tirefmu.tires.drawing.page import page_text, write_page
 
@@ -33,8 +33,6 @@ def write_demo_page(chapters: Sequence[Chapter], folder: Path, ok: bool, seconds
     path = folder / "index.html"
     filters = {"address": lambda file: "./" + quote(file.relative_to(folder).as_posix())}
     text = page_text("tirefmu", filters, template="demo.html", chapters=chapters, ok=ok, seconds=seconds)
-    try:
+    with writing(path):
         write_page(text, path)
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error
     return path

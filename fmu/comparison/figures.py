@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.errors import FmuError, writing
 from tirefmu.boundary.escaping import figure_text
 from tirefmu.tires.drawing.figure import Figure, Panel, Series
 from tirefmu.tires.drawing.labels import note
@@ -45,10 +45,8 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     """
     from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which is slow
 
-    try:
+    with writing(Path(folder), FmuError):
         return write_figures(check_figures(result), Path(folder), prefix)
-    except OSError as error:
-        raise FmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
 def check_figures(result: CheckResult) -> list[Figure]:
@@ -104,9 +102,9 @@ def _errors(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator
     yield Series("points", time, error, RED, "FMU - data", marker="s", size=1.5 if len(time) > MANY else 4.0)
     lines = []
     for rows in _segments(result):
-        known = error[rows][np.isfinite(error[rows])]
-        if len(known):
-            rmse = float(np.sqrt(np.mean(known**2)))
+        finite = error[rows][np.isfinite(error[rows])]
+        if len(finite):
+            rmse = float(np.sqrt(np.mean(finite**2)))
             ends = [*time[rows][[0, -1]], np.nan]
             lines += [np.array([ends, [side, side, np.nan]]) for side in (-rmse, rmse)]
     x, y = np.hstack(lines)

@@ -140,7 +140,7 @@ class CheckResult:
         """How well the tire of the FMU describes the data, in one line."""
         described = [channel for channel in self.channels if channel.name not in self.poorly_described]
         poor = [channel for channel in self.channels if channel.name in self.poorly_described]
-        good, bad = (", ".join(f"{each.name} {each.r2:.3f}" for each in some) for some in (described, poor))
+        good, bad = (", ".join(f"{channel.name} {channel.r2:.3f}" for channel in some) for some in (described, poor))
         below = f"below {GOOD_R2}: {bad} (poorly described, or hardly varies here)" if bad else ""
         return f"agreement with the data, R2: {'; '.join(filter(None, (good, below)))}"
 

@@ -91,7 +91,7 @@ def read_effect(text: str, source: str) -> AddedEffect:
     effect = replace(effect, acts=acts, states=states)
     check_effect(effect, source)
     _check_detection(effect, source)
-    if unused := {each.name for each in effect.declarations} - effect.reads:
+    if unused := {declaration.name for declaration in effect.declarations} - effect.reads:
         raise EffectError(f"{source}: {min(unused)} is declared but not used")
     return effect
 

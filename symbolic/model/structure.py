@@ -93,12 +93,12 @@ class Structure:
             if case.number:
                 numbers[line.name] = case.number
         needed = set(targets)
-        found: set[str] = set()
+        reached: set[str] = set()
         for line in reversed(self.lines):
             if line.name in needed:
                 needed.update(reads[line.name])
-                found.update(reads[line.name])
-        return frozenset(found)
+                reached.update(reads[line.name])
+        return frozenset(reached)
 
     def to_text(self, about: str) -> str:
         """Return the text of the stored file: JSON, with one line of text for each line of the model.

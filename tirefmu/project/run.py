@@ -12,7 +12,7 @@ from time import monotonic
 from typing import Any
 from urllib.parse import quote
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError, writing
 from tirefmu.tires.drawing.page import page_text, write_page
 
 from ..forecast import left_text
@@ -175,7 +175,5 @@ def _write_index(project: Project, outcomes: Sequence[Outcome], missing: Sequenc
 
     text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes,
                      missing=missing)  # fmt: skip
-    try:
+    with writing(path):
         write_page(text, path)
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error

@@ -143,5 +143,5 @@ def _unit(text: str) -> str:
     """
     unit = text.replace("^", "").replace(" ", ".")
     factor = "[A-Za-z]+[0-9]*"
-    known = re.fullmatch(rf"(1|{factor}(\.{factor})*)(/({factor}|\({factor}(\.{factor})+\)))?", unit)
-    return f'unit = "{unit}"' if known else ""
+    plain = re.fullmatch(rf"(1|{factor}(\.{factor})*)(/({factor}|\({factor}(\.{factor})+\)))?", unit)
+    return f'unit = "{unit}"' if plain else ""

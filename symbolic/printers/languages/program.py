@@ -104,10 +104,10 @@ class Program:
 
     def data_files(self) -> dict[str, str]:
         """Return the files without code: the rows of the self-test, the coefficients where they are in a file."""
-        found = {self.check_file: self.check}
+        files = {self.check_file: self.check}
         if self.placement == "file":
-            found[self.values_file] = "".join(f"{name} {value!r}\n" for name, value in self.coefficients.items())
-        return found
+            files[self.values_file] = "".join(f"{name} {value!r}\n" for name, value in self.coefficients.items())
+        return files
 
     def sizes(self) -> list[tuple[str, int]]:
         """Return the functions and their numbers of results, in the order of the self-test's rows."""

@@ -124,11 +124,11 @@ class Named:
 
 def functions_of(program: Program, layout: Layout) -> list[Function]:
     """Return the functions of a program in a language."""
-    found: list[Function] = []
+    functions: list[Function] = []
     for routine in program.routines:
-        first = found[-1].first + found[-1].size if found else 0
-        found.append(Function(routine, program, layout, first))
-    return found
+        first = functions[-1].first + functions[-1].size if functions else 0
+        functions.append(Function(routine, program, layout, first))
+    return functions
 
 
 def render(
