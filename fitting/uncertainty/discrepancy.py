@@ -173,9 +173,7 @@ def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: Sam
     return Discrepancy(channel, *estimate, features, problem.free, response, information, score)
 
 
-def _estimated(
-    sample: Sample, left: Sequence[FloatArray], noise: float
-) -> tuple[float, float, float, float] | None:
+def _estimated(sample: Sample, left: Sequence[FloatArray], noise: float) -> tuple[float, float, float, float] | None:
     """Return the standard deviations of form and state, and the chances of such sums of squares under noise alone.
 
     `left`: what the fit leaves of the features of both.
