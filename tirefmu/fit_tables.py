@@ -105,17 +105,17 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
     )  # fmt: skip
     remarkable = {name for direction in result.findings.undetermined for name in direction.coefficients}
     remarkable |= {profile.name for profile in result.profiles}
+    remarkable |= {c.name for c in result.coefficients if c.other is not None}
     consequences = {consequence.name: consequence.text() for consequence in result.bounds}
     every = every or bool(result.bootstrap)
     for c in result.coefficients:
-        second = c.other == c.other  # not NaN
-        if not (every or c.at_bound or c.from_family or second or not c.determined or c.name in remarkable):
+        if not (every or c.at_bound or c.from_family or not c.determined or c.name in remarkable):
             continue
         remark = (
             f"at bound: {consequences.get(c.name, '')}".rstrip(": ")
             if c.at_bound
             else f"or {c.other:.5g}"
-            if second
+            if c.other is not None
             else "from the family"
             if c.from_family
             else ""

@@ -1,4 +1,4 @@
-"""A second solution of a fit, with other values of some coefficients, that the data do not distinguish from the first."""
+"""A second solution of a fit, with other values of some coefficients, which the data do not distinguish from it."""
 
 from __future__ import annotations
 

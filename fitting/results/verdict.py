@@ -273,7 +273,7 @@ def _not_imposed(result: FitResult) -> Iterator[str]:
 
 
 def _second_solution(result: FitResult) -> Iterator[str]:
-    values = [f"{c.name} {c.value:.3g} or {c.other:.3g}" for c in result.coefficients if np.isfinite(c.other)]
+    values = [f"{c.name} {c.value:.3g} or {c.other:.3g}" for c in result.coefficients if c.other is not None]
     if values:
         yield f"two solutions fit equally well: {_listed(values)}"
 

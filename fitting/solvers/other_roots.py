@@ -1,4 +1,4 @@
-"""Other roots of a fit: values with which the equations give the same forces, such as two coefficients with other signs.
+"""Other roots of a fit: values with which the equations give the same forces, such as a pair with other signs.
 
 Where a coefficient changes and all others follow it, along v = H^-1 e, the residuals change by s J v + s^2/2 q. The
 others follow q, too, except for its part along J v. With that part, k J v, the change is zero again at s = -2/k. Such a

@@ -22,8 +22,8 @@ DRIFT_WAVES = 3
 #: Prior standard deviation, as a share of the limit. Convention.
 MAX_CROSS_TALK: Mapping[str, float] = {"Fy_in_Fx": 0.035, "Fx_in_Fy": 0.012, "Fy_in_Mz": 0.004}
 CROSS_TALK_PRIOR_SHARE = 1.0 / 3.0
-#: Largest skew between channels, s: filters and multiplexers of a bench have up to 25 ms. More is attributed to the tire.
-#: Convention. Prior standard deviation of the delay of each channel, as a share. Convention.
+#: Largest skew between channels, s: filters and multiplexers of a bench have up to 25 ms. More is attributed to the
+#: tire. Prior standard deviation of the delay of each channel, as a share. Conventions.
 MAX_SKEW, SKEW_PRIOR_SHARE = 0.03, 1.0 / 3.0
 
 

@@ -32,8 +32,8 @@ def both():
 
 def test_both_solutions_are_in_the_interval_and_in_the_verdict(both):
     tire, table, result = both
-    second = {c.name: c for c in result.coefficients if np.isfinite(c.other)}
-    assert PAIR <= second.keys()
+    second = {c.name: c for c in result.coefficients if c.other is not None}
+    assert second.keys() >= PAIR
     for c in second.values():
         assert abs(c.other - c.value) < c.interval
     for name in PAIR:
@@ -46,11 +46,11 @@ def test_both_solutions_are_in_the_interval_and_in_the_verdict(both):
 
 def test_the_better_root_is_the_solution_from_either(both):
     _, _, result = both
-    other = {c.name: c.other for c in result.coefficients if np.isfinite(c.other)}
+    other = {c.name: c.other for c in result.coefficients if c.other is not None}
     _, _, repeated = fitted(start=result.tire.with_values(**other))
     assert repeated.tire.values["PKX2"] == pytest.approx(result.tire.values["PKX2"], rel=0.05)
 
 
 def test_better_data_have_one_solution():
     _, _, result = fitted(0.6)
-    assert not [c.name for c in result.coefficients if np.isfinite(c.other)]
+    assert not [c.name for c in result.coefficients if c.other is not None]
