@@ -25,7 +25,13 @@ from known_tires import LOADS, NOMINAL, SIZES, known_tire, moved
 
 from tirefmu.fitting import FitResult, fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
-from tirefmu.measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE, MAX_CROSS_TALK, cross_talk
+from tirefmu.measurements.virtual_bench.bench_errors import (
+    CROSS_TALK_PRIOR_SHARE,
+    MAX_CROSS_TALK,
+    MAX_SKEW,
+    SKEW_PRIOR_SHARE,
+    cross_talk,
+)
 from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
 from tirefmu.tires import Tire
 
@@ -65,6 +71,9 @@ def made(group: str, seed: int) -> Made:
     for name, scale in scales.items():
         exact[name] = exact[name] * scale
     t = exact["t"].to_numpy()
+    if group == "sensor errors":
+        late = {n: SKEW_PRIOR_SHARE * MAX_SKEW * rng.standard_normal() for n in exact.columns.drop("t")}
+        exact = exact.assign(**{n: np.interp(t - delay, t, exact[n]) for n, delay in late.items()})
     recorded = {n: noise.record(n, exact[n].to_numpy(), t, rng) for n in exact.columns.drop("t")}
     if group == "sensor errors":
         forces = exact[list(FORCES)].to_numpy().T

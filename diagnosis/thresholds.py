@@ -24,6 +24,7 @@ from collections.abc import Mapping
 from tirefmu.measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE as CROSS_TALK_PRIOR_SHARE
 from tirefmu.measurements.virtual_bench.bench_errors import DRIFT_WAVES as DRIFT_WAVES
 from tirefmu.measurements.virtual_bench.bench_errors import MAX_CROSS_TALK as MAX_CROSS_TALK
+from tirefmu.measurements.virtual_bench.bench_errors import MAX_SKEW as MAX_SKEW
 
 # ------------------------------------------------------------------ the recording
 
@@ -51,9 +52,6 @@ OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
 #: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
 #: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
 FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
-#: Largest skew between forces and inputs, s: filters and multiplexers of a bench have up to 25 ms. More is attributed
-#: to the tire. Convention.
-MAX_SKEW = 0.03
 #: Smallest skew that is corrected, s: in a sweep of 10 deg/s, 3 ms are 0.03 deg. Benchmark: increased from 1 ms after a
 #: skew of -2 ms was found in a recording with hysteresis.
 MIN_SKEW = 0.003

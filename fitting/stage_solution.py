@@ -95,14 +95,8 @@ class StageSolver:
         """Return the end of Gauss-Newton steps, at first with a sample of many rows."""
         if len(self.problem.rows) < MIN_ROWS:
             return solve(self.problem, start, local=True)
-        first = solve(sampled(self.problem, SAMPLE), start, local=True)
+        first = solve(self.problem.sampled(SAMPLE), start, local=True)
         if self.stop():
             return replace(first, cost=self.problem.cost(first.x), converged=False)
         after = solve(self.problem, first.x, refine=True)  # near the optimum undamped steps are the shortest way
         return replace(after, iterations=first.iterations + after.iterations)
-
-
-def sampled(problem: Problem, n: int) -> Problem:
-    """Return a problem with n random rows, of about the same cost."""
-    rows = problem.rows.sample(n)
-    return replace(problem, rows=rows, weights=problem.weights * (len(problem.rows) / len(rows)))

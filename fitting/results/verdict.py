@@ -100,6 +100,7 @@ def verdict_of(result: FitResult) -> Verdict:
         *_structure(result),
         *_few_rows(result, ROWS_PER_COEFFICIENT),
         *_not_imposed(result),
+        *_second_solution(result),
         *_at_bounds(result),
         *_excluded(result),
         *([] if result.solution.residuals is None else _extrapolated(result.solution.residuals)),
@@ -271,6 +272,12 @@ def _not_imposed(result: FitResult) -> Iterator[str]:
     )  # fmt: skip
     if missing:
         yield f"physical constraints not imposed: {_listed(missing)}"
+
+
+def _second_solution(result: FitResult) -> Iterator[str]:
+    values = [f"{c.name} {c.value:.3g} or {c.other:.3g}" for c in result.coefficients if c.other is not None]
+    if values:
+        yield f"two solutions fit equally well: {_listed(values)}"
 
 
 def _at_bounds(result: FitResult) -> Iterator[str]:
