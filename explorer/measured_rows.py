@@ -73,7 +73,7 @@ def _level(name: str, level: float) -> str:
     """Return a level with its unit; one within its tolerance of 0 is 0."""
     unit, scale = shown(CHANNELS[name].unit)
     value = level * scale if abs(level) > (CHANNELS[name].tolerance or 0.0) else 0.0
-    return f"{value:.3g} {unit}".strip()
+    return f"{float(f'{value:.3g}'):g} {unit}".strip()
 
 
 def rows_data(conditions: Sequence[MeasuredRows], most: int = MAX_ROWS) -> dict[str, Any]:

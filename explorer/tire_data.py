@@ -22,6 +22,8 @@ RANGES = {
     "T": (0.0, 120.0), "T_ambient": (253.15, 333.15), "T_road": (253.15, 353.15), "t": (0.0, 600.0),
     "distance": (0.0, 5000.0),
 }  # fmt: skip
+#: Range of a temperature of the tire, K.
+NODE_RANGE = (253.15, 423.15)
 #: Range of an input that is positive, as shares of its nominal value.
 SHARES = (0.1, 2.5)
 #: Room of a slider on each side of a fitted value, as a multiple of the 95 % interval.
@@ -70,8 +72,8 @@ def tire_data(
     whole = switchable(tire)
     model = whole.symbolic_model
     effects = {name: each for name, each in model.effects.items() if name in whole.has}
-    # The ends of a range are not properties that a slider could change independently.
-    ends = {name for pair in RANGE_KEYS.values() for name in pair}
+    # The ends of a range are not properties that a slider could change independently; start temperatures are inputs.
+    ends = {name for pair in RANGE_KEYS.values() for name in pair} | _starts(whole).keys()
     adjustable = read.keys() - ends
     owners = {name: _owner(whole, name) for name in model.coefficients}
     return {
@@ -79,7 +81,7 @@ def tire_data(
         "file_name": file_name(tire.name or name, "tire"),
         "model": model.name,
         "title": model.title,
-        "inputs": [_input(tire, quantity) for quantity in model.inputs if quantity.name not in model.states],
+        "inputs": _inputs(whole),
         "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in model.outputs],
         "roles": {role: _quantity(tire, model.quantity(role)) for role in ROLES if model.quantity(role)},
         "states": [_state(whole, name) for name in model.states],
@@ -160,13 +162,24 @@ def _coefficient(
     }
 
 
-def _input(tire: Tire, quantity: Quantity) -> dict[str, Any]:
-    nominal = tire.nominal(quantity.name)
-    unit, scale = shown(quantity.unit)
-    low, high = (
-        tire.ranges.get(quantity.name) or RANGES.get(quantity.name) or (SHARES[0] * nominal, SHARES[1] * nominal)
-    )
-    return {
-        "name": quantity.name, "text": quantity.description, "unit": unit, "scale": scale, "nominal": nominal,
-        "low": min(low, nominal), "high": max(high, nominal),
-    }  # fmt: skip
+def _starts(tire: Tire) -> dict[str, str]:
+    """Return the temperature that each coefficient is the start of."""
+    states = tire.symbolic_model.states
+    return {state.start: name for name, state in states.items() if state.is_temperature and state.start in tire.values}
+
+
+def _inputs(tire: Tire) -> list[dict[str, Any]]:
+    """Return the inputs of the page: those of the tire, and the temperatures of its parts."""
+    model, nodes = tire.symbolic_model, _starts(tire).items()
+    given = [each for each in model.inputs if each.name not in model.states]
+    values = [(each, tire.nominal(each.name), tire.ranges.get(each.name) or RANGES.get(each.name)) for each in given]
+    temperatures = [(model.states[name], tire.values[start], NODE_RANGE) for start, name in nodes]
+    inputs = []
+    for each, nominal, ends in [*values, *temperatures]:
+        unit, scale = shown(each.unit)
+        low, high = ends or (SHARES[0] * nominal, SHARES[1] * nominal)
+        inputs.append(
+            {"name": each.name, "text": each.description, "unit": unit, "scale": scale, "nominal": nominal,
+             "low": min(low, nominal), "high": max(high, nominal)}
+        )  # fmt: skip
+    return inputs

@@ -43,6 +43,8 @@ FloatArray = npt.NDArray[np.float64]
 SEED = 1464
 #: Of the virtual bench, Hz: slow enough for a demo, and far above the rates of the sweeps.
 SAMPLE_RATE = 20.0
+#: Recipes of the two fits, and what they are.
+RECIPES = {"trento": "the thirteen stages of the report", "joint": "all coefficients in one fit"}
 #: Coefficients of the bench tire that differ from the Trento tire, and why.
 BENCH_TIRE = {
     # The report limited PKY2 to 4.9 .. 5.1, which overestimated the measured cornering stiffness by 36 % at 250 lbf.
@@ -151,13 +153,13 @@ def _fits(
     terminal.heading("2 Fit.", "The thirteen stages of the report, and all coefficients simultaneously")
     nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
     results, lines = {}, []
-    for recipe in ("trento", "joint"):
+    for recipe in RECIPES:
         with terminal.fitting() as progress:
             result = fit([recording], "mf96", recipe=recipe, nominal=nominal, progress=progress)
         result.tire.save(folder / f"{recipe}.tir")
         results[recipe] = result
         errors = ", ".join(f"{c.channel} {c.rmse:.3g} {c.unit} (R2 {c.r2:.4f})" for c in result.channels)
-        lines.append(f"{recipe}: RMSE {errors}; {result.status}, {result.run.seconds:.1f} s")
+        lines.append(f"{recipe} ({RECIPES[recipe]}): RMSE {errors}; {result.status}, {result.run.seconds:.1f} s")
         terminal.print(f"  {lines[-1]}")
     for line in _stiffness_lines(truth, results):
         lines.append(line)
@@ -170,7 +172,8 @@ def _fits(
         if figure.name in ("pure_Fy", "stiffness")
     ]
     files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
-    chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), tuple(shown), files))
+    texts = (f"RMSE of all coefficients in one fit: {errors}.", *(f"{line}." for line in lines))
+    chapters.append(Chapter("The fit", texts, tuple(shown), files))
     return results["joint"], results["trento"], figures
 
 
@@ -196,7 +199,7 @@ def _stiffness_lines(truth: Tire, results: dict[str, FitResult]) -> list[str]:
             parts.append(
                 f"{recipe} " + ", ".join(f"{e:+.1f} % at {n:.0f} N" for e, n in zip(errors, loads, strict=True))
             )
-        lines.append(f"{name}, error: {'; '.join(parts)}")
+        lines.append(f"{name}, difference from the known tire: {'; '.join(parts)}")
     return lines
 
 
@@ -225,7 +228,9 @@ def _fmus(
     with terminal.working("writing the report"):
         write_check(result, page := folder / "check.html")
     shown = tuple(figure for figure in check_figures(result) if figure.name == "Fy")
-    chapters.append(Chapter("The FMU over the data", tuple(f"{line}." for line in lines), shown, (page, *files)))
+    passed = ", ".join(f"{name} {'passes' if ok else 'fails'}" for name, ok in checks.items())
+    texts = (f"{passed} the check against direct evaluation.", *(f"{line}." for line in lines))
+    chapters.append(Chapter("The FMU over the data", texts, shown, (page, *files)))
     return checks
 
 
@@ -296,9 +301,8 @@ def _diagnosis(
     names = [finding.effect for finding in result.found]
     written_files = [folder / name for name in ("report.html", "improved.tir", "improved.fmu", "base.tir", "base.fmu")]
     texts = (
+        f"{result.verdict}.",
         "The diagnosis tests all known effects without information about the removed one.",
-        result.verdict,
-        f"Identified: {', '.join(names) or 'nothing'}.",
         *(
             f"Error of {channel} on the hold-out set: {error['before']:.3g} {drawn_unit(channel)} before, "
             f"{error['after']:.3g} after, noise floor {error['floor']:.3g}."

@@ -16,6 +16,7 @@ from tirefmu.tires.drawing.page import page_text, write_page
 class Chapter:
     """A step of the demo.
 
+    - `texts`: the first one is the result, with which the page begins.
     - `files`: in or below the folder of the page, which links to them.
     """
 

@@ -14,12 +14,13 @@ let panel = null;
 let timePanel = null;
 let charts = [];
 let conditionAxes = [];
-let drawn = 0;
+let drawn = "";
 let seen = null;
 let pending = 0;
 let delayed = 0;
 let resting = 0;
 
+const titlesOf = (specs) => specs.map((each) => each.name).join();
 const input = (name) => now.data.inputs.find((each) => each.name === name);
 const range = (name) => {
   const { low, high } = input(name);
@@ -31,18 +32,24 @@ function sources() {
   const load = view.inputs.Fz;
   const found = [{ label: "as loaded", tire: loaded, load, style: "loaded" }];
   if (other) found.push({ label: other.data.name, tire: other, load, style: "other" });
-  for (const each of view.family ? familyLoads() : []) {
-    found.push({ label: `${shortNumber(Math.round(each))} N`, tire: now, load: each, style: "family" });
+  for (const each of view.family ? familyLoads().filter((load) => !isSelected(load)) : []) {
+    found.push({ label: `${shortNumber(Math.round(each))} N`, tire: now, load: each, style: "family", color: loadColor(each) });
   }
   return [...found, { label: "this tire", tire: now, load, style: extrapolated().length ? "beyond" : "now" }];
 }
 
-/** Return the measured loads, or shares of the selected one within the range of the tire, without the selected one. */
+/** Return the loads measured at the selected condition, or shares of the selected load within the range of the tire. */
 function familyLoads() {
   const { low, high } = range("Fz");
-  const loads = measured.loads.length > 1 ? measured.loads : FAMILY.map((share) => share * view.inputs.Fz);
-  return loads.filter((load) => load >= 0.99 * low && load <= 1.01 * high && Math.abs(load / view.inputs.Fz - 1) > 0.03);
+  const found = measuredLoads().map((each) => each.levels.Fz);
+  if (found.length > 1) return found;
+  return FAMILY.map((share) => share * view.inputs.Fz).filter((load) => load >= 0.99 * low && load <= 1.01 * high);
 }
+
+const measuredLoads = () => (measured.conditions.length ? measured.atAllLoads(view.condition) : []);
+const isSelected = (load) => Math.abs(load / view.inputs.Fz - 1) < 0.03;
+/** Return the colour of a load: the selected one has that of the tire's curve. */
+const loadColor = (load) => (isSelected(load) ? STYLES.now.stroke : LOAD_COLORS[familyLoads().indexOf(load) % LOAD_COLORS.length]);
 
 /** Return the selected inputs that are beyond the range of the tire. */
 function extrapolated() {
@@ -51,35 +58,36 @@ function extrapolated() {
 }
 
 /** Whether several loads are shown unless the user chooses otherwise. */
-const familyAtFirst = () => measured.loads.length > 1;
+const familyAtFirst = () => measuredLoads().length > 1;
 
 /** Return the charts for the selected slip: an output or a quantity with a role, over an input. */
 function chartSpecs() {
   const first = view.over === "alpha" ? ["Fy", "Mz"] : ["Fx", "Fy"];
   const place = (each) => (first.includes(each.name) ? first.indexOf(each.name) : first.length);
-  const outputs = now.data.outputs.filter((each) => !isEmpty(each.name)).sort((a, b) => place(a) - place(b));
-  const specs = outputs.map((each) => ({ ...each, results: "forces", of: () => each.name, over: view.over }));
+  const outputs = [...now.data.outputs].sort((a, b) => place(a) - place(b));
+  const specs = outputs.map((each) => ({ ...each, results: "forces", of: () => each.name, over: view.over, idle: 0 }));
   const weighting = view.over === "alpha" ? "weighting_x" : "weighting_y";
   for (const role of [weighting, "stiffness_y", "stiffness_x", "friction_y", "friction_x"]) {
     const own = now.data.roles[role];
     const over = role === weighting ? view.over : "Fz";
-    if (own) specs.push({ ...own, results: "quantities", of: (tire) => tire.data.roles[role]?.name, over });
+    const idle = role === weighting ? 1 : 0;
+    if (own) specs.push({ ...own, results: "quantities", of: (tire) => tire.data.roles[role]?.name, over, idle });
   }
-  return specs;
+  return specs.filter((each) => !isEmpty(each) || measuredPoints(each.name, each.over).length);
 }
 
-/** Return whether an output is 0 at all slips for every tire of the page. */
-function isEmpty(name) {
-  const slips = ["alpha", "kappa"].filter(input).flatMap((slip) => [range(slip).low, range(slip).high].map((end) => ({ [slip]: end })));
-  const tires = [now, loaded, ...(other ? [other] : [])].filter((tire) => tire.data.outputs.some((each) => each.name === name));
-  return tires.every((tire) => slips.every((slip) => tire.forces(inputsOf(tire, { ...view.inputs, ...slip }))[name] === 0));
+/** Return whether a chart has nothing to show: a force of 0, or a weighting of 1, over the slip for every tire. */
+function isEmpty({ results, of, over, idle }) {
+  const places = spaced(range(over).low, range(over).high, FEW_POINTS).map((value) => ({ ...view.inputs, [over]: value }));
+  const tires = [now, loaded, ...(other ? [other] : [])].filter(of);
+  return tires.every((tire) => places.every((at) => (tire[results](inputsOf(tire, at))[of(tire)] ?? idle) === idle));
 }
 
 function buildCharts() {
   const host = find("charts");
   host.replaceChildren();
   const specs = chartSpecs();
-  drawn = specs.length;
+  drawn = titlesOf(specs);
   charts = specs.map((spec) => {
     const over = input(spec.over);
     const title = `${spec.name} over ${over.name}: ${spec.text}`;
@@ -113,7 +121,7 @@ function updateCurves(chart, spec, moving = false) {
   const { scale } = input(spec.over);
   const count = moving ? MOVING_POINTS : POINTS;
   const curves = [];
-  for (const { label, tire, load, style } of sources()) {
+  for (const { label, tire, load, style, color } of sources()) {
     const name = spec.of(tire);
     if (!name || !tire.data.inputs.some((each) => each.name === spec.over)) continue;
     const inputs = { ...view.inputs, Fz: load };
@@ -121,9 +129,9 @@ function updateCurves(chart, spec, moving = false) {
     const wanted = wantedNames(tire, spec.results);
     const found = sweeps.sweep(label, tire, inputs, spec.over, range(spec.over), count, spec.results, wanted);
     found.shown ??= found.x.map((x) => x * scale);
-    if (found.curves[name]) curves.push({ label, style, x: found.shown, y: found.curves[name] });
+    if (found.curves[name]) curves.push({ label, style, color, x: found.shown, y: found.curves[name] });
   }
-  chart.draw(curves, spec.results === "forces" ? measuredPoints(spec.name, spec.over) : null, moving);
+  chart.draw(curves, spec.results === "forces" ? measuredPoints(spec.name, spec.over) : [], moving);
 }
 
 function wantedNames(tire, results) {
@@ -140,7 +148,7 @@ function updateLoci(chart, alphas, moving = false) {
       return { label: place, style, x: found.curves.Fx, y: found.curves.Fy };
     }),
   );
-  chart.draw(curves, null, moving);
+  chart.draw(curves, [], moving);
 }
 
 /** Draw a surface; `shared` has the forces that other surfaces have computed for the same state. */
@@ -152,15 +160,17 @@ function updateSurface(chart, name, shared) {
   chart.draw(alphas.map((alpha) => alpha * scale), kappas, shared.surfaces[name]);
 }
 
-/** Return the measured points of the selected condition over a slip. */
+/** Return the measured points over a slip: those of the selected condition, and at the other loads that are shown. */
 function measuredPoints(output, over) {
-  const condition = measured.conditions[view.condition];
-  const columns = condition?.columns ?? {};
-  if (!(output in columns) || !(over in columns) || (condition.slip && condition.slip !== over)) return null;
-  condition.axes ??= {};
-  condition.axes[over] ??= measuredAxis(columns[over], input(over).scale);
-  condition.axes[output] ??= measuredAxis(columns[output], 1);
-  return { x: condition.axes[over], y: condition.axes[output] };
+  const selected = measured.conditions[view.condition];
+  const conditions = view.family && familyAtFirst() ? measuredLoads() : selected ? [selected] : [];
+  const drawn = ({ columns, slip }) => output in columns && over in columns && (!slip || slip === over);
+  return conditions.filter(drawn).map((each) => {
+    each.axes ??= {};
+    each.axes[over] ??= measuredAxis(each.columns[over], input(over).scale);
+    each.axes[output] ??= measuredAxis(each.columns[output], 1);
+    return { x: each.axes[over], y: each.axes[output], color: conditions.length > 1 ? loadColor(each.levels.Fz) : STYLES.now.stroke };
+  });
 }
 
 /** Draw visible charts in the next frame; everything else when no change has followed for a moment. */
@@ -174,7 +184,7 @@ function render() {
   clearTimeout(delayed);
   clearTimeout(resting);
   delayed = setTimeout(() => {
-    if (chartSpecs().length !== drawn) buildCharts();
+    if (titlesOf(chartSpecs()) !== drawn) buildCharts();
     const shared = {};
     for (const each of charts) if (each.visible) drawWhole(each, shared);
     timePanel.draw();
@@ -333,7 +343,7 @@ function buildInputs() {
 function buildKey() {
   const styles = [["now", "this tire"], ["loaded", "as loaded"], ...(other ? [["other", other.data.name]] : []), ["family", "other loads"]];
   for (const [style, text] of styles) find("key").append(element("li", {}, element("span", { class: `line ${style}`, "aria-hidden": "true" }), text));
-  if (measured.conditions.length) find("key").append(element("li", {}, element("span", { class: "point", "aria-hidden": "true" }), "measured"));
+  if (measured.conditions.length) find("key").append(element("li", {}, element("span", { class: "point", "aria-hidden": "true" }), "measured, in the color of its load"));
 }
 
 /** Return the condition with a text on an axis that differs on the fewest others from the selected condition. */

@@ -326,6 +326,41 @@ def test_measured_rows_and_their_residuals(opened, tires, bench):
     assert page.evaluate("view.inputs.Fz") == pytest.approx(700.0, rel=0.01)
 
 
+def test_all_measured_loads_are_in_one_chart_with_their_points(opened, tires, bench):
+    """Each load has one color for its curve and its points; with one load there are the points of the condition."""
+    page = opened(tires["mf96"], recordings=[bench])
+    drawn = page.evaluate(
+        """charts.slice(0, 2).map(({ chart }) => [
+          chart.title.slice(0, 2),
+          chart.curves.map(({ label, color, y }) => [label, color ?? STYLES.now.stroke, y]),
+          chart.points.map(({ y, color }) => [color, [...y.values]])])"""
+    )
+    assert [name for name, _, _ in drawn] == ["Fy", "Mz"]
+    iso = bench.with_signs("iso").table
+    for name, curves, points in drawn:
+        assert len(points) == 2
+        colors = {color for color, _ in points}
+        assert len(colors) == 2
+        assert {color for label, color, _ in curves if label != "as loaded"} == colors
+        sizes = {color: np.abs(values).max() for color, values in points}
+        for _, color, values in curves:
+            assert np.abs(values).max() == pytest.approx(sizes[color], rel=0.2)
+        assert all(np.isin(np.float32(values), np.float32(iso[name])).all() for _, values in points)
+    page.locator("#family").uncheck()
+    until(page, "charts[0].chart.points.length === 1 && charts[0].chart.curves.length === 2")
+
+
+def test_no_chart_is_empty(opened, tires):
+    """Fx over the slip angle is 0 without longitudinal slip, and no chart; with it there is one."""
+    page = opened(tires["fiala"])
+    titles = "charts.map(({ chart }) => chart.title.split(':')[0])"
+    assert not {"Fx over alpha", "Mx over alpha"} & set(page.evaluate(titles))
+    page.locator("#field-input-kappa").fill("0.02")
+    page.locator("#field-input-kappa").press("Enter")
+    until(page, f"{titles}.includes('Fx over alpha')")
+    until(page, "charts.every(({ chart }) => !chart.curves || chart.curves.some(({ y }) => y.some((value) => value)))")
+
+
 def test_key_figures_are_those_of_the_curves(opened, tires):
     tire = tires["mf61"]
     page = opened(tire)

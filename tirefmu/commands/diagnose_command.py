@@ -132,6 +132,8 @@ def diagnose(
     terminal.print(result.verdict)
     for line in _error_lines(summary):
         terminal.print(line)
+    if ignored := result.recording["ignored_columns"]:
+        terminal.print(f"note: ignored, no tested model has them: {', '.join(ignored)}")
     written_names = [*written.values(), *(f"{effect.name}.toml" for effect in result.proposed)]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
     tire, fmu = output / "improved.tir", output / "improved.fmu"
