@@ -12,7 +12,7 @@ NOMINAL = {"Fz0": 1500.0, "R0": 0.25}
 
 
 def diagnosed(table):
-    return diagnose(table, nominal=NOMINAL, effects=["load_friction", "load_stiffness"])
+    return diagnose(table, nominal=NOMINAL, effects=["load_friction", "load_stiffness"], model="mf96")
 
 
 @pytest.fixture(scope="module")
