@@ -19,9 +19,16 @@ from tirefmu.tires.tire import Tire
 
 from .explanations.answer import Answer
 from .explanations.compare import compared
+from .least_squares import LeastSquares
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
 from .probing.effect_probing import Screen
+from .recording.predicted_temperature import (
+    TEMPERATURE,
+    predicting,
+    source_of_temperature,
+    with_predicted_temperature,
+)
 from .recording.signals import FORMULA_SIGNS, signals_of
 from .search.effect_search import Search
 from .search.memory import searched
@@ -29,6 +36,7 @@ from .search.proposals import FormCorrection, with_correction, with_unknown_stru
 from .search.settling import settle
 from .unexplained.formula_proposal import Unknown
 from .verdict.composition import SearchOutcome, composed
+from .verdict.improved_tire import tire_of
 from .verdict.result import Diagnosis
 
 #: Options of --nominal and the coefficients that they set.
@@ -119,18 +127,46 @@ def diagnose(
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
         if worse_by_smoothing(problem, solution, recorded):
             problem, solution = fit_baseline(start, recorded, known=tire is not None)
+        complete = with_predicted_temperature(turning, tire_of(start, problem, solution, ()))
+        if complete is not turning:
+            problem = _over(problem, complete, start, {*derived, TEMPERATURE})
+            reading = {name: one for name, one in candidates_tried.items() if TEMPERATURE in one.requires}
+            candidates_tried |= {name: replace(one, has_states=True) for name, one in reading.items()}
         report(SEARCH)
         before, search = searched(problem, solution, candidates_tried, report)
-        outcome = _Outcome(recording, turning, candidates_tried, before, began, report)
-        return outcome.of(search, start).in_signs("iso")
+        result = _Outcome(recording, complete, candidates_tried, before, began, report).of(search, start)
+        return _with_source_of_temperature(result, recording, start, candidates_tried).in_signs("iso")
+
+
+def _over(problem: LeastSquares, recording: Recording, start: Tire, derived: set[str]) -> LeastSquares:
+    """Return a problem over a recording with further columns that were derived."""
+    smooth = any(problem.simulator.signals.input_noise.values())
+    signals = signals_of(recording.table, start, recording.signs, smooth=smooth, derived=derived)
+    return problem.over(problem.simulator.with_signals(signals))
+
+
+def _with_source_of_temperature(
+    result: Diagnosis, recording: Recording, start: Tire, candidates: Mapping[str, Candidate]
+) -> Diagnosis:
+    """Return a result that states the temperature of its effects, with a tire that predicts it if it was not recorded.
+
+    `recording`: without derived columns.
+    """
+    if TEMPERATURE in result.recording["derived_columns"] and result.delivered:
+        result = replace(result, tire=predicting(result.tire, recording))
+    found = [one.effect for one in result.found if one.effect in candidates]
+    reading = [name for name in found if TEMPERATURE in candidates[name].requires]
+    recorded = TEMPERATURE in recording.table and not start.values.get("THACT")
+    source = source_of_temperature(reading, found, start, recorded)
+    return replace(result, verdict=f"{result.verdict}. {source}") if source else result
 
 
 @dataclass(frozen=True)
 class _Outcome:
-    """What a diagnosis needs after its search."""
+    """What a diagnosis needs after its search; `complete` is the recording with columns that were computed."""
 
     recording: Recording
-    turning: Recording
+    complete: Recording
     tried: Mapping[str, Candidate]
     before: Screen
     began: float
@@ -166,8 +202,9 @@ class _Outcome:
         names = tuple(one.name for one in search.found)  # the same for each formula that is tried
         if names not in self.answers:
             self.answers[names] = compared(search, self.before, self.tried, self.report)
-        turns = any(one.name == "turn_slip" for one in search.found)
-        recording = self.turning if turns else self.recording
+        read = {name for one in search.found if one.name in self.tried for name in self.tried[one.name].requires}
+        unread = [name for name in self.complete.table if name not in {*self.recording.table, *read}]
+        recording = replace(self.complete, table=self.complete.table.drop(columns=unread))
         outcome = SearchOutcome(recording, tire, self.tried, settled, search, unknown, self.answers[names], correction)
         return composed(outcome, self.began)
 

@@ -71,7 +71,7 @@ def fit_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "
     errors = np.concatenate([error[np.isfinite(error)] for error in found.errors(balances)])
     values = found.values()
     spread = {name: float(s) for name, s in zip(found.free, found.spread, strict=True)}
-    optimum = optimum_temperature(forces, recordings, column, found.delay) if FRICTION in tire.has else None
+    optimum = optimum_temperature(forces, recordings, column) if FRICTION in tire.has else None
     fitted = FittedTemperature(
         column, _rms(errors), held_out, constant, found.length * BLOCK, values,
         {name: float(np.exp(QUANTILE * s)) for name, s in spread.items()},

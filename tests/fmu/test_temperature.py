@@ -106,6 +106,27 @@ def test_heat_that_comes_in_is_stored_or_goes_out(compiler, tire, tmp_path, make
     assert T[0] > VALUES["THSTARTS"] + 0.2
 
 
+@pytest.mark.parametrize("inputs", ["wheel", "hub"])
+def test_temperatures_with_other_inputs_are_those_of_the_evaluation(compiler, tire, tmp_path, make_host, inputs):
+    """With the slips, speed and load that the FMU has from the motion of the wheel, held for each step."""
+    host = make_host(export(tire, tmp_path / "tire.fmu", inputs=inputs))
+    host.initialize()
+    speed, rows, nodes = "V_x" if inputs == "wheel" else "v_x", [], []
+    for i in range(40):
+        motion = {speed: 15.0 + np.sin(0.3 * i), "omega": 62.0 + 4.0 * np.sin(0.2 * i), "T_road": 300.0 + i}
+        motion |= {"V_y": np.sin(0.1 * i), "Fz": 1500.0 + 20.0 * i} if inputs == "wheel" else {"r_z": 0.243 - 1e-4 * i}
+        assert host.set(**motion) == OK
+        if i == 0:
+            assert host.call("ExitInitializationMode") == OK
+        named = dict(zip(("kappa", "alpha", "V", "Fz"), host.get("kappa", "alpha", "V_x", "Fz"), strict=True))
+        rows.append({"t": 0.02 * i, **named, "T_road": 300.0 + i})
+        nodes.append(host.get(*NODES))
+        assert host.step(0.02 * i, 0.02) == OK
+    evaluated = tire.evaluate(pd.DataFrame(rows), hold=True)
+    np.testing.assert_allclose(nodes, evaluated[list(NODES)], rtol=1e-9)
+    assert nodes[-1][0] > nodes[0][0] + 1.0
+
+
 def test_the_step_does_not_change_temperatures(tire):
     """Steps of 1 and 20 ms agree within 0.05 K, and so do their forces."""
     end = {step: tire.evaluate(lap(step), hold=True).set_index("t") for step in (0.001, 0.02)}

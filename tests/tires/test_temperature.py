@@ -149,3 +149,22 @@ def test_predicted_or_recorded_temperature_acts(tire, sensed):
     predicted = tire.evaluate(table)
     np.testing.assert_allclose(predicted["T_acting"], predicted["T_surface"] - 273.15, rtol=0, atol=1e-9)
     assert np.abs(predicted["Fy"] - recorded["Fy"]).max() > 50.0
+
+
+def test_heat_friction_is_the_same_law_with_one_node():
+    """Its coefficients follow from those of a surface that exchanges heat with its surroundings only."""
+    one_node = {**VALUES, "TMU1": 0.0, "TMUA": 0.004, "TREF": 20.0, "THCONS": 0.0, "THROADZ": 0.0, "THSHAREX": 1.0,
+                "THSTARTS": 293.15}  # fmt: skip
+    conductance = one_node["THROAD"] + one_node["THAIR"]
+    same = {
+        "HMU": one_node["TMUA"] * one_node["THSHARE"] * one_node["FNOMIN"] / conductance,
+        "HTAU": one_node["THCAPS"] / conductance, "HCOOL": one_node["THAIR"] * one_node["THAIRV"] / conductance,
+    }  # fmt: skip
+    table = drive(np.arange(0.0, 30.0, 0.01)).drop(columns=["T_ambient", "T_road"])
+    kelvin = Tire("mf96", one_node, effects={"temperature", "temp_friction"}).evaluate(table)
+    size = {name: VALUES[name] for name in ("FNOMIN", "UNLOADED_RADIUS")}
+    heat = Tire("mf96", size | same, effects={"heat_friction"}).evaluate(table)
+    scale = same["HMU"] / one_node["TMUA"]
+    np.testing.assert_allclose(scale * heat["tread_heat"], kelvin["T_surface"] - 293.15, rtol=0, atol=0.05)
+    np.testing.assert_allclose(heat[["Fx", "Fy"]], kelvin[["Fx", "Fy"]], rtol=0, atol=1.0)
+    assert kelvin["T_surface"].iloc[-1] > 313.0
