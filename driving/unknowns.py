@@ -28,7 +28,7 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "ax_offset": ("ax",), "ay_offset": ("ay",), "roll_gradient": ("ay",), "x": ("ay", "ax"),
     "y": ("ay", "ax"), "yaw_rate_offset": ("yaw_rate",), "reference_x": ("vy", "beta", "heading"),
     "reference_y": ("speed", "heading"), "heading_offset": ("beta", "heading"),
-    "motion_delay": ("speed", "vy", "beta", "heading"),
+    "motion_delay": ("yaw_rate", "ax", "ay"),
 }  # fmt: skip
 
 
