@@ -259,7 +259,7 @@ class FitRun:
         first = solver.solve(np.clip(start, lower, upper), continues=self._continues(stage))
         solution = best_end(problem, first, solver.solve, lower, upper, stage.again, always=self._given)
         if self._options.method == "ipopt" and self._stage_type(stage) == "final":
-            solution = best_root(problem, solution, partial(solver.solve, continues=True), lower, upper)
+            solution = best_root(problem, solution, solver.near, partial(solver.solve, continues=True), lower, upper)
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})

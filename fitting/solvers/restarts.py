@@ -47,16 +47,18 @@ def best_end(
 
 
 def best_root(
-    problem: Problem, first: SolverResult, solve_from: Callable[[FloatArray], SolverResult], lower: FloatArray,
-    upper: FloatArray,
+    problem: Problem, first: SolverResult, near: Callable[[FloatArray], SolverResult],
+    solve_from: Callable[[FloatArray], SolverResult], lower: FloatArray, upper: FloatArray,
 ) -> SolverResult:  # fmt: skip
-    """Solve again from the other roots of a solution (`other_roots`); return the best.
+    """Solve again from the other roots of a solution (`other_roots`) if they are better; return the best.
 
-    The arguments are those of `best_end`.
+    `near`: takes a few steps from a root. The other arguments are those of `best_end`.
     """
     best = first
     for start in other_roots(problem, first.x, lower, upper):
-        best = _better(best, solve_from(start))
+        other = near(start)
+        if _better(best, other) is not best:
+            best = _better(best, solve_from(other.x))
     return best
 
 

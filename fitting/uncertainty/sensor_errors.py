@@ -102,7 +102,7 @@ def _rates(rows: Rows, at: npt.NDArray[np.int64]) -> FloatArray:
     change = np.concatenate(
         [rows.inputs[:, after] - rows.inputs[:, before], (rows.measured[after] - rows.measured[before]).T]
     )
-    return np.nan_to_num(change) / np.maximum(rows.time[after] - rows.time[before], step)
+    return np.asarray(np.nan_to_num(change) / np.maximum(rows.time[after] - rows.time[before], step))
 
 
 def _passed(group: npt.NDArray[np.int64], place: FloatArray) -> FloatArray:
