@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
+.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -31,11 +31,14 @@ docs: $(VENV)/installed-dev  ## the documentation site in build/site, without co
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 	TIREFMU_NOTEBOOKS=1 $(BIN)/pytest tests/docs $(PYTEST_ARGS)
 
+docs-commands: $(VENV)/installed-dev  ## every block of the documentation, also those that take long
+	TIREFMU_DOCS=1 $(BIN)/pytest tests/docs/test_commands.py $(PYTEST_ARGS)
+
 release: $(VENV)/installed-dev  ## wheel and sdist in dist/, the demo of the wheel in a clean environment, the conda recipe
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[release]"
 	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py tests/test_packages.py
 
-pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider settings per model, accessibility, frame times
+pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider settings per model, accessibility, frame times; every page at two widths
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[browser]"
 	TIREFMU_PAGES=1 $(BIN)/pytest tests/explorer $(PYTEST_ARGS)
 	$(BIN)/python benchmarks/explorer_frames.py

@@ -1,9 +1,13 @@
 "use strict";
 
-/** Lines differ in colour, width and dashes; every colour has a contrast of at least 4.5 on white. */
+/**
+ * Lines differ in colour, width and dashes; every colour has a contrast of at least 4.5 on white. Axes are not stretched
+ * for the extrapolation of a second tire.
+ */
 const STYLES = {
   loaded: { stroke: "#3d3d3d", width: 2, dash: [3, 4] },
   other: { stroke: "#a33b00", width: 2, dash: [10, 4] },
+  otherBeyond: { stroke: "#a33b00", width: 2, dash: [2, 4], auto: false },
   family: { width: 1.5, dash: [] },
   steady: { stroke: "#4a6fa5", width: 1, dash: [] },
   now: { stroke: "#0b4f9c", width: 2.5, dash: [] },

@@ -31,11 +31,11 @@ const range = (name) => {
 function sources() {
   const load = view.inputs.Fz;
   const found = [{ label: "as loaded", tire: loaded, load, style: "loaded" }];
-  if (other) found.push({ label: other.data.name, tire: other, load, style: "other" });
+  if (other) found.push({ label: other.data.name, tire: other, load, style: extrapolated(other).length ? "otherBeyond" : "other" });
   for (const each of view.family ? familyLoads().filter((load) => !isSelected(load)) : []) {
     found.push({ label: `${shortNumber(Math.round(each))} N`, tire: now, load: each, style: "family", color: loadColor(each) });
   }
-  return [...found, { label: "this tire", tire: now, load, style: extrapolated().length ? "beyond" : "now" }];
+  return [...found, { label: "this tire", tire: now, load, style: extrapolated(now).length ? "beyond" : "now" }];
 }
 
 /** Return the loads measured at the selected condition, or shares of the selected load within the range of the tire. */
@@ -51,10 +51,17 @@ const isSelected = (load) => Math.abs(load / view.inputs.Fz - 1) < 0.03;
 /** Return the colour of a load: the selected one has that of the tire's curve. */
 const loadColor = (load) => (isSelected(load) ? STYLES.now.stroke : LOAD_COLORS[familyLoads().indexOf(load) % LOAD_COLORS.length]);
 
-/** Return the selected inputs that are beyond the range of the tire. */
-function extrapolated() {
-  const outside = ({ name, low, high }) => Math.max(low - view.inputs[name], view.inputs[name] - high) > 0.01 * (high - low);
-  return now.data.inputs.filter(outside).map((each) => each.name);
+/** Return the selected inputs that are beyond the range of a tire. */
+function extrapolated(tire) {
+  return tire.data.inputs.filter((each) => isBeyond(each, view.inputs[each.name])).map((each) => each.name);
+}
+
+const isBeyond = ({ low, high }, value) => Math.max(low - value, value - high) > 0.01 * (high - low);
+
+/** Return a curve of a tire over an input without its part beyond the range of the tire. */
+function within(tire, name, xs, ys) {
+  const own = tire.data.inputs.find((each) => each.name === name);
+  return ys.map((y, i) => (isBeyond(own, xs[i]) ? null : y));
 }
 
 /** Whether several loads are shown unless the user chooses otherwise. */
@@ -129,7 +136,8 @@ function updateCurves(chart, spec, moving = false) {
     const wanted = wantedNames(tire, spec.results);
     const found = sweeps.sweep(label, tire, inputs, spec.over, range(spec.over), count, spec.results, wanted);
     found.shown ??= found.x.map((x) => x * scale);
-    if (found.curves[name]) curves.push({ label, style, color, x: found.shown, y: found.curves[name] });
+    const values = found.curves[name];
+    if (values) curves.push({ label, style, color, x: found.shown, y: tire === other ? within(tire, spec.over, found.x, values) : values });
   }
   chart.draw(curves, spec.results === "forces" ? measuredPoints(spec.name, spec.over) : [], moving);
 }
@@ -191,6 +199,7 @@ function render() {
     showNumbers();
     showQuality();
     showStatus();
+    showKey();
     writeHash();
     drawRest(charts.filter((each) => !each.visible), shared);
   }, 150);
@@ -253,8 +262,9 @@ function showStatus() {
   const tire = changeText(now.changes());
   const inputs = [...inputRows].filter(([, row]) => row.changed).map(([name]) => name).join(", ");
   const changed = [tire && `Changed: ${tire}.`, inputs && `Inputs changed: ${inputs}.`].filter(Boolean).join(" ");
-  const beyond = extrapolated().join(", ");
-  find("status").textContent = (changed || "Nothing is changed.") + (beyond && ` Extrapolated: ${beyond} beyond the range of the tire.`);
+  const beyond = [now, ...(other ? [other] : [])].filter((each) => extrapolated(each).length);
+  const notes = beyond.map((each) => ` Extrapolated: ${extrapolated(each).join(", ")} beyond the range of ${each === now ? "the tire" : each.data.name}.`);
+  find("status").textContent = (changed || "Nothing is changed.") + notes.join("");
 }
 
 /** Write the state of the page to its address: coefficients, effects, inputs and choices that differ. */
@@ -340,10 +350,21 @@ function buildInputs() {
   }
 }
 
-function buildKey() {
-  const styles = [["now", "this tire"], ["loaded", "as loaded"], ...(other ? [["other", other.data.name]] : []), ["family", "other loads"]];
-  for (const [style, text] of styles) find("key").append(element("li", {}, element("span", { class: `line ${style}`, "aria-hidden": "true" }), text));
-  if (measured.conditions.length) find("key").append(element("li", {}, element("span", { class: "point", "aria-hidden": "true" }), "measured, in the color of its load"));
+/** Show the line of each tire and the color of each load. */
+function showKey() {
+  const entry = (kind, text, color = "") => {
+    const sign = element("span", { class: kind, "aria-hidden": "true" });
+    sign.style.borderColor = color;
+    return element("li", {}, sign, text);
+  };
+  const loads = sources().filter((each) => each.style === "family");
+  find("key").replaceChildren(
+    entry("line now", loads.length ? `this tire, ${Math.round(view.inputs.Fz)} N` : "this tire"),
+    entry("line loaded", "as loaded"),
+    ...(other ? [entry("line other", other.data.name)] : []),
+    ...loads.map((each) => entry("line family", each.label, each.color)),
+    ...(measured.conditions.length ? [entry("point", "measured, in the color of its load")] : []),
+  );
 }
 
 /** Return the condition with a text on an axis that differs on the fewest others from the selected condition. */
@@ -381,7 +402,6 @@ function start() {
   const elements = { ...found, section: find("time"), host: find("responses") };
   timePanel = new TimePanel(elements, { now, loaded, other }, () => view.inputs, render);
   buildInputs();
-  buildKey();
   buildMeasured();
   find("save").addEventListener("click", () => saveFile(`${now.data.file_name}.tir`, propertyFile(now)));
   find("reset-all").addEventListener("click", () => {

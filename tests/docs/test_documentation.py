@@ -1,4 +1,4 @@
-"""The documentation: blocks of quick start and tutorials run, generated pages are complete, the site is offline."""
+"""The documentation: generated pages are complete, names exist, the site is offline (test_commands.py: blocks run)."""
 
 from __future__ import annotations
 
@@ -15,19 +15,18 @@ import pytest
 
 import tirefmu
 from tirefmu.boundary.errors import LISTED_BY
-from tirefmu.cli import cli, main
+from tirefmu.cli import cli
 from tirefmu.measurements.units import UNITS
 from tirefmu.project.project_file import SECTIONS
 from tirefmu.schemas import KINDS
 from tirefmu.symbolic.models import MODELS
 
+from .page_blocks import blocks_of
+
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-#: Pages whose blocks run in their order, in a folder of their own.
+#: Pages that are also notebooks.
 TUTORIALS = sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))
-EXECUTED = ["quick_start.md", "python.md", *TUTORIALS]
-
-
 GENERATED = runpy.run_path(str(DOCS / "reference_pages.py"))
 GALLERY = runpy.run_path(str(DOCS / "gallery.py"))
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -42,53 +41,16 @@ def notebook(page):
     return GENERATED["notebook"]((DOCS / page).read_text(encoding="utf-8"))
 
 
-def blocks(text):
-    """Return language and content of the fenced blocks of a page."""
-    return re.findall(r"^```(\w+)\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
-
-
-@pytest.mark.parametrize("page", EXECUTED)
-def test_code_blocks_run(page, tmp_path, monkeypatch, capsys):
-    """A command succeeds unless a comment states its exit codes."""
-    monkeypatch.chdir(tmp_path)
-    names = {"__name__": page}
-    cells = [cell["source"] for cell in notebook(page)["cells"] if cell["cell_type"] == "code"]
-    assert cells
-    if page == "quick_start.md":  # the README continues with its files
-        cells += [content for language, content in blocks(README) if language == "python"]
-    for cell in cells:
-        if not cell.startswith("!"):
-            exec(compile(cell, page, "exec"), names)
-            continue
-        for line in cell.splitlines():
-            command, _, codes = line.removeprefix("!").partition("#")
-            program, *arguments = shlex.split(command)
-            assert program == "tirefmu"
-            accepted = {int(code) for code in re.findall(r"\d", codes)} or {0}
-            assert main(arguments) in accepted, (line, capsys.readouterr())
-
-
 def test_a_notebook_has_the_text_and_the_blocks_of_its_page():
     format_of_notebooks = pytest.importorskip("nbformat")
-    for page in EXECUTED:
+    for page in TUTORIALS:
         text, made = (DOCS / page).read_text(encoding="utf-8"), notebook(page)
         format_of_notebooks.validate(made)
         sources = ["\n".join(line.removeprefix("!") for line in cell["source"].splitlines()) for cell in made["cells"]]
         assert all(source in text for source in sources)
-        assert {language for language, _ in blocks(text)} <= {"python", "sh"}
-        assert sum(cell["cell_type"] == "code" for cell in made["cells"]) == len(blocks(text))
-
-
-def test_the_commands_of_the_readme_are_those_of_pages_that_run():
-    run = {
-        line
-        for page in EXECUTED
-        for _, content in blocks((DOCS / page).read_text("utf-8"))
-        for line in content.split("\n")
-    }
-    written = [line for language, content in blocks(README) if language == "sh" for line in content.splitlines()]
-    assert len(written) > 4
-    assert set(written) <= run
+        blocks, _ = blocks_of(text)
+        assert {block.language for block in blocks} <= {"python", "sh"}
+        assert sum(cell["cell_type"] == "code" for cell in made["cells"]) == len(blocks)
 
 
 def test_the_readme_names_commands_targets_and_files_that_exist():

@@ -350,6 +350,23 @@ def test_all_measured_loads_are_in_one_chart_with_their_points(opened, tires, be
     until(page, "charts[0].chart.points.length === 1 && charts[0].chart.curves.length === 2")
 
 
+def test_the_extrapolation_of_a_second_tire_is_dotted_and_does_not_stretch_the_axes(opened, tires):
+    """Beyond its load; within it the curve ends where its range of slip ends."""
+    ends = {"FZMIN": 60.0, "FZMAX": 160.0, "ALPMIN": -0.05, "ALPMAX": 0.05}
+    other = tires["mf61"].with_values(FNOMIN=100.0, PDY1=20.0, LKY=20.0, **ends)
+    page = opened(tires["mf96"], compare=replace(other, name="narrow"))
+    drawn = "charts[0].chart.curves.find(({ label }) => label === 'narrow')"
+    assert page.evaluate(f"{drawn}.style") == "otherBeyond"
+    largest = page.evaluate("Math.max(...charts[0].chart.curves.at(-1).y)")
+    assert page.evaluate(f"Math.max(...{drawn}.y)") > 1.2 * largest
+    assert page.evaluate("charts[0].chart.plot.scales.y.max") < 1.2 * largest
+    until(page, "document.getElementById('status').textContent.includes('beyond the range of narrow')")
+    page.evaluate("inputRows.get('Fz').show(100); view.inputs.Fz = 100; render()")
+    until(page, f"{drawn}.style === 'other'")
+    x, y = page.evaluate(f"[{drawn}.x, {drawn}.y]")
+    assert [abs(slip) <= np.degrees(0.051) for slip in x] == [force is not None for force in y]
+
+
 def test_no_chart_is_empty(opened, tires):
     """Fx over the slip angle is 0 without longitudinal slip, and no chart; with it there is one."""
     page = opened(tires["fiala"])
