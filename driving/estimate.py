@@ -2,10 +2,10 @@
 
 A least-squares problem in the states of all nodes and the unknowns. Its Jacobian is exact (CasADi). The Gauss-Newton
 matrix is block tridiagonal in the nodes with a border of the unknowns; its banded Cholesky factor also gives the
-covariance. The deviations of the balance of forces (how much the motion requires beyond the tires) are those at the
-fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992). The unknowns maximize the posterior
-integrated over the states: the optimum in both together would have too low a stiffness, as fits to noisy slip angles
-have.
+covariance. The unknowns maximize the posterior integrated over the states: the optimum in both together would have too
+low a stiffness, as fits to noisy slip angles have, or, where accelerations are not logged, no force at all. The
+deviations of the sensors and of the balance of forces (how much the motion requires beyond the tires) maximize it, too;
+their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
 """
 
 from __future__ import annotations
@@ -109,10 +109,7 @@ class Estimate(Posterior):
         J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
         factor, columns = _Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
         balance = J[:, -len(BALANCE) :]
-        at_nodes = np.zeros((grid.n_nodes, n, added.shape[2]))
-        for nodes, part in ((grid.left, balance[:, :, :n]), (grid.right, balance[:, :, n : 2 * n])):
-            np.add.at(at_nodes, nodes, np.einsum("kri,krj->kij", part, columns))
-        border = at_nodes.reshape(grid.n_nodes * n, added.shape[2])
+        border = factor.at_nodes(np.einsum("kri,krj->kij", balance[:, :, : 2 * n], columns))
         solved = cho_solve_banded((factor.band, True), border, check_finite=False) if border.size else border
         cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
         corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
@@ -290,20 +287,24 @@ class _Factor:
         band = np.zeros((2 * n, self._size))
         for i in range(2 * n):
             for j in range(i + 1):
-                np.add.at(band[i - j], self._rows[:, j], blocks[:, i, j])
+                band[i - j, self._rows[:, j]] += blocks[:, i, j]  # no node is twice at the same end of intervals
         band[0] = band[0] * (1.0 + damping) + 1e-12
         self.band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
-        self.gradient = np.zeros(self._size)
-        np.add.at(self.gradient, self._rows.ravel(), self._slopes[:, : 2 * n].ravel())
+        self.gradient = self.at_nodes(self._slopes[:, : 2 * n, None])[:, 0]
         self.solved_gradient = cho_solve_banded((self.band, True), self.gradient, check_finite=False)
+
+    def at_nodes(self, parts: FloatArray) -> FloatArray:
+        """Return the sums at the nodes of parts at both ends of the intervals, shape (n_nodes n, n_columns)."""
+        sums = np.zeros((self._size, parts.shape[2]))
+        for end in (slice(0, self.n), slice(self.n, 2 * self.n)):
+            sums[self._rows[:, end]] += parts[:, end]
+        return sums
 
     @cached_property
     def _border(self) -> FloatArray:
         n, J = self.n, self._J
         blocks = np.matmul(J[:, :, : 2 * n].transpose(0, 2, 1), J[:, :, 2 * n :])
-        border = np.zeros((self._size, blocks.shape[2]))
-        np.add.at(border, self._rows.ravel(), blocks.reshape(-1, blocks.shape[2]))
-        return border
+        return self.at_nodes(blocks)
 
     @cached_property
     def solved_border(self) -> FloatArray:
