@@ -10,6 +10,7 @@ have.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -54,9 +55,42 @@ class Linear:
         """Return the functions times weights, shape (n, n_functions)."""
         return Linear(self.values * weights, self.jacobian * weights[:, :, None])
 
+    def with_columns(self, n: int) -> Linear:
+        """Return the functions with n further unknowns, on which they do not depend."""
+        return Linear(self.values, np.concatenate([self.jacobian, np.zeros((*self.values.shape, n))], axis=2))
+
     def cost(self, z: FloatArray) -> float:
         """Return half the sum of squares, priors included."""
         return 0.5 * float(np.sum(self.values**2) + z @ z)
+
+
+@dataclass(frozen=True)
+class Added:
+    """Side forces per static load beyond the tires': `offset`, shape (n, 2), and `columns`, shape (n, 2, n_u).
+
+    The columns are for further unknowns u, the last ones of z, whose prior is the standard normal distribution.
+    """
+
+    offset: FloatArray
+    columns: FloatArray
+
+    def residuals(self, of_tires: Callable[[FloatArray], Linear], z: FloatArray, deviations: FloatArray) -> Linear:
+        """Return the residuals with these forces. `of_tires`: the residuals without them for the unknowns before u."""
+        n = self.columns.shape[2]
+        linear, u = of_tires(z[: len(z) - n]).with_columns(n), z[len(z) - n :]
+        values, jacobian = linear.values, linear.jacobian
+        values[:, -len(BALANCE) :] -= (self.offset + self.columns @ u) / deviations
+        jacobian[:, -len(BALANCE) :, jacobian.shape[2] - n :] = -self.columns / deviations[:, None]
+        return Linear(values, jacobian)
+
+
+#: Added forces from the grid, states and unknowns.
+Forces = Callable[[Grid, FloatArray, FloatArray], Added]
+
+
+def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+    """Return no added forces."""
+    return Added(np.zeros((len(grid.t), len(BALANCE))), np.zeros((len(grid.t), len(BALANCE), 0)))
 
 
 @dataclass(frozen=True)
@@ -69,6 +103,8 @@ class Estimate:
     - `covariance`, shape (n_z, n_z). `pairs`, shape (n, 2 n_states, 2 n_states): covariance of the nodes of an interval
       for given unknowns; `slopes`, shape (n, 2 n_states, n_z): their change with the unknowns.
     - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
+    - `evidence`: logarithm of the probability of the log, integrated over states and unknowns (Laplace), up to a
+      constant of the grid.
     - `converged`: whether the last solution ended by its tolerance.
     """
 
@@ -82,6 +118,7 @@ class Estimate:
     pairs: FloatArray
     slopes: FloatArray
     weights: FloatArray
+    evidence: float
     converged: bool
 
     def variances(self, J: FloatArray) -> FloatArray:
@@ -117,18 +154,30 @@ class Estimate:
 
 
 def estimated(
-    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car
-) -> tuple[Grid, Estimate]:
-    """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states)."""
+    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car,
+    forces: Forces = no_forces, near: Estimate | None = None,
+) -> tuple[Grid, Estimate]:  # fmt: skip
+    """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
+
+    `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
+    which this one starts.
+    """
     states, z = start, np.zeros(len(unknowns))
     deviations, noise = np.full(len(BALANCE), START_DEVIATION), np.ones(len(MEASURED))
+    if near:
+        states, z, deviations, noise = near.states, near.z, near.deviations, near.noise
+    added = forces(grid, states, z)
+    further = added.columns.shape[2]
+    z = np.concatenate([z, np.zeros(further)])
     balance, weights = slice(-len(BALANCE), None), np.ones((len(grid.t), len(interval.residuals)))
     # The motion first: from a poor one the unknowns would run away.
     tilt, steps = np.zeros(len(z)), np.zeros((0, 2, len(BALANCE)))
-    states, *_ = _solved(grid, interval, states, z, 10.0 * deviations, noise, weights, tilt, longest=0.0)
-    for _ in range(ROUNDS):
-        states, z, linear, converged = _solved(grid, interval, states, z, deviations, noise, weights, tilt)
-        estimate = _with_covariance(grid, interval, states, z, deviations, noise, linear, weights, converged)
+    if not near:
+        states, *_ = _solved(grid, interval, added, states, z, 10.0 * deviations, noise, weights, tilt, longest=0.0)
+    for number in range(ROUNDS):
+        added = forces(grid, states, z) if number else added
+        states, z, linear, converged = _solved(grid, interval, added, states, z, deviations, noise, weights, tilt)
+        estimate = _with_covariance(grid, interval, states, z, deviations, noise, linear, weights, converged, further)
         variance = estimate.variances(linear.jacobian[:, balance])
         determined = np.maximum(len(grid.t) - variance.sum(axis=0), 1.0)
         excess = np.log(np.sum(linear.values[:, balance] ** 2, axis=0) / determined) / 2
@@ -147,9 +196,19 @@ def estimated(
     # A residual that is correlated over time has the information of fewer independent ones.
     lengths = [correlation_length(linear.values[:, balance][:, i], grid.segment) for i in range(len(BALANCE))]
     widened = deviations * np.sqrt(lengths)
-    linear = evaluated(interval.residual_chunk, grid, states, z, widened, interval_data(grid, noise)).weighted(weights)
-    final = _with_covariance(grid, interval, states, z, widened, noise, linear, weights, converged)
-    return grid, replace(final, deviations=deviations)
+    linear = _residuals(grid, interval, added, states, z, widened, interval_data(grid, noise)).weighted(weights)
+    final = _with_covariance(grid, interval, states, z, widened, noise, linear, weights, converged, further)
+    return grid, replace(final, deviations=deviations, evidence=estimate.evidence)
+
+
+def _residuals(
+    grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray, deviations: FloatArray,
+    data: FloatArray,
+) -> Linear:  # fmt: skip
+    def of_tires(z: FloatArray) -> Linear:
+        return evaluated(interval.residual_chunk, grid, states, z, deviations, data)
+
+    return added.residuals(of_tires, z, deviations)
 
 
 def _secant(steps: FloatArray) -> FloatArray:
@@ -207,18 +266,17 @@ def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray])
 
 
 def _solved(
-    grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, noise: FloatArray,
-    weights: FloatArray, tilt: FloatArray, longest: float = LONGEST_STEP,
+    grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray, deviations: FloatArray,
+    noise: FloatArray, weights: FloatArray, tilt: FloatArray, longest: float = LONGEST_STEP,
 ) -> tuple[FloatArray, FloatArray, Linear, bool]:  # fmt: skip
     """Return states, unknowns, problem there, and whether the Gauss-Newton steps converged (Levenberg, Marquardt)."""
     data = interval_data(grid, noise)
-    linear = evaluated(interval.residual_chunk, grid, states, z, deviations, data).weighted(weights)
+    linear = _residuals(grid, interval, added, states, z, deviations, data).weighted(weights)
     cost, damping = linear.cost(z) + float(tilt @ z), 1e-6
     for _ in range(MAX_STEPS):
         change, change_z = _step(grid, linear, states, z, tilt, damping, longest)
-        tried = evaluated(interval.residual_chunk, grid, states + change, z + change_z, deviations, data).weighted(
-            weights
-        )
+        ends = states + change, z + change_z
+        tried = _residuals(grid, interval, added, *ends, deviations, data).weighted(weights)
         lower = tried.cost(z + change_z) + float(tilt @ (z + change_z))
         if np.isfinite(lower) and lower <= cost:
             gain = (cost - lower) / abs(cost)
@@ -269,6 +327,7 @@ class _Factor:
         self.solved_border = cho_solve_banded((self.band, True), border, check_finite=False)
         corner = blocks[:, 2 * n :, 2 * n :].sum(axis=0) + np.eye(border.shape[1])
         self.schur = corner - border.T @ self.solved_border
+        self.log_volume = float(np.log(self.band[0]).sum() + np.linalg.slogdet(self.schur)[1] / 2)
         self.damping = damping
 
     def step(self, slope: FloatArray, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
@@ -294,15 +353,17 @@ def _volume_slope(
     shares = (estimate.residuals.jacobian[:, :, :n] @ estimate.pairs) * weights[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
     data = interval_data(grid, estimate.noise)
-    slopes = evaluated(interval.volume_chunk, grid, estimate.states, estimate.z, deviations, data, more).jacobian[:, 0]
-    result = slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes)
+    z = estimate.z[: len(unknowns)]
+    slopes = evaluated(interval.volume_chunk, grid, estimate.states, z, deviations, data, more).jacobian[:, 0]
+    result = np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes)
+    result[: len(z)] += slopes[:, n:].sum(axis=0)
     result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section in ("sensors", "wheels")]] = 0.0
     return np.asarray(result)
 
 
 def _with_covariance(
     grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, noise: FloatArray,
-    linear: Linear, weights: FloatArray, converged: bool,
+    linear: Linear, weights: FloatArray, converged: bool, further: int,
 ) -> Estimate:  # fmt: skip
     n = states.shape[1]
     factor = _Factor(grid, linear, n, 1e-9)
@@ -310,9 +371,18 @@ def _with_covariance(
     pairs = _pair_covariances(factor.band, grid, n)
     slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
     of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
-    outputs = evaluated(interval.output_chunk, grid, states, z, deviations, interval_data(grid, noise))
+    data, known = interval_data(grid, noise), z[: len(z) - further]
+    outputs = evaluated(interval.output_chunk, grid, states, known, deviations, data)
     scale = weights[:, -len(BALANCE) :] / deviations
-    return Estimate(states, z, deviations, noise, linear, outputs, covariance, pairs, of_pairs, scale, converged)
+    # The density that the balance gives the next motion depends on mass and inertia.
+    nothing = np.zeros((len(grid.t), linear.values.shape[1] * 2 * n))
+    density = -evaluated(interval.volume_chunk, grid, states, known, deviations, data, nothing).values.sum()
+    sampled = np.isfinite(grid.means).sum(axis=1)
+    evidence = density - linear.cost(z) - factor.log_volume - sampled @ np.log(noise)
+    return Estimate(
+        states, z, deviations, noise, linear, outputs.with_columns(further), covariance, pairs, of_pairs, scale,
+        float(evidence), converged,
+    )  # fmt: skip
 
 
 def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:
