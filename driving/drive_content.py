@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any, TypedDict
 
 from tirefmu.boundary.json_schema import document, schema_of
@@ -11,7 +12,7 @@ from .factors import Factor
 from .verdict import CarFinding, EffectFinding, Finding
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.2"
+VERSION = "1.3"
 
 
 class CarEntry(TypedDict):
@@ -38,6 +39,17 @@ class SimulationContent(TypedDict):
     fmus: Annotated[bool, "whether the tires of the vehicle were FMUs"]
 
 
+@dataclass(frozen=True)
+class ForceErrors:
+    """Root mean square of the side force that the motion requires beyond the tires, by axle, N.
+
+    `before`: the tires as given; `after`: the new ones.
+    """
+
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+
+
 class DriveContent(TypedDict):
     """The keys of drive.json; see `Drive`."""
 
@@ -53,6 +65,7 @@ class DriveContent(TypedDict):
     effects: Annotated[Sequence[EffectFinding], "of the library, likely ones first"]
     lacking: Annotated[float, "probability that the tires lack an effect of the library"]
     car: CarContent
+    axle_forces: Annotated[ForceErrors, "rms of the side force that the motion requires beyond the tires, N"]
     correlations: Annotated[dict[str, dict[str, float]], "of determined factors with entries of the car, above 0.3"]
     simulation: SimulationContent
     converged: bool

@@ -10,6 +10,7 @@ their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -55,9 +56,45 @@ class Linear:
         """Return the functions times weights, shape (n, n_functions)."""
         return Linear(self.values * weights, self.jacobian * weights[:, :, None])
 
+    def with_columns(self, n: int) -> Linear:
+        """Return the functions with n further unknowns, on which they do not depend."""
+        return Linear(self.values, np.concatenate([self.jacobian, np.zeros((*self.values.shape, n))], axis=2))
+
     def cost(self, z: FloatArray) -> float:
         """Return half the sum of squares, priors included."""
         return 0.5 * float(np.sum(self.values**2) + z @ z)
+
+
+@dataclass(frozen=True)
+class Added:
+    """Side forces per static load beyond the tires': `offset`, shape (n, 2), and `columns`, shape (n, 2, n_u).
+
+    The columns are for further unknowns u, the last ones of z, whose prior is the standard normal distribution.
+    """
+
+    offset: FloatArray
+    columns: FloatArray
+
+    def tires(self, z: FloatArray) -> FloatArray:
+        """Return the unknowns before u."""
+        return z[: len(z) - self.columns.shape[2]]
+
+    def residuals(self, of_tires: Linear, z: FloatArray) -> Linear:
+        """Return residuals, per static load, with these forces, from those without them."""
+        n = self.columns.shape[2]
+        linear = of_tires.with_columns(n)
+        linear.values[:, -len(BALANCE) :] -= self.offset + self.columns @ z[len(z) - n :]
+        linear.jacobian[:, -len(BALANCE) :, linear.jacobian.shape[2] - n :] = -self.columns
+        return linear
+
+
+#: Added forces from the grid, states and unknowns.
+Forces = Callable[[Grid, FloatArray, FloatArray], Added]
+
+
+def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+    """Return no added forces."""
+    return Added(np.zeros((len(grid.t), len(BALANCE))), np.zeros((len(grid.t), len(BALANCE), 0)))
 
 
 @dataclass(frozen=True)
@@ -86,9 +123,12 @@ class Posterior:
 class Estimate(Posterior):
     """An estimate.
 
-    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,). `deviations`, shape (2,): of `BALANCE`.
+    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,). `deviations`, shape (n_residuals,): those of `BALANCE` are
+      the last ones.
     - `residuals`, `outputs`: of the intervals at the solution.
     - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
+    - `evidence`: logarithm of the probability of the log, integrated over states and unknowns (Laplace), up to a
+      constant of the log.
     - `converged`: whether the last step was shorter than its tolerance.
     """
 
@@ -98,7 +138,13 @@ class Estimate(Posterior):
     residuals: Linear
     outputs: Linear
     weights: FloatArray
+    evidence: float
     converged: bool
+
+    @property
+    def unexplained(self) -> FloatArray:
+        """Deviation of what the motion requires of each axle beyond its tires, per static load, shape (2,)."""
+        return self.deviations[-len(BALANCE) :]
 
     def information(self, grid: Grid, added: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the information of the log on the unknowns and on coefficients of added forces, and its score at 0.
@@ -121,21 +167,29 @@ class Estimate(Posterior):
 
 
 def estimated(
-    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car
-) -> tuple[Grid, Estimate]:
+    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car,
+    forces: Forces = no_forces, near: Estimate | None = None,
+) -> tuple[Grid, Estimate]:  # fmt: skip
     """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
 
     Steps of the unknowns and of the deviations of all residuals decrease one criterion: minus the logarithm of the
     posterior, integrated over the states.
+
+    `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
+    which this one starts.
     """
     n_balance = len(BALANCE)
     z, floor = np.zeros(len(unknowns)), np.ones(len(interval.residuals))
     floor[-n_balance:] = MIN_DEVIATION
     deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
-    at = _solved(grid, interval, start, z, deviations, np.ones((len(grid.t), len(floor))))
+    if near:
+        start, z, deviations = near.states, near.z, near.deviations
+    added = forces(grid, start, z)
+    z = np.concatenate([z, np.zeros(added.columns.shape[2])])
+    at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
     converged = False
     for _ in range(ROUNDS):
-        slope = _volume_slope(grid, interval, at, z)
+        slope = _volume_slope(grid, interval, at, added.tires(z))
         change, change_z = at.factor.step(z + slope, z, LONGEST_STEP)
         widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
         widening[len(MEASURED) : -n_balance] = 0.0  # errors of the integration
@@ -147,25 +201,27 @@ def estimated(
         while not gain > 0.0 and share > SHORTEST:
             share /= 3.0
             to = at.deviations * np.exp(share * widening)
-            tried = _solved(grid, interval, at.states + share * change, z + share * change_z, to, at.weights)
+            moved = at.states + share * change, z + share * change_z
+            tried = _solved(grid, interval, added, *moved, to, at.weights)
             gain = at.criterion - tried.criterion
         converged = bool(gain < FLAT and size < 1.0)
         if converged or not gain > 0.0:
             break
         z = z + share * change_z
         grid = with_steering(grid, log, car, unknowns.car_values(z))
-        weights = _weights(tried.linear.values / at.weights)
-        at = _solved(grid, interval, tried.states, z, tried.deviations, weights)
+        weights, added = _weights(tried.linear.values / at.weights), forces(grid, tried.states, z)
+        at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
     # A residual that is correlated over time has the information of fewer independent ones.
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
     scale = np.concatenate([np.ones(len(floor) - n_balance), np.sqrt(lengths)])
     linear = at.linear.weighted(np.tile(1.0 / scale, (len(grid.t), 1)))
     factor = _Factor(grid, linear, at.states.shape[1], 1e-9)
-    outputs = evaluated(interval.output_chunk, grid, at.states, z, interval_data(grid))
+    outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), interval_data(grid))
     weights = (at.weights / at.deviations / scale)[:, -n_balance:]
-    parts = vars(_posterior(grid, factor))
-    return grid, Estimate(**parts, states=at.states, z=z, deviations=at.deviations[-n_balance:], residuals=linear,
-                          outputs=outputs, weights=weights, converged=converged)  # fmt: skip
+    parts, evidence = vars(_posterior(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
+    return grid, Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
+                          outputs=outputs.with_columns(added.columns.shape[2]), weights=weights,
+                          evidence=float(evidence), converged=converged)  # fmt: skip
 
 
 def _weights(residual: FloatArray) -> FloatArray:
@@ -242,13 +298,15 @@ class _Point:
 
 
 def _solved(
-    grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, weights: FloatArray
-) -> _Point:
+    grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray, deviations: FloatArray,
+    weights: FloatArray,
+) -> _Point:  # fmt: skip
     """Return the point for given unknowns from initial states (Gauss-Newton steps, damped as Levenberg's)."""
-    data, n = interval_data(grid), states.shape[1]
+    data, n, of_tires = interval_data(grid), states.shape[1], added.tires(z)
 
     def at(states: FloatArray) -> Linear:
-        return evaluated(interval.residual_chunk, grid, states, z, data).weighted(weights / deviations)
+        linear = evaluated(interval.residual_chunk, grid, states, of_tires, data)
+        return added.residuals(linear, z).weighted(weights / deviations)
 
     linear, damping = at(states), 1e-9
     for _ in range(MAX_STEPS):
@@ -327,23 +385,26 @@ class _Factor:
 
 
 def _volume_slope(grid: Grid, interval: Interval, at: _Point, z: FloatArray) -> FloatArray:
-    """Return the derivatives by the unknowns of what the integral over the states adds to the cost (Laplace).
+    """Return the derivatives by all unknowns of what the integral over the states adds to the cost (Laplace).
 
-    Without it, forces that depend on estimated slip angles have too low a stiffness.
+    `z`: the unknowns of tires and car. Without it, forces that depend on estimated slip angles have too low a
+    stiffness.
     """
     pairs = at.posterior.pairs
     n = pairs.shape[1]
     shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.weights / at.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
     slopes = evaluated(interval.volume_chunk, grid, at.states, z, interval_data(grid), more).jacobian[:, 0]
-    return np.asarray(slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], at.posterior.slopes))
+    result = np.einsum("ki,kij->j", slopes[:, :n], at.posterior.slopes)
+    result[: len(z)] += slopes[:, n:].sum(axis=0)
+    return np.asarray(result)
 
 
 def _posterior(grid: Grid, factor: _Factor) -> Posterior:
     n = factor.n
     slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
     of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
-    return Posterior(np.linalg.inv(factor.schur), _pair_covariances(factor.band, grid, n), of_pairs)
+    return Posterior(np.asarray(np.linalg.inv(factor.schur)), _pair_covariances(factor.band, grid, n), of_pairs)
 
 
 def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:

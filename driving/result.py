@@ -16,7 +16,7 @@ from tirefmu.fmu.packaging.export import export
 from tirefmu.measurements import Recording, write_table
 from tirefmu.tires import Tire
 
-from .drive_content import VERSION, CarEntry, DriveContent
+from .drive_content import VERSION, CarEntry, DriveContent, ForceErrors
 from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
@@ -39,13 +39,16 @@ class Drive:
     log, car, grid, unknowns, estimate
         What was estimated from what.
     tires, scaled : mapping of str to Tire
-        The tires of the axles "front" and "rear" as given, and with the determined factors.
+        The tires of the axles "front" and "rear" as given, and with the determined factors and the effect that they
+        lacked.
     factors : mapping of str to mapping of str to Factor
         By axle and name.
     wheels : pandas.DataFrame
         The forces at the wheels, ISO-W signs: `tirefmu.driving.wheels.wheel_table`.
     before, after : Simulation
         The vehicle as given, and with the estimated car on the scaled tires.
+    force_errors : ForceErrors
+        Of the side forces, before and after.
     verdict : Verdict
         Findings and sentences.
     """
@@ -61,6 +64,7 @@ class Drive:
     wheels: pd.DataFrame
     before: Simulation
     after: Simulation
+    force_errors: ForceErrors
     verdict: Verdict
 
     @property
@@ -98,10 +102,11 @@ class Drive:
             "factors": self.factors,
             "found": self.verdict.tires,
             "unknown": bool(self.verdict.unknown),
-            "unexplained": {axle: float(self.estimate.deviations[i]) for i, axle in enumerate(AXLES)},
+            "unexplained": {axle: float(self.estimate.unexplained[i]) for i, axle in enumerate(AXLES)},
             "effects": self.verdict.effects,
             "lacking": self.verdict.lacking,
             "car": {"found": self.verdict.car, "entries": entries},
+            "axle_forces": self.force_errors,
             "correlations": self._correlations(),
             "simulation": {"before": self.before.rms, "after": self.after.rms, "fmus": self.after.fmus},
             "converged": self.estimate.converged,
@@ -145,7 +150,7 @@ class Drive:
             write_table(self.wheels, written[0])
             for axle in AXLES if self.ok else ():
                 path = folder / f"{axle}.tir"
-                note = "; ".join(line for line in self.verdict.lines if line.startswith(axle))
+                note = "; ".join(line for line in self.verdict.lines if line.startswith((axle, "the tires lack")))
                 replace(self.scaled[axle], about={**self.scaled[axle].about, "drive": note}).save(path)
                 written += [path, *([export(path, path.with_suffix(".fmu"))] if self.after.fmus else [])]
         except OSError as error:

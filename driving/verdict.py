@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from .factors import Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
 from .inputs.grid import Grid
+from .missing import Explanation, lacking
 from .rivals import probabilities_of
 from .unknowns import AXLES, Unknowns
 
@@ -56,9 +57,10 @@ class CarFinding:
 
 @dataclass(frozen=True)
 class EffectFinding:
-    """A candidate for an effect that the tires lack: `effect`, `probability`."""
+    """An effect that the tires may lack: `effect`, its coefficients, `probability`."""
 
     effect: str
+    coefficients: Mapping[str, float]
     probability: float
 
 
@@ -66,8 +68,8 @@ class EffectFinding:
 class Verdict:
     """The verdict.
 
-    - `tires`: findings. `car`: entries that contradict the car file. `effects`: candidates of the library, likely ones
-      first; `lacking`: the probability that the tires lack any of the library.
+    - `tires`: findings. `car`: entries that contradict the car file. `effects`: of the library, likely ones first;
+      `lacking`: the probability that the tires lack any of them.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
     """
@@ -81,15 +83,15 @@ class Verdict:
 
 
 def verdict_on(
-    car: Car,
-    unknowns: Unknowns,
     grid: Grid,
     estimate: Estimate,
+    unknowns: Unknowns,
+    car: Car,
     factors: Mapping[str, Mapping[str, Factor]],
-    effects: list[tuple[str, FloatArray]],
+    ranked: Sequence[Explanation],
 ) -> Verdict:
-    """Return the verdict on a drive. `effects`: `effect_columns`."""
-    probabilities = probabilities_of(grid, estimate, unknowns, effects)
+    """Return the verdict on a drive. `ranked`: `explanations`."""
+    probabilities = probabilities_of(grid, estimate, unknowns)
     findings = tuple(
         Finding(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability)
         for (axle, name), probability in probabilities.factors.items()
@@ -101,20 +103,24 @@ def verdict_on(
         for name, z in zip(unknowns.car, estimate.z, strict=False)
         if probabilities.car[name] > CERTAIN
     )
-    ranked = sorted(probabilities.effects.items(), key=lambda pair: -pair[1])
-    likely = tuple(EffectFinding(name, probability) for name, probability in ranked if probability > LIKELY)
-    lacking = sum(probabilities.effects.values())
-    unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.deviations[i] > UNEXPLAINED)
+    likely = tuple(
+        EffectFinding(one.missing.name, one.missing.values(one.estimate.z[len(unknowns) :]), one.probability)
+        for one in ranked
+        if one.missing and one.probability > LIKELY
+    )
+    unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.unexplained[i] > UNEXPLAINED)
     lines = _lines(findings, of_car, unknown, factors, estimate)
-    if lacking > CERTAIN:
+    if lacking(ranked) > CERTAIN:
         lines.insert(0, _effects_line(likely))
-    return Verdict(findings, of_car, likely, lacking, unknown, tuple(lines))
+    return Verdict(findings, of_car, likely, lacking(ranked), unknown, tuple(lines))
 
 
 def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
-    # Linear scores are too sharp for a name: effects with similar responses take each other's place.
-    names = ", ".join(finding.effect for finding in likely)
-    return f"the tires lack an effect; candidates of the library, likely ones first: {names or 'many'}"
+    first, *others = likely
+    values = ", ".join(f"{name} {value:.3g}" for name, value in first.coefficients.items())
+    line = f"the tires lack {first.effect} ({values}; probability {first.probability:.2f})"
+    names = " or ".join(f"{finding.effect} ({finding.probability:.2f})" for finding in others)
+    return f"{line}, or {names}: the drive does not separate them" if others else line
 
 
 def _lines(
@@ -140,7 +146,7 @@ def _lines(
     ]
     lines += [
         f"{axle} axle: the motion requires side forces that no factor explains: "
-        f"{100 * estimate.deviations[AXLES.index(axle)]:.2g} % of the load"
+        f"{100 * estimate.unexplained[AXLES.index(axle)]:.2g} % of the load"
         for axle in unknown
     ]
     return lines if estimate.converged else [*lines, "the estimate did not converge: the numbers are rough"]
