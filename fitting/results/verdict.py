@@ -39,9 +39,9 @@ STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
 #: repeats is too large for any tire. Judgement.
 ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
-#: Change of the forces over time, two standard deviations, above which a recording is not of one tire. As that of the
-#: stiffness.
-UNSTEADY = 0.1
+#: Change of the forces over time above which a recording is not of one tire, as that of the stiffness; and the range of a
+#: steady change in its standard deviations.
+UNSTEADY, RANGE = 0.1, 12.0**0.5
 #: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
 #: share of the channel.
 CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
@@ -129,15 +129,13 @@ def _unsteady(result: FitResult) -> Iterator[str]:
     The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
     """
     found = result.solution.discrepancies
-    over_time = {
-        c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs and lacks_something(c)
-    }
+    over_time = {c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs}
     for each in found:
-        large = each.channel in over_time.intersection(FORCES) and 2.0 * each.state > UNSTEADY
+        large = each.channel in over_time.intersection(FORCES) and RANGE * each.state > UNSTEADY
         if large and each.own and _chance(each.state_chance, found):
             yield (
-                f"{each.channel} changes by {2.0 * each.state:.0%} (two standard deviations) over time, or with an "
-                "input that the table lacks: diagnose"
+                f"{each.channel} changes by about {RANGE * each.state:.0%} over time, or with an input that the table "
+                "lacks: diagnose"
             )
 
 
@@ -197,7 +195,7 @@ def _structure(result: FitResult) -> Iterator[str]:
         if _chance(chance, found) and size > NEGLIGIBLE_FORM
     ]  # fmt: skip
     if texts:
-        yield f"small errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
+        yield f"errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
 
 
 def _clipped_reason(c: Clipped) -> str:
