@@ -177,7 +177,7 @@ function measuredPoints(output, over) {
     each.axes ??= {};
     each.axes[over] ??= measuredAxis(each.columns[over], input(over).scale);
     each.axes[output] ??= measuredAxis(each.columns[output], 1);
-    return { x: each.axes[over], y: each.axes[output], color: conditions.length > 1 ? loadColor(each.levels.Fz) : STYLES.now.stroke };
+    return { x: each.axes[over], y: each.axes[output], color: conditions.length > 1 ? loadColor(each.levels.Fz) : POINT_COLOR };
   });
 }
 
@@ -326,7 +326,7 @@ function showKey() {
     entry("line loaded", "as loaded"),
     ...(other ? [entry("line other", other.data.name)] : []),
     ...loads.map((each) => entry("line family", each.label, each.color)),
-    ...(measured.conditions.length ? [entry("point", "measured, in the color of its load")] : []),
+    ...(measured.conditions.length ? [loads.length ? entry("point", "measured, in the color of its load", STYLES.now.stroke) : entry("point", "measured")] : []),
   );
 }
 
