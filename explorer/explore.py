@@ -23,7 +23,7 @@ from .tire_data import switchable, tire_data
 #: The scripts of the page, in their order, after the chart library.
 SCRIPTS = (
     "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "time_response.js", "key_figures.js",
-    "charts.js", "surface.js", "controls.js", "time_panel.js", "page.js",
+    "charts.js", "surface.js", "controls.js", "time_panel.js", "address.js", "page.js",
 )  # fmt: skip
 
 

@@ -15,6 +15,8 @@ const STYLES = {
 };
 /** Colours of other loads and of their measured points, from the smallest load. */
 const LOAD_COLORS = ["#7b3294", "#b2182b", "#8a5a00", "#00785f", "#c51b7d", "#4d4d4d"];
+/** Colour of a measured point without its own. */
+const POINT_COLOR = "#00785f";
 /** Opacity of a measured point, and the side of its square in pixels of the page. */
 const POINT_OPACITY = 0xa0;
 const POINT_SIZE = 3;
@@ -162,7 +164,7 @@ function fillSquares(canvas, points, across, down) {
   const image = context.createImageData(width, height);
   const pixels = new Uint32Array(image.data.buffer);
   const size = Math.round(POINT_SIZE * devicePixelRatio);
-  for (const { x, y, color } of points) {
+  for (const { x, y, color = POINT_COLOR } of points) {
     const pixel = pixelOf(color);
     for (let i = 0; i < x.values.length; i += 1) {
       const left = Math.round(across(x.values[i]) - size / 2);
