@@ -23,8 +23,8 @@ FloatArray = npt.NDArray[np.float64]
 #: The coefficients that a fit frees, in the logarithm; prior means are their neutral values. The others cannot be
 #: separated from these in recordings at one speed; heat capacities and conductances are relative to THSHARE.
 FREE = (
-    "THCAPS", "THCAPB", "THCAPC", "THCAPG", "THCONS", "THCONB", "THCONG", "THROAD", "THAIR", "THSIDE", "THROLL",
-    "THSHAREX",
+    "THCAPS", "THCAPB", "THCAPC", "THCAPG", "THCONS", "THCONB", "THCONG", "THROAD", "THAIR", "THSIDE", "THROLLB",
+    "THROLL", "THSHAREX",
 )  # fmt: skip
 STARTS = ("THSTARTS", "THSTARTB", "THSTARTC", "THSTARTG")
 #: A coefficient is determined if the data reduce the standard deviation of its logarithm below this share of the prior.

@@ -98,7 +98,10 @@ def test_heat_that_comes_in_is_stored_or_goes_out(compiler, tire, tmp_path, make
         T, rates = host.get(*NODES), host.get(*(f"der({name})" for name in NODES))
         stored = [warm.values[f"THCAP{node}"] * rate for node, rate in zip("SBCG", rates, strict=True)]
         values = SimpleNamespace(**warm.values)
-        heat = values.THSHARE * (abs(Fy * V * np.sin(np.arctan(tangent))) + abs(Fx * V * slip)) + values.THROLL * Fz * V
+        heat = (
+            values.THSHARE * (abs(Fy * V * np.sin(np.arctan(tangent))) + abs(Fx * V * slip))
+            + (values.THROLLB + values.THROLL) * Fz * V
+        )
         contact = values.THROAD * (np.hypot(Fz, 1.0) / values.FNOMIN) ** values.THROADZ
         lost = (contact + values.THAIR * (1.0 + values.THAIRV * V)) * (T[0] - 293.15) + values.THSIDE * (T[2] - 293.15)
         assert sum(stored) == pytest.approx(heat - lost, rel=1e-9)
