@@ -21,8 +21,8 @@ from .unknowns import Unknowns
 FloatArray = npt.NDArray[np.float64]
 
 #: Prior probability that a factor changed; odds that an entry of the car is wrong, and that the tires lack an effect;
-#: how many times its uncertainty a wrong entry has. Judgement: who compares a drive expects other tires as likely as not,
-#: and most numbers of a car right.
+#: how many times its uncertainty a wrong entry has. Judgement: who compares a drive expects other tires as likely as
+#: not, and most numbers of a car right.
 CHANGED, ODDS, WRONG_SPREAD = 0.5, 0.05, 10.0
 
 
