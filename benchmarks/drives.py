@@ -115,7 +115,7 @@ def false_findings(n: int, seconds: float, seed: int, *, wrong_car: bool) -> dic
 
 
 def named_effects(n: int, seconds: float, seed: int) -> dict[str, Any]:
-    """Return how often the effect that the tires lack is named first, of n drives of each kind, and without an effect."""
+    """Return how often the effect that the tires lack is named, of n drives of each kind, and without an effect."""
     kinds = [*(kind for kind in hidden.KINDS for _ in range(n)), *[""] * (n * len(hidden.KINDS))]
     logs, rows, *_ = hidden.made(kinds, seed + 3, seconds)
     car = Car.from_content(road.car_content(), "car")

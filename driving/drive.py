@@ -12,7 +12,6 @@ from tirefmu.boundary.errors import DataError
 from tirefmu.tires import Tire, tire_from
 from tirefmu.tires.tire_argument import TireLike
 
-from .drive_content import ForceErrors
 from .effects import factor_values, motion_of, scaled
 from .estimate import Estimate, Forces, estimated
 from .factors import factors_of, scaled_tires
@@ -24,7 +23,7 @@ from .interval import BALANCE, POSE, interval_of
 from .missing import Explanation, explanations, lacking
 from .result import Drive
 from .simulation import simulated
-from .unknowns import AXLES, Unknowns, check_factors, unknowns_of
+from .unknowns import Unknowns, check_factors, unknowns_of
 from .verdict import CERTAIN, verdict_on
 from .wheels import wheel_table
 
@@ -120,18 +119,16 @@ def _answer(
     known = best.grid, best.estimate, unknowns, car
     before = simulated(*known, tires, known_car=False, fmus=fmus)
     after = simulated(*known, new, known_car=True, fmus=fmus)
-    errors = _force_errors(best, unknowns, car, tires, (tires, new))
+    gap = _lacking(best, unknowns, car, tires, (tires, new))
     verdict = verdict_on(*known, factors, ranked)
     wheels = wheel_table(best.grid, best.estimate)
-    return Drive(
-        log, car, best.grid, unknowns, best.estimate, tires, new, factors, wheels, before, after, errors, verdict
-    )
+    return Drive(log, car, best.grid, unknowns, best.estimate, tires, new, factors, wheels, before, after, gap, verdict)
 
 
-def _force_errors(
+def _lacking(
     best: Explanation, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], compared: Iterable[Mapping[str, Tire]]
-) -> ForceErrors:
-    """Return the rms of the side force of each axle that tires lack, N, for pairs of tires as given and new."""
+) -> FloatArray:
+    """Return the side force of each axle that the motion requires beyond pairs of tires, shape (n_pairs, n, 2), N."""
     motion, factors = motion_of(best.grid, best.estimate, unknowns, car), factor_values(unknowns, best.estimate.z)
     if best.missing:
         whole = best.missing.on(best.estimate.z[len(unknowns) :], factors)
@@ -139,8 +136,7 @@ def _force_errors(
         whole = {axle: scaled(tire, factors[axle]) for axle, tire in tires.items()}
     rest = best.estimate.residuals.values[:, -len(BALANCE) :] / best.estimate.weights
     required = motion.side_forces(whole) + rest
-    rms = [np.sqrt(np.mean((required - motion.side_forces(pair)) ** 2, axis=0)) * motion.loads for pair in compared]
-    return ForceErrors(*(dict(zip(AXLES, row.tolist(), strict=True)) for row in rms))
+    return np.stack([(required - motion.side_forces(pair)) * motion.loads for pair in compared])
 
 
 def _start(grid: Grid, states: tuple[str, ...], log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> FloatArray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Annotated, Any, TypedDict
 
 from tirefmu.boundary.json_schema import document, schema_of
@@ -39,17 +38,6 @@ class SimulationContent(TypedDict):
     fmus: Annotated[bool, "whether the tires of the vehicle were FMUs"]
 
 
-@dataclass(frozen=True)
-class ForceErrors:
-    """Root mean square of the side force that the motion requires beyond the tires, by axle, N.
-
-    `before`: the tires as given; `after`: the new ones.
-    """
-
-    before: Mapping[str, float]
-    after: Mapping[str, float]
-
-
 class DriveContent(TypedDict):
     """The keys of drive.json; see `Drive`."""
 
@@ -65,7 +53,7 @@ class DriveContent(TypedDict):
     effects: Annotated[Sequence[EffectFinding], "of the library, likely ones first"]
     lacking: Annotated[float, "probability that the tires lack an effect of the library"]
     car: CarContent
-    axle_forces: Annotated[ForceErrors, "rms of the side force that the motion requires beyond the tires, N"]
+    axle_forces: Annotated[dict[str, dict[str, float]], "rms of lacking side force before and after, by axle, N"]
     correlations: Annotated[dict[str, dict[str, float]], "of determined factors with entries of the car, above 0.3"]
     simulation: SimulationContent
     converged: bool

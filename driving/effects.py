@@ -20,6 +20,7 @@ from .estimate import Added, Estimate
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .interval import BODY, OUTPUTS
+from .rivals import ODDS
 from .unknowns import AXLES, FACTORS, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,6 +29,9 @@ FloatArray = npt.NDArray[np.float64]
 INPUTS = frozenset({"kappa", "alpha", "Fz", "V", "t", "Fy", "distance"})
 #: Prior standard deviation of the logarithm of a coefficient without a declared spread.
 SCALE_SPREAD = 0.7
+#: Prior odds of an effect for each coefficient after the first. Judgement: of forms that a drive does not separate, the
+#: simpler one is the more likely.
+FURTHER = 0.5
 #: Step of a coefficient for its derivative, in its standard deviations.
 STEP = 0.02
 #: Smallest change of a force, per static load, that is a change: that of rounding is none.
@@ -90,6 +94,11 @@ class Missing:
     center: Mapping[str, float]
     spread: Mapping[str, float]
     logarithmic: frozenset[str]
+
+    @property
+    def log_prior(self) -> float:
+        """Logarithm of the prior odds."""
+        return float(np.log(ODDS) + (len(self.center) - 1) * np.log(FURTHER))
 
     def values(self, u: FloatArray) -> dict[str, float]:
         """Return the coefficients, within their bounds."""

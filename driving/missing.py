@@ -21,7 +21,7 @@ from .estimate import Added, Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .interval import BALANCE
-from .rivals import ODDS, evidence_of, probabilities_of
+from .rivals import evidence_of, probabilities_of
 from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
@@ -61,7 +61,7 @@ def explanations(
     best = compared[int(np.argmax(logs))]
     residuals = best.estimate.residuals.values[:, -len(BALANCE) :].T
     length = np.mean([correlation_length(row, best.grid.segment) for row in residuals])
-    logs = (logs - logs.max()) / length + np.log([ODDS if one.missing else 1.0 for one in compared])
+    logs = (logs - logs.max()) / length + [one.missing.log_prior if one.missing else 0.0 for one in compared]
     share = np.exp(logs - logs.max())
     ranked = zip(compared, share / share.sum(), strict=True)
     return sorted((replace(one, probability=float(p)) for one, p in ranked), key=lambda one: -one.probability)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import TirefmuError, path_from
@@ -16,7 +17,7 @@ from tirefmu.fmu.packaging.export import export
 from tirefmu.measurements import Recording, write_table
 from tirefmu.tires import Tire
 
-from .drive_content import VERSION, CarEntry, DriveContent, ForceErrors
+from .drive_content import VERSION, CarEntry, DriveContent
 from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
@@ -25,6 +26,8 @@ from .inputs.log import Log
 from .simulation import Simulation
 from .unknowns import AXLES, Unknowns
 from .verdict import Verdict, worst_car_deviation
+
+FloatArray = npt.NDArray[np.float64]
 
 #: An entry of the car this many standard deviations from its file: the log is not one of this car, no tire is written.
 OTHER_CAR = 8.0
@@ -47,8 +50,8 @@ class Drive:
         The forces at the wheels, ISO-W signs: `tirefmu.driving.wheels.wheel_table`.
     before, after : Simulation
         The vehicle as given, and with the estimated car on the scaled tires.
-    force_errors : ForceErrors
-        Of the side forces, before and after.
+    lacking : ndarray, shape (2, n, 2)
+        Side force of each axle (last index) that the motion requires beyond the tires, as given and new, N.
     verdict : Verdict
         Findings and sentences.
     """
@@ -64,7 +67,7 @@ class Drive:
     wheels: pd.DataFrame
     before: Simulation
     after: Simulation
-    force_errors: ForceErrors
+    lacking: FloatArray
     verdict: Verdict
 
     @property
@@ -106,7 +109,10 @@ class Drive:
             "effects": self.verdict.effects,
             "lacking": self.verdict.lacking,
             "car": {"found": self.verdict.car, "entries": entries},
-            "axle_forces": self.force_errors,
+            "axle_forces": {
+                name: dict(zip(AXLES, np.sqrt(np.mean(lacking**2, axis=0)).tolist(), strict=True))
+                for name, lacking in zip(("before", "after"), self.lacking, strict=True)
+            },
             "correlations": self._correlations(),
             "simulation": {"before": self.before.rms, "after": self.after.rms, "fmus": self.after.fmus},
             "converged": self.estimate.converged,

@@ -20,6 +20,7 @@ from tirefmu.fmu.simulation.coupled import Coupled
 from tirefmu.fmu.simulation.simulate import instances
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
 from tirefmu.tires.code.modules import two_track
 
 from .effects import Motion, motion_of
@@ -81,7 +82,7 @@ def simulated(
     acceleration = np.zeros((2, len(rows)))
     h = grid.step / SUBSTEPS
     past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
-    with fmu_forces(tires, len(rows)) if fmus else nullcontext(steady_forces(tires)) as forces:
+    with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires)) as forces:
         for k in range(length):
             at = rows[:, k]
             ends = speed[grid.left[at]], speed[grid.right[at]]
@@ -150,16 +151,17 @@ def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknow
     return dict(zip(("yaw_rate", "ay", "vy"), rms.tolist(), strict=True))
 
 
-def steady_forces(tires: Mapping[str, Tire]) -> TireForces:
+def code_forces(tires: Mapping[str, Tire]) -> TireForces:
     """Return the forces of the tires for given states, from their generated code."""
 
     def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
         parts = []
         for i, axle in enumerate(AXLES):
             tire = tires[axle]
-            rows = {name: values[2 * i : 2 * i + 2] for name, values in inputs.items() if name in tire.inputs}
-            result = tire.forces(code="numpy", **rows)
-            parts.append([result["Fx"], result["Fy"]])
+            some = [inputs[name][2 * i : 2 * i + 2] if name in inputs else tire.nominal(name) for name in tire.inputs]
+            rows = np.stack(np.broadcast_arrays(*some)).reshape(len(some), -1)
+            outputs = code_for(tire.symbolic_model, "numpy").forces(tire.effective_inputs(rows), tire.parameters())
+            parts.append(outputs[:2].reshape(2, 2, -1))
         return np.concatenate(parts, axis=1)
 
     return forces

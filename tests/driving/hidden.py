@@ -1,4 +1,4 @@
-"""Tires with an effect that the tire of the file lacks, written out here with laws of its own, and drives that excite it."""
+"""Tires with an effect that the tire of the file lacks, by laws of this program, and drives that excite it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import road
 class Tires:
     """Four tires of each of n drives, each with one effect or none; their states advance with the drives.
 
-    `kinds`: n of `KINDS`, or ''. `size`, `scale`, shape (n,): of the effects, and their time constants, lengths or widths.
+    `kinds`: n of `KINDS`, or ''. `size`, `scale`, shape (n,): of the effects, and their time constants or lengths.
     """
 
     def __init__(self, kinds, size, scale):

@@ -42,7 +42,7 @@ def magic(slip, C, D, K, E):
 
 
 def tire_forces(kappa, alpha, Fz, V, factors):
-    """Return Fx and Fy in W axes, whatever the speed; combined slip as in MF6.1 with r_Bx1 = r_By1 = 8, r_Cx1 = r_Cy1 = 1."""
+    """Return Fx and Fy in W axes at any speed; combined slip as in MF6.1 with r_Bx1 = r_By1 = 8, r_Cx1 = r_Cy1 = 1."""
     load = np.maximum(Fz, 1.0)
     dfz = load / TIRE["FNOMIN"] - 1.0
     Dx = TIRE["PDX1"] * load * factors["LMUX"]

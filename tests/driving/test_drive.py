@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 
+import hidden
 import numpy as np
 import pandas as pd
 import pytest
@@ -96,6 +97,21 @@ def test_the_forces_are_a_recording(answer, tmp_path):
     forces = answer.scaled["front"].forces(kappa=front["kappa"], alpha=front["alpha"], Fz=front["Fz"], code="numpy")
     assert np.sqrt(np.mean((forces["Fy"] - front["Fy"]) ** 2)) < 0.05 * front["Fy"].abs().max()
     assert read_tir(written[1]).values["LMUY"] == pytest.approx(answer.factors["front"]["LMUY"].value)
+
+
+def test_an_effect_that_the_tires_lack_is_named_and_delivered(car, tmp_path):
+    (log,), *_ = hidden.made(["relaxation"], seed=7, seconds=14.0)
+    answer = tirefmu.drive(log, vehicle=car, tire=hidden.file_tire("relaxation"))
+    assert answer.verdict.lacking > 0.95
+    assert answer.verdict.effects[0].effect == "relax_lat"
+    assert "the tires lack relax_lat" in answer.verdict.lines[0]
+    assert answer.verdict.effects[0].coefficients["SIGY"] == pytest.approx(0.5, abs=0.25)  # 0.3 to 0.7 m in the program
+    content = answer.to_json()["axle_forces"]
+    assert content["after"]["front"] < 0.6 * content["before"]["front"]
+    answer.save(tmp_path)
+    assert {"relax_lat"} == read_tir(tmp_path / "front.tir").has - answer.tires["front"].has
+    on_fmus = resimulated(answer, answer.scaled, fmus=True)
+    assert on_fmus.rms["yaw_rate"] < 0.7 * answer.before.rms["yaw_rate"]
 
 
 SAME = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}, {})
