@@ -5,8 +5,8 @@
 Each group has N recordings (10) of tires with random coefficients, at five loads and three camber angles. The truth of
 a memory is the tire at its mean state over the recording. Coefficients are compared with those of the tire, and with a
 static effect also with those of the fit to the recording without noise ("of the best fit"): the effect changes what
-coefficients describe the tire. Intervals assume exact sensors in the groups that have them. It prints for each group the
-share of intervals that contain the truth, and in how many recordings the verdict names a missing part.
+coefficients describe the tire. Intervals assume exact sensors in the groups that have them. It prints for each group
+the share of intervals that contain the truth, and in how many recordings the verdict names a missing part.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ FORCES = ("Fx", "Fy", "Mz")
 class Made:
     """A recording and its truth.
 
-    - `exact`: the recording without errors of sensors.
+    - `exact`: the recording without noise.
     - `factor`: of the forces over the load and the own slip, at the mean state of a memory.
     """
 

@@ -39,8 +39,8 @@ STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
 #: repeats is too large for any tire. Judgement.
 ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
-#: Change of the forces over time above which a recording is not of one tire, as that of the stiffness; and the range of a
-#: steady change in its standard deviations.
+#: Change of the forces over time above which a recording is not of one tire, as that of the stiffness; and the range of
+#: a steady change in its standard deviations.
 UNSTEADY, RANGE = 0.1, 12.0**0.5
 #: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
 #: share of the channel.
