@@ -172,14 +172,18 @@ def _inputs(tire: Tire) -> list[dict[str, Any]]:
     """Return the inputs of the page: those of the tire, and the temperatures of its parts."""
     model, nodes = tire.symbolic_model, _starts(tire).items()
     given = [each for each in model.inputs if each.name not in model.states]
-    values = [(each, tire.nominal(each.name), tire.ranges.get(each.name) or RANGES.get(each.name)) for each in given]
-    temperatures = [(model.states[name], tire.values[start], NODE_RANGE) for start, name in nodes]
+    found = [
+        (each.name, each.description, each.unit, tire.nominal(each.name),
+         tire.ranges.get(each.name) or RANGES.get(each.name)) for each in given
+    ]  # fmt: skip
+    for start, name in nodes:
+        found.append((name, model.states[name].description, model.states[name].unit, tire.values[start], NODE_RANGE))
     inputs = []
-    for each, nominal, ends in [*values, *temperatures]:
-        unit, scale = shown(each.unit)
+    for name, text, of, nominal, ends in found:
+        unit, scale = shown(of)
         low, high = ends or (SHARES[0] * nominal, SHARES[1] * nominal)
         inputs.append(
-            {"name": each.name, "text": each.description, "unit": unit, "scale": scale, "nominal": nominal,
+            {"name": name, "text": text, "unit": unit, "scale": scale, "nominal": nominal,
              "low": min(low, nominal), "high": max(high, nominal)}
         )  # fmt: skip
     return inputs
