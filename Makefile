@@ -67,6 +67,7 @@ drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: e
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[mdf]"
 	$(BIN)/pytest tests/driving -k mdf
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/drives.py $(DRIVES_ARGS)
+	$(if $(TIREFMU_DATA),OMP_NUM_THREADS=1 $(BIN)/python benchmarks/dart.py $(TIREFMU_DATA)/dart)
 
 missing-effects: $(VENV)/installed-dev  ## tests of all entries of the benchmark of missing effects, and the tables of docs/missing_effects.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
