@@ -25,6 +25,7 @@ from .inputs.car_entries import ENTRIES
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
 from .interval import BALANCE, CHUNK, Interval
+from .linear import Added, Linear
 from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
@@ -42,46 +43,6 @@ ROUNDS, MAX_STEPS, TOLERANCE = 12, 12, 1e-7
 #: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of
 #: a deviation below which the integral over the states counts; limits of such a change.
 SETTLED, NEAR, LARGEST_CHANGES = 0.1, 0.7, (-2.0, 1.0)
-
-
-@dataclass(frozen=True)
-class Linear:
-    """Functions of all intervals at a point, shape (n, n_functions), and their Jacobian by left node, right node, z."""
-
-    values: FloatArray
-    jacobian: FloatArray
-
-    def weighted(self, weights: FloatArray) -> Linear:
-        """Return the functions times weights, shape (n, n_functions)."""
-        return Linear(self.values * weights, self.jacobian * weights[:, :, None])
-
-    def with_columns(self, n: int) -> Linear:
-        """Return the functions with n further unknowns, on which they do not depend."""
-        return Linear(self.values, np.concatenate([self.jacobian, np.zeros((*self.values.shape, n))], axis=2))
-
-    def cost(self, z: FloatArray) -> float:
-        """Return half the sum of squares, priors included."""
-        return 0.5 * float(np.sum(self.values**2) + z @ z)
-
-
-@dataclass(frozen=True)
-class Added:
-    """Side forces per static load beyond the tires': `offset`, shape (n, 2), and `columns`, shape (n, 2, n_u).
-
-    The columns are for further unknowns u, the last ones of z, whose prior is the standard normal distribution.
-    """
-
-    offset: FloatArray
-    columns: FloatArray
-
-    def residuals(self, of_tires: Callable[[FloatArray], Linear], z: FloatArray, deviations: FloatArray) -> Linear:
-        """Return the residuals with these forces. `of_tires`: the residuals without them for the unknowns before u."""
-        n = self.columns.shape[2]
-        linear, u = of_tires(z[: len(z) - n]).with_columns(n), z[len(z) - n :]
-        values, jacobian = linear.values, linear.jacobian
-        values[:, -len(BALANCE) :] -= (self.offset + self.columns @ u) / deviations
-        jacobian[:, -len(BALANCE) :, jacobian.shape[2] - n :] = -self.columns / deviations[:, None]
-        return Linear(values, jacobian)
 
 
 #: Added forces from the grid, states and unknowns.
