@@ -26,7 +26,6 @@ import road
 
 import tirefmu
 from tirefmu.driving.inputs.car import Car
-from tirefmu.driving.verdict import CERTAIN
 
 AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
 #: What is wrong in the car file of the last drives, relative to the true car or absolute.
@@ -108,7 +107,7 @@ def false_findings(n: int, seconds: float, seed: int, *, wrong_car: bool) -> dic
         answer = answered(log, Car.from_content(content, "car"), i, kinds[i])
         of_tire += bool(answer["found"])
         of_car += bool(answer["car"]["found"])
-        of_effect += answer["lacking"] > CERTAIN
+        of_effect += bool(answer["effect"])
     return {
         "drives": n - spun, "with_a_tire_finding": of_tire, "with_a_car_finding": of_car, "with_an_effect": of_effect,
     }  # fmt: skip
@@ -125,7 +124,7 @@ def named_effects(n: int, seconds: float, seed: int) -> dict[str, Any]:
             continue
         kind = kinds[i]
         answer = answered(logs[i], car, i, kind or "no effect", kind)
-        named = answer["lacking"] > CERTAIN
+        named = bool(answer["effect"])
         if not kind:
             counts["drives_without"] += 1
             counts["named_without"] += named

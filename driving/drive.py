@@ -20,11 +20,11 @@ from .inputs.grid import Grid, forward_speed, gridded, has_spins, wheel_means
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
 from .interval import BALANCE, POSE, interval_of
-from .missing import Explanation, explanations, lacking
 from .result import Drive
+from .rivals import Explanation, answer_of, explanations
 from .simulation import simulated
 from .unknowns import Unknowns, check_factors, unknowns_of
-from .verdict import CERTAIN, verdict_on
+from .verdict import verdict_on
 from .wheels import wheel_table
 
 FloatArray = npt.NDArray[np.float64]
@@ -112,7 +112,7 @@ def _answer(
         return estimated(grid, interval, unknowns, start, log, car, forces, estimate)
 
     ranked = explanations(Explanation(None, grid, estimate), unknowns, car, tires, refit)
-    best = ranked[0] if lacking(ranked) > CERTAIN else next(one for one in ranked if not one.missing)
+    best = answer_of(ranked, unknowns)
     delivered = best.missing.delivered(best.estimate.z[len(unknowns) :]) if best.missing else tires
     factors = factors_of(best.estimate, unknowns, delivered, best.grid.step)
     new = scaled_tires(delivered, factors)
@@ -120,7 +120,7 @@ def _answer(
     before = simulated(*known, tires, known_car=False, fmus=fmus)
     after = simulated(*known, new, known_car=True, fmus=fmus)
     gap = _lacking(best, unknowns, car, tires, (tires, new))
-    verdict = verdict_on(*known, factors, ranked)
+    verdict = verdict_on(best, ranked, unknowns, car, factors)
     wheels = wheel_table(best.grid, best.estimate)
     return Drive(log, car, best.grid, unknowns, best.estimate, tires, new, factors, wheels, before, after, gap, verdict)
 

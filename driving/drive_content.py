@@ -50,6 +50,7 @@ class DriveContent(TypedDict):
     found: Annotated[Sequence[Finding], "differences of the tires"]
     unknown: Annotated[bool, "whether the tires do not explain the side force of an axle"]
     unexplained: Annotated[dict[str, float], "deviation of the balance of forces per load by axle"]
+    effect: Annotated[str | None, "of the library, that the new tires have"]
     effects: Annotated[Sequence[EffectFinding], "of the library, likely ones first"]
     lacking: Annotated[float, "probability that the tires lack an effect of the library"]
     car: CarContent

@@ -16,11 +16,11 @@ from tirefmu.symbolic.detection import Form
 from tirefmu.tires import Tire
 from tirefmu.tires.code.modules import two_track
 
-from .estimate import Added, Estimate
+from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .interval import BODY, OUTPUTS
-from .rivals import ODDS
+from .linear import Added
 from .unknowns import AXLES, FACTORS, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
@@ -29,9 +29,6 @@ FloatArray = npt.NDArray[np.float64]
 INPUTS = frozenset({"kappa", "alpha", "Fz", "V", "t", "Fy", "distance"})
 #: Prior standard deviation of the logarithm of a coefficient without a declared spread.
 SCALE_SPREAD = 0.7
-#: Prior odds of an effect for each coefficient after the first. Judgement: of forms that a drive does not separate, the
-#: simpler one is the more likely.
-FURTHER = 0.5
 #: Step of a coefficient for its derivative, in its standard deviations.
 STEP = 0.02
 #: Smallest change of a force, per static load, that is a change: that of rounding is none.
@@ -94,11 +91,6 @@ class Missing:
     center: Mapping[str, float]
     spread: Mapping[str, float]
     logarithmic: frozenset[str]
-
-    @property
-    def log_prior(self) -> float:
-        """Logarithm of the prior odds."""
-        return float(np.log(ODDS) + (len(self.center) - 1) * np.log(FURTHER))
 
     def values(self, u: FloatArray) -> dict[str, float]:
         """Return the coefficients, within their bounds."""

@@ -106,6 +106,7 @@ class Drive:
             "found": self.verdict.tires,
             "unknown": bool(self.verdict.unknown),
             "unexplained": {axle: float(self.estimate.unexplained[i]) for i, axle in enumerate(AXLES)},
+            "effect": self.verdict.effect,
             "effects": self.verdict.effects,
             "lacking": self.verdict.lacking,
             "car": {"found": self.verdict.car, "entries": entries},

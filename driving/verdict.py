@@ -12,15 +12,11 @@ from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
-from .inputs.grid import Grid
-from .missing import Explanation, lacking
-from .rivals import probabilities_of
+from .rivals import CERTAIN, Explanation, lacking, probabilities_of
 from .unknowns import AXLES, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Posterior probability at which a change of a tire or a wrong entry of the car is a finding.
-CERTAIN = 0.95
 #: Probability from which an effect is reported.
 LIKELY = 0.05
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
@@ -68,14 +64,15 @@ class EffectFinding:
 class Verdict:
     """The verdict.
 
-    - `tires`: findings. `car`: entries that contradict the car file. `effects`: of the library, likely ones first;
-      `lacking`: the probability that the tires lack any of them.
+    - `tires`: findings. `car`: entries that contradict the car file. `effect`: that the new tires have.
+    - `effects`: of the library, likely ones first; `lacking`: the probability that the tires lack any of them.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
     """
 
     tires: tuple[Finding, ...]
     car: tuple[CarFinding, ...]
+    effect: str | None
     effects: tuple[EffectFinding, ...]
     lacking: float
     unknown: tuple[str, ...]
@@ -83,15 +80,15 @@ class Verdict:
 
 
 def verdict_on(
-    grid: Grid,
-    estimate: Estimate,
+    best: Explanation,
+    ranked: Sequence[Explanation],
     unknowns: Unknowns,
     car: Car,
     factors: Mapping[str, Mapping[str, Factor]],
-    ranked: Sequence[Explanation],
 ) -> Verdict:
-    """Return the verdict on a drive. `ranked`: `explanations`."""
-    probabilities = probabilities_of(grid, estimate, unknowns)
+    """Return the verdict on a drive. `ranked`: `explanations`; `best`: `answer_of` them."""
+    estimate = best.estimate
+    probabilities = probabilities_of(best.grid, estimate, unknowns)
     findings = tuple(
         Finding(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability)
         for (axle, name), probability in probabilities.factors.items()
@@ -110,9 +107,10 @@ def verdict_on(
     )
     unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.unexplained[i] > UNEXPLAINED)
     lines = _lines(findings, of_car, unknown, factors, estimate)
-    if lacking(ranked) > CERTAIN:
+    if best.missing:
         lines.insert(0, _effects_line(likely))
-    return Verdict(findings, of_car, likely, lacking(ranked), unknown, tuple(lines))
+    effect = best.missing.name if best.missing else None
+    return Verdict(findings, of_car, effect, likely, lacking(ranked), unknown, tuple(lines))
 
 
 def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
