@@ -160,7 +160,10 @@ def estimated(
             share /= 3.0
             to = at.deviations * np.exp(share * widening)
             moved = at.states + share * change, z + share * change_z
-            tried = _solved(grid, interval, added, *moved, to, at.weights)
+            try:
+                tried = _solved(grid, interval, added, *moved, to, at.weights)
+            except np.linalg.LinAlgError:  # a motion that the model does not have
+                continue
             gain = at.criterion - tried.criterion
         converged = bool(gain < FLAT and size < 1.0)
         if converged or not gain > 0.0:
@@ -362,7 +365,8 @@ def _posterior(grid: Grid, factor: _Factor) -> Posterior:
     n = factor.n
     slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
     of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
-    return Posterior(np.asarray(np.linalg.inv(factor.schur)), _pair_covariances(factor.band, grid, n), of_pairs)
+    covariance = np.asarray(np.linalg.inv(factor.schur), dtype=np.float64)
+    return Posterior(covariance, _pair_covariances(factor.band, grid, n), of_pairs)
 
 
 def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:
