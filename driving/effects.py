@@ -19,8 +19,7 @@ from tirefmu.tires.code.modules import two_track
 from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .interval import BODY, OUTPUTS
-from .linear import Added
+from .interval import BODY, OUTPUTS, Added
 from .unknowns import AXLES, FACTORS, Unknowns
 
 FloatArray = npt.NDArray[np.float64]

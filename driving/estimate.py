@@ -24,8 +24,7 @@ from tirefmu.estimation.correlation import correlation_length
 from .inputs.car import Car
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
-from .interval import BALANCE, CHUNK, Interval
-from .linear import Added, Linear
+from .interval import BALANCE, CHUNK, Added, Interval, Linear
 from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]

@@ -1,7 +1,8 @@
 """One interval of the grid as a CasADi function: residuals of sensors and of the balance of forces, with derivatives.
 
 The implicit midpoint rule joins the nodes: rates are differences over the interval, which are the exact means of the
-rates, as the logged channels are means of samples. Residuals are divided by their standard deviations.
+rates, as the logged channels are means of samples. Residuals are divided by their standard deviations. `Linear` has the
+values and derivatives of all intervals, `Added` what an effect adds to the forces of the tires.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+import numpy as np
+import numpy.typing as npt
 
 from tirefmu.measurements.units import GRAVITY
 from tirefmu.symbolic.vehicle import quantities as vehicle
@@ -22,6 +25,8 @@ from tirefmu.tires.code.modules import two_track
 from .inputs.car import Car
 from .inputs.grid import MEASURED
 from .unknowns import AXLES, FACTORS, Unknowns
+
+FloatArray = npt.NDArray[np.float64]
 
 MOTION = ("v_x", "v_y", "yaw_rate")
 POSE = ("x", "y", "heading")
@@ -253,3 +258,46 @@ def _outputs(wheels: Mapping[str, Any], forces: Mapping[str, Any], kappa: list[A
     Fy = [forces[axle][1][2] for axle in AXLES]
     whole = [Fy[i] + required[i] for i in (0, 1)]
     return [*means["alpha"], *kappa, *means["V"], *means["Fz"], *whole, *Fy]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Functions of all intervals at a point, shape (n, n_functions), and their Jacobian by left node, right node, z."""
+
+    values: FloatArray
+    jacobian: FloatArray
+
+    def weighted(self, weights: FloatArray) -> Linear:
+        """Return the functions times weights, shape (n, n_functions)."""
+        return Linear(self.values * weights, self.jacobian * weights[:, :, None])
+
+    def with_columns(self, n: int) -> Linear:
+        """Return the functions with n further unknowns, on which they do not depend."""
+        return Linear(self.values, np.concatenate([self.jacobian, np.zeros((*self.values.shape, n))], axis=2))
+
+    def cost(self, z: FloatArray) -> float:
+        """Return half the sum of squares, priors included."""
+        return 0.5 * float(np.sum(self.values**2) + z @ z)
+
+
+@dataclass(frozen=True)
+class Added:
+    """Side forces per static load beyond the tires': `offset`, shape (n, 2), and `columns`, shape (n, 2, n_u).
+
+    The columns are for further unknowns u, the last ones of z, whose prior is the standard normal distribution.
+    """
+
+    offset: FloatArray
+    columns: FloatArray
+
+    def tires(self, z: FloatArray) -> FloatArray:
+        """Return the unknowns before u."""
+        return z[: len(z) - self.columns.shape[2]]
+
+    def residuals(self, of_tires: Linear, z: FloatArray) -> Linear:
+        """Return residuals, per static load, with these forces, from those without them."""
+        n = self.columns.shape[2]
+        linear = of_tires.with_columns(n)
+        linear.values[:, -len(BALANCE) :] -= self.offset + self.columns @ z[len(z) - n :]
+        linear.jacobian[:, -len(BALANCE) :, linear.jacobian.shape[2] - n :] = -self.columns
+        return linear

@@ -24,8 +24,7 @@ from .effects import Missing, effect_columns, factor_values, motion_of
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
-from .interval import BALANCE
-from .linear import Added
+from .interval import BALANCE, Added
 from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
