@@ -45,7 +45,8 @@ def source_of_temperature(reading: Collection[str], identified: Collection[str],
 
     `reading`: those that read T. `tire`: the baseline model with the equations of all candidates.
 
-    >>> source_of_temperature(["temp_friction"], ["temp_friction"], Tire("mf96", {"FNOMIN": 4e3}), recorded=True)
+    >>> tire = Tire("mf96", {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3})
+    >>> source_of_temperature(["temp_friction"], ["temp_friction"], tire, recorded=True)
     'Temperature of temp_friction: recorded (T)'
     """
     heat = {effect.name for effect in tire.added if any(state.kind == "heat" for state in effect.states)}
