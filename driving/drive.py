@@ -116,9 +116,9 @@ def _answer(
     delivered = best.missing.delivered(best.estimate.z[len(unknowns) :]) if best.missing else tires
     factors = factors_of(best.estimate, unknowns, delivered, best.grid.step)
     new = scaled_tires(delivered, factors)
-    known = best.grid, best.estimate, unknowns, car
-    before = simulated(*known, tires, known_car=False, fmus=fmus)
-    after = simulated(*known, new, known_car=True, fmus=fmus)
+    common = best.grid, best.estimate, unknowns, car
+    before = simulated(*common, tires, known_car=False, fmus=fmus)
+    after = simulated(*common, new, known_car=True, fmus=fmus)
     gap = _lacking(best, unknowns, car, tires, (tires, new))
     verdict = verdict_on(best, ranked, unknowns, car, factors)
     wheels = wheel_table(best.grid, best.estimate)

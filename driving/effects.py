@@ -175,7 +175,7 @@ def _of_form(name: str, form: Form, library: Mapping[str, Tire]) -> list[tuple[M
     for probe in form.probes:
         center, spread, logarithmic, u = dict[str, float](), dict[str, float](), set[str](), dict[str, float]()
         for key in form.free:
-            declared, known = model.coefficients[key], model.prior_spread.get(key)
+            declared, declared_spread = model.coefficients[key], model.prior_spread.get(key)
             if declared.channels and "Fy" not in declared.channels:
                 continue
             u[key] = 0.0
@@ -184,11 +184,11 @@ def _of_form(name: str, form: Form, library: Mapping[str, Tire]) -> list[tuple[M
                 logarithmic.add(key)
             elif form.scalable:
                 neutral = declared.neutral if counts_from_neutral(declared) else 0.0
-                center[key], spread[key] = neutral or 0.0, known or abs(probe.get(key, 1.0))
+                center[key], spread[key] = neutral or 0.0, declared_spread or abs(probe.get(key, 1.0))
                 u[key] = probe.get(key, 0.0) / spread[key]
             else:
-                center[key], spread[key] = probe.get(key, declared.default), known or SCALE_SPREAD
-                logarithmic |= set() if known else {key}
+                center[key], spread[key] = probe.get(key, declared.default), declared_spread or SCALE_SPREAD
+                logarithmic |= set() if declared_spread else {key}
         if any(u.values()) or (u and not form.scalable):
             result.append((Missing(name, library, center, spread, frozenset(logarithmic)), np.array(list(u.values()))))
     return result

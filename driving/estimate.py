@@ -379,12 +379,12 @@ def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:
             if n + i - j < len(band):
                 below[:, i, j] = band[n + i - j, j::n]  # row of the next node, column of this one
     inverse = np.linalg.inv(diagonal)
-    own = np.matmul(inverse.transpose(0, 2, 1), inverse)
+    local = np.matmul(inverse.transpose(0, 2, 1), inverse)
     gain = np.matmul(below, inverse)  # L21 L11^-1
     node, cross = np.empty((size, n, n)), np.zeros((size, n, n))
-    node[-1] = own[-1]
+    node[-1] = local[-1]
     for k in range(size - 2, -1, -1):
         cross[k] = -node[k + 1] @ gain[k]
-        node[k] = own[k] - gain[k].T @ cross[k]
+        node[k] = local[k] - gain[k].T @ cross[k]
     left = grid.left
     return np.block([[node[left], cross[left].transpose(0, 2, 1)], [cross[left], node[left + 1]]])

@@ -179,7 +179,7 @@ def _forces(
         given = {**state, "kappa": kappa}
         inputs = ca.vertcat(*(given[name] if name in given else tire.nominal(name) for name in tire.inputs))
         results.append(casadi_expression(model, "forces", inputs, parameters, straight=True)[:2])
-    return [each[0] for each in results], [each[1] for each in results], pair
+    return [result[0] for result in results], [result[1] for result in results], pair
 
 
 def _readings(p: Mapping[str, Any], middle: list[Any], rate: list[Any], pose: bool) -> dict[str, Any]:

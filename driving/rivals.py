@@ -119,10 +119,13 @@ def explanations(
     best = compared[int(np.argmax(logs))]
     residuals = best.estimate.residuals.values[:, -len(BALANCE) :].T
     length = np.mean([correlation_length(row, best.grid.segment) for row in residuals])
-    logs = (logs - logs.max()) / length + [_log_prior(one.missing) for one in compared]
+    logs = (logs - logs.max()) / length + [_log_prior(explanation.missing) for explanation in compared]
     share = np.exp(logs - logs.max())
     ranked = zip(compared, share / share.sum(), strict=True)
-    return sorted((replace(one, probability=float(p)) for one, p in ranked), key=lambda one: -one.probability)
+    return sorted(
+        (replace(explanation, probability=float(p)) for explanation, p in ranked),
+        key=lambda explanation: -explanation.probability,
+    )
 
 
 def answer_of(ranked: Sequence[Explanation], unknowns: Unknowns) -> Explanation:
@@ -130,7 +133,7 @@ def answer_of(ranked: Sequence[Explanation], unknowns: Unknowns) -> Explanation:
 
     An effect is no answer if an entry of the car contradicts its file beside it: the model of the car lacks something.
     """
-    first, without = ranked[0], next(one for one in ranked if not one.missing)
+    first, without = ranked[0], next(explanation for explanation in ranked if not explanation.missing)
     if lacking(ranked) <= CERTAIN:
         return without
     wrong = probabilities_of(first.grid, first.estimate, unknowns).car.values()

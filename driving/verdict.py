@@ -101,9 +101,13 @@ def verdict_on(
         if probabilities.car[name] > CERTAIN
     )
     likely = tuple(
-        EffectFinding(one.missing.name, one.missing.values(one.estimate.z[len(unknowns) :]), one.probability)
-        for one in ranked
-        if one.missing and one.probability > LIKELY
+        EffectFinding(
+            explanation.missing.name,
+            explanation.missing.values(explanation.estimate.z[len(unknowns) :]),
+            explanation.probability,
+        )
+        for explanation in ranked
+        if explanation.missing and explanation.probability > LIKELY
     )
     unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.unexplained[i] > UNEXPLAINED)
     lines = _lines(findings, of_car, unknown, factors, estimate)
@@ -126,9 +130,9 @@ def _lines(
     factors: Mapping[str, Mapping[str, Factor]], estimate: Estimate,
 ) -> list[str]:  # fmt: skip
     lines = [
-        f"{each.axle} axle: {each.effect} than in the tire file: {each.name} {each.factor.value:.3g} "
-        f"({each.factor.low:.3g} to {each.factor.high:.3g})"
-        for each in findings
+        f"{d.axle} axle: {d.effect} than in the tire file: {d.name} {d.factor.value:.3g} "
+        f"({d.factor.low:.3g} to {d.factor.high:.3g})"
+        for d in findings
     ]
     if not findings:
         lines.append("no difference of the tires from their files is determined")
@@ -138,9 +142,9 @@ def _lines(
             reason = factors[axle][open_factors[-1]].reason
             lines.append(f"{axle} axle: not determined: {', '.join(open_factors)}: {reason}")
     lines += [
-        f"car: {ENTRIES[each.name].meaning} contradicts its file: {each.value:.4g} instead of {each.given:.4g} "
-        f"{ENTRIES[each.name].unit}, {abs(each.deviation):.1f} standard deviations"
-        for each in of_car
+        f"car: {ENTRIES[entry.name].meaning} contradicts its file: {entry.value:.4g} instead of {entry.given:.4g} "
+        f"{ENTRIES[entry.name].unit}, {abs(entry.deviation):.1f} standard deviations"
+        for entry in of_car
     ]
     lines += [
         f"{axle} axle: the motion requires side forces that no factor explains: "

@@ -71,7 +71,7 @@ def tire_data(
     """
     whole = switchable(tire)
     model = whole.symbolic_model
-    effects = {name: each for name, each in model.effects.items() if name in whole.has}
+    effects = {name: effect for name, effect in model.effects.items() if name in whole.has}
     # The ends of a range are not properties that a slider could change independently; start temperatures are inputs.
     ends = {name for pair in RANGE_KEYS.values() for name in pair} | _starts(whole).keys()
     adjustable = read.keys() - ends
@@ -85,16 +85,16 @@ def tire_data(
         "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in model.outputs],
         "roles": {role: _quantity(tire, model.quantity(role)) for role in ROLES if model.quantity(role)},
         "states": [_state(whole, name) for name in model.states],
-        "lags": [{"name": each.name, "text": each.description, "unit": ""} for each in lags],
+        "lags": [{"name": lag.name, "text": lag.description, "unit": ""} for lag in lags],
         "coefficients": [
             _coefficient(declared, whole.values[key], owners[key], key in adjustable, intervals.get(key))
             for key, declared in model.coefficients.items()
         ],
         "effects": [
-            {"name": key, "text": excerpt(each.physics), "on": key in tire.has, "rescales": list(each.rescales),
+            {"name": key, "text": excerpt(effect.physics), "on": key in tire.has, "rescales": list(effect.rescales),
              "added": key in {added.name for added in model.added},
              "input": dict(model.on_demand).get(key, "")}
-            for key, each in effects.items()
+            for key, effect in effects.items()
         ],
         "targets": sorted({q.name for q in model.outputs} | set(model.results)),
         "lines": [
@@ -171,15 +171,15 @@ def _starts(tire: Tire) -> dict[str, str]:
 def _inputs(tire: Tire) -> list[dict[str, Any]]:
     """Return the inputs of the page: those of the tire, and the temperatures of its parts."""
     model, nodes = tire.symbolic_model, _starts(tire).items()
-    given = [each for each in model.inputs if each.name not in model.states]
-    found = [
-        (each.name, each.description, each.unit, tire.nominal(each.name),
-         tire.ranges.get(each.name) or RANGES.get(each.name)) for each in given
+    given = [quantity for quantity in model.inputs if quantity.name not in model.states]
+    listed = [
+        (quantity.name, quantity.description, quantity.unit, tire.nominal(quantity.name),
+         tire.ranges.get(quantity.name) or RANGES.get(quantity.name)) for quantity in given
     ]  # fmt: skip
     for start, name in nodes:
-        found.append((name, model.states[name].description, model.states[name].unit, tire.values[start], NODE_RANGE))
+        listed.append((name, model.states[name].description, model.states[name].unit, tire.values[start], NODE_RANGE))
     inputs = []
-    for name, text, of, nominal, ends in found:
+    for name, text, of, nominal, ends in listed:
         unit, scale = shown(of)
         low, high = ends or (SHARES[0] * nominal, SHARES[1] * nominal)
         inputs.append(

@@ -62,11 +62,11 @@ def _yaw_rate(grid: Grid) -> FloatArray:
     if np.isfinite(measured).any():
         return np.asarray(measured)
     heading = grid.means[MEASURED.index("heading")]
-    known = np.isfinite(heading)
-    return np.asarray(np.gradient(np.interp(grid.t, grid.t[known], heading[known]), grid.t))
+    finite = np.isfinite(heading)
+    return np.asarray(np.gradient(np.interp(grid.t, grid.t[finite], heading[finite]), grid.t))
 
 
 def _slope(x: FloatArray, y: FloatArray) -> tuple[float, float]:
-    known = np.isfinite(x) & np.isfinite(y)
-    x, y = x[known], y[known]
+    finite = np.isfinite(x) & np.isfinite(y)
+    x, y = x[finite], y[finite]
     return float(x @ y / (x @ x + 1e-300)), float(x @ y / np.sqrt((x @ x) * (y @ y) + 1e-300))

@@ -111,7 +111,9 @@ class Comparison:
             held = self._main_levels(rows)
             rows = self._at(rows, held)
             camber, load = self._smallest(rows, "gamma"), self._reference_load(rows)
-            held_angles = [each for each in self._levels(rows, "alpha") if abs(each) > self.tolerance("alpha")]
+            held_angles = [
+                slip_angle for slip_angle in self._levels(rows, "alpha") if abs(slip_angle) > self.tolerance("alpha")
+            ]
             if not held_angles:
                 continue
             angle = max(held_angles, key=abs)
@@ -131,12 +133,12 @@ class Comparison:
 
     def groups(self, rows: pd.DataFrame, channel: str) -> tuple[Group, ...]:
         """Return the rows near each level of a channel, in increasing magnitude."""
-        found = np.array(sorted(self._levels(rows, channel), key=abs))
-        if not len(found):
+        centers = np.array(sorted(self._levels(rows, channel), key=abs))
+        if not len(centers):
             return ()
-        distance = np.abs(rows[channel].to_numpy()[:, None] - found)
+        distance = np.abs(rows[channel].to_numpy()[:, None] - centers)
         nearest, near = distance.argmin(axis=1), distance.min(axis=1) <= self.tolerance(channel)
-        parts = [(level, rows[near & (nearest == number)]) for number, level in enumerate(found.tolist())]
+        parts = [(level, rows[near & (nearest == number)]) for number, level in enumerate(centers.tolist())]
         return tuple(Group(level, part) for level, part in parts if len(part))
 
     def curve(self, group: Group, slip: str, tire: Tire | None = None) -> pd.DataFrame:
@@ -186,13 +188,13 @@ class Comparison:
 
     def _main_levels(self, rows: pd.DataFrame) -> dict[str, float]:
         """Return the level with the most rows of each further input that has several levels."""
-        found = {}
+        main = {}
         for name in FURTHER:
-            known = held_levels(rows[name]) if name in rows else []
-            if len(known) > 1:
-                rows_at = {level: len(self._near(rows, name, level)) for level in known}
-                found[name] = max(rows_at, key=rows_at.__getitem__)
-        return found
+            held = held_levels(rows[name]) if name in rows else []
+            if len(held) > 1:
+                rows_at = {level: len(self._near(rows, name, level)) for level in held}
+                main[name] = max(rows_at, key=rows_at.__getitem__)
+        return main
 
     def _at(self, rows: pd.DataFrame, levels: Mapping[str, float]) -> pd.DataFrame:
         for name, level in levels.items():
@@ -207,8 +209,8 @@ class Comparison:
         # Sweeps of alpha at zero kappa contain all slip angles and are excluded, so that held slip angles are found.
         moving = rows[rows["kappa"].abs() > self.tolerance("kappa")] if channel == "alpha" else rows
         values = (moving if len(moving) else rows)[channel]
-        found = levels(values, tolerance=self.tolerance(channel) or None)
-        return found or np.quantile(values, (0.1, 0.3, 0.5, 0.7, 0.9)).tolist()
+        held = levels(values, tolerance=self.tolerance(channel) or None)
+        return held or np.quantile(values, (0.1, 0.3, 0.5, 0.7, 0.9)).tolist()
 
     def _smallest(self, rows: pd.DataFrame, channel: str) -> float:
         return min(self._levels(rows, channel), key=abs)

@@ -114,7 +114,7 @@ def figures_of(
         ("combined", "Forces at combined slip", comparison.combined()),
     ]
     drawn = [
-        *(_families(comparison, found, name, title, fitted) for name, title, found in families if found),
+        *(_families(comparison, family, name, title, fitted) for name, title, family in families if family),
         _weighting(comparison),
         stiffness_over_load(comparison, truth, fitted),
         friction_over_load(comparison, fitted),

@@ -56,11 +56,11 @@ def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitR
     for channel, slip in (("Fx", "kappa"), ("Fy", "alpha")):
         for family in comparison.pure(channel, slip)[:1]:
             stiffness, slope = (model.quantity(f"{kind}_{channel[1]}") for kind in ("stiffness", "slope"))
-            known = comparison.curve(family.groups[0], slip)
-            if stiffness in known:
+            curve = comparison.curve(family.groups[0], slip)
+            if stiffness in curve:
                 panels.append(_stiffness_panel(comparison, family, stiffness, truth, fitted))
             panels.append(_slopes_panel(comparison, family, slope, truth))
-            held_constant |= slope in known
+            held_constant |= slope in curve
             rows += [group.rows for group in family.groups]
     if not panels:
         return None

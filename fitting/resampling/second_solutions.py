@@ -25,9 +25,9 @@ def with_second_solutions(result: FitResult) -> FitResult:
     """
     other: dict[str, float] = {}
     for stage in result.solution.stages:
-        own = [c for c in result.coefficients if c.name in stage.determined]
+        determined = [c for c in result.coefficients if c.name in stage.determined]
         for _, values in sorted(_others(stage), key=lambda solution: solution[0]):
-            different = {c.name: values[c.name] for c in own if abs(values[c.name] - c.value) > c.interval}
+            different = {c.name: values[c.name] for c in determined if abs(values[c.name] - c.value) > c.interval}
             if different:
                 other |= different
                 break

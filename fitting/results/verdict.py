@@ -128,13 +128,13 @@ def _unsteady(result: FitResult) -> Iterator[str]:
 
     The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
     """
-    found = result.solution.discrepancies
+    discrepancies = result.solution.discrepancies
     over_time = {c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs}
-    for each in found:
-        large = each.channel in over_time.intersection(FORCES) and RANGE * each.state > UNSTEADY
-        if large and each.own and _chance(each.state_chance, found):
+    for d in discrepancies:
+        large = d.channel in over_time.intersection(FORCES) and RANGE * d.state > UNSTEADY
+        if large and d.own and _chance(d.state_chance, discrepancies):
             yield (
-                f"{each.channel} changes by about {RANGE * each.state:.0%} over time, or with an input that the table "
+                f"{d.channel} changes by about {RANGE * d.state:.0%} over time, or with an input that the table "
                 "lacks: diagnose"
             )
 
@@ -150,7 +150,10 @@ def _wrong_between_loads(findings: Findings) -> Iterator[str]:
         for c in friction:
             if (c.recording, c.channel) == (recording, channel):
                 by_load.setdefault(c.at.get("Fz", c.load), []).append(c)
-        error = {load: float(np.median([c.reliable_error for c in own])) for load, own in by_load.items()}
+        error = {
+            load: float(np.median([c.reliable_error for c in characteristics]))
+            for load, characteristics in by_load.items()
+        }
         right = [load for load, size in error.items() if abs(size) <= CHARACTERISTIC_LIMITS["peak friction"]]
         for load in sorted(error.keys() - right):
             if right and min(right) < load < max(right):
@@ -161,9 +164,9 @@ def _wrong_between_loads(findings: Findings) -> Iterator[str]:
                 )
 
 
-def _chance(chance: float, found: Sequence[Discrepancy]) -> bool:
+def _chance(chance: float, discrepancies: Sequence[Discrepancy]) -> bool:
     """Return whether noise alone causes so large an error of the form rarely, over all channels."""
-    return chance < CHANCE / (2 * len(found))
+    return chance < CHANCE / (2 * len(discrepancies))
 
 
 def floor_reason(c: ChannelFit) -> str:
@@ -183,16 +186,16 @@ def floor_reason(c: ChannelFit) -> str:
 
 def _structure(result: FitResult) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
-    found = result.solution.discrepancies
+    discrepancies = result.solution.discrepancies
     far = {c.channel for c in result.channels if lacks_something(c)}
     texts = [
-        f"{each.channel} {size:.1%} over {cause}"
-        for each in found
-        if each.channel not in far and each.own
+        f"{d.channel} {size:.1%} over {cause}"
+        for d in discrepancies
+        if d.channel not in far and d.own
         for size, chance, cause in (
-            (each.form, each.form_chance, "the inputs"), (each.state, each.state_chance, "time")
+            (d.form, d.form_chance, "the inputs"), (d.state, d.state_chance, "time")
         )
-        if _chance(chance, found) and size > NEGLIGIBLE_FORM
+        if _chance(chance, discrepancies) and size > NEGLIGIBLE_FORM
     ]  # fmt: skip
     if texts:
         yield f"errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
@@ -205,9 +208,9 @@ def _clipped_reason(c: Clipped) -> str:
 
 def _characteristic_reasons(findings: Findings) -> Iterator[str]:
     """Yield the largest error of each quantity of a recording and channel beyond its limit."""
-    found = [c for c in findings.characteristics if abs(c.reliable_error) > CHARACTERISTIC_LIMITS[c.quantity]]
+    wrong = [c for c in findings.characteristics if abs(c.reliable_error) > CHARACTERISTIC_LIMITS[c.quantity]]
     worst: dict[tuple[str, str, str], Characteristic] = {}
-    for c in sorted(found, key=lambda c: -abs(c.reliable_error)):
+    for c in sorted(wrong, key=lambda c: -abs(c.reliable_error)):
         worst.setdefault((c.recording, c.channel, c.quantity), c)
     for (recording, channel, quantity), c in worst.items():
         at = condition_text(c.at) if c.at else f"{c.load:.0f} N"
@@ -220,10 +223,10 @@ def _discontinuity_reason(d: Discontinuity) -> str:
     return f"{d.channel} of the tire {size} at {where}"
 
 
-def _few_rows(result: FitResult, each: int) -> Iterator[str]:
+def _few_rows(result: FitResult, rows_per_coefficient: int) -> Iterator[str]:
     """Yield that there are fewer rows than a multiple of the coefficients."""
     evidence, count = result.solution.residuals, sum(c.determined for c in result.coefficients)
-    if evidence is not None and len(evidence.table) < each * count:
+    if evidence is not None and len(evidence.table) < rows_per_coefficient * count:
         yield f"{len(evidence.table)} rows for {count} coefficients: the tire follows the noise of the rows"
 
 
@@ -235,20 +238,22 @@ def _quality_reason(c: ChannelFit) -> str:
 def _stiffnesses(findings: Findings) -> Iterator[tuple[str, list[SlipStiffness]]]:
     """Yield the slip stiffnesses of each force of a recording, with a text that names them."""
     for recording, channel in dict.fromkeys((s.recording, s.channel) for s in findings.stiffnesses):
-        own = [s for s in findings.stiffnesses if (s.recording, s.channel) == (recording, channel)]
-        yield f"{recording}: the slip stiffness of {channel} differs by", own
+        stiffnesses = [s for s in findings.stiffnesses if (s.recording, s.channel) == (recording, channel)]
+        yield f"{recording}: the slip stiffness of {channel} differs by", stiffnesses
 
 
 def _wrong_stiffness(findings: Findings) -> Iterator[str]:
-    for text, own in _stiffnesses(findings):
-        error = sum(s.fitted for s in own) / sum(s.read for s in own) - 1.0
+    for text, stiffnesses in _stiffnesses(findings):
+        error = sum(s.fitted for s in stiffnesses) / sum(s.read for s in stiffnesses) - 1.0
         if abs(error) > WRONG_STIFFNESS:
             yield f"{text} {error:+.0%} over all loads"
 
 
 def _stiffness_reasons(findings: Findings) -> list[str]:
     """Return the largest error at one load for each force of a recording, the largest first."""
-    worst = [(text, max(own, key=lambda s: abs(s.reliable_error))) for text, own in _stiffnesses(findings)]
+    worst = [
+        (text, max(stiffnesses, key=lambda s: abs(s.reliable_error))) for text, stiffnesses in _stiffnesses(findings)
+    ]
     worst = sorted(worst, key=lambda pair: -abs(pair[1].reliable_error))
     return [f"{text} {s.off:+.0%} at {s.load:.0f} N" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
 
@@ -263,10 +268,10 @@ def _not_imposed(result: FitResult) -> Iterator[str]:
     """Yield the default constraints on fitted channels that the fit did not enforce."""
     fitted, imposed = {c.channel for c in result.channels}, {margin.name for margin in result.margins}
     declared = chosen_constraints(result.tire.model)
-    expected = [each for output in fitted for each in declared.get(output, ())]
+    expected = [constraint for output in fitted for constraint in declared.get(output, ())]
     missing = sorted(
-        each.name for each in expected
-        if each.name not in imposed and (not each.effect or each.effect in result.tire.has)
+        constraint.name for constraint in expected
+        if constraint.name not in imposed and (not constraint.effect or constraint.effect in result.tire.has)
     )  # fmt: skip
     if missing:
         yield f"physical constraints not imposed: {_listed(missing)}"
@@ -280,21 +285,21 @@ def _second_solution(result: FitResult) -> Iterator[str]:
 
 def _at_bounds(result: FitResult) -> Iterator[str]:
     names = [c.name for c in result.coefficients if c.at_bound]
-    harmless = {each.name for each in result.bounds if each.matters is False}
-    known = {each.name: each for each in result.bounds}
-    for name in (name for name in names if name in known and name not in harmless):
-        yield f"{name} at a bound: {known[name].text()}"
-    unknown = [name for name in names if name not in known]
+    harmless = {bound.name for bound in result.bounds if bound.matters is False}
+    bounds = {bound.name: bound for bound in result.bounds}
+    for name in (name for name in names if name in bounds and name not in harmless):
+        yield f"{name} at a bound: {bounds[name].text()}"
+    unknown = [name for name in names if name not in bounds]
     if unknown:
         yield f"{len(unknown)} of {len(result.coefficients)} coefficients at bounds: {_listed(unknown)}"
 
 
 def _excluded(result: FitResult) -> Iterator[str]:
     for recording in dict.fromkeys(rows.recording for rows in result.excluded_rows):
-        own = [rows for rows in result.excluded_rows if rows.recording == recording]
-        share = sum(rows.rows for rows in own) / own[0].of
+        excluded = [rows for rows in result.excluded_rows if rows.recording == recording]
+        share = sum(rows.rows for rows in excluded) / excluded[0].of
         if share > MANY_EXCLUDED:
-            yield f"{recording}: {share:.0%} of the rows excluded ({', '.join(rows.reason for rows in own)})"
+            yield f"{recording}: {share:.0%} of the rows excluded ({', '.join(rows.reason for rows in excluded)})"
 
 
 def _extrapolated(evidence: Residuals) -> Iterator[str]:

@@ -67,17 +67,17 @@ def fit_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "
     used = [_first_part(balance) for balance in balances]
     early = solved(balances, used, FREE)
     held_out, constant = _held_out(balances, used, early)
-    found = solved(balances, [np.isfinite(balance.measured) for balance in balances], FREE, early)
-    errors = np.concatenate([error[np.isfinite(error)] for error in found.errors(balances)])
-    values = found.values()
-    spread = {name: float(s) for name, s in zip(found.free, found.spread, strict=True)}
+    solution = solved(balances, [np.isfinite(balance.measured) for balance in balances], FREE, early)
+    errors = np.concatenate([error[np.isfinite(error)] for error in solution.errors(balances)])
+    values = solution.values()
+    spread = {name: float(s) for name, s in zip(solution.free, solution.spread, strict=True)}
     optimum = optimum_temperature(forces, recordings, column) if FRICTION in tire.has else None
     fitted = FittedTemperature(
-        column, _rms(errors), held_out, constant, found.length * BLOCK, values,
+        column, _rms(errors), held_out, constant, solution.length * BLOCK, values,
         {name: float(np.exp(QUANTILE * s)) for name, s in spread.items()},
         tuple(name for name, s in spread.items() if s < DETERMINED * SPREAD),
-        tuple(tuple(map(float, start)) for start in found.starts),
-        (found.delay, QUANTILE * found.delay_spread), optimum,
+        tuple(tuple(map(float, start)) for start in solution.starts),
+        (solution.delay, QUANTILE * solution.delay_spread), optimum,
     )  # fmt: skip
     given = dict(zip(STARTS, fitted.starts[0], strict=True))
     return tire.with_values(**values, **given, THACT=1.0), fitted

@@ -140,10 +140,12 @@ def discrepancies(problem: Problem, samples: Iterable[Sample], inverse: FloatArr
     along directions that are not identifiable.
     """
     estimated = (_of_channel(problem, inverse, problem.tire.outputs[sample.channel], sample) for sample in samples)
-    found = [each for each in estimated if each]
-    both = [each for each in found if each.channel in FORCES]
-    form, state = (max((getattr(each, name) for each in both), default=0.0) for name in ("form", "state"))
-    return tuple(replace(each, form=form, state=state) if each in both else each for each in found)
+    present = [discrepancy for discrepancy in estimated if discrepancy]
+    both = [discrepancy for discrepancy in present if discrepancy.channel in FORCES]
+    form, state = (max((getattr(discrepancy, name) for discrepancy in both), default=0.0) for name in ("form", "state"))
+    return tuple(
+        replace(discrepancy, form=form, state=state) if discrepancy in both else discrepancy for discrepancy in present
+    )
 
 
 def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: Sample) -> Discrepancy | None:
@@ -157,9 +159,9 @@ def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: Sam
         return np.asarray(np.sqrt(2.0) * np.cos(sample.place[:, None] * waves + phases))
 
     slow = timed(SLOW[0] * (SLOW[1] / SLOW[0]) ** rng.uniform(size=FEATURES))
-    functions = [sample.computed[:, None] * each for each in (features.at(sample.rows.inputs), slow)]
-    responses = [inverse @ (sample.gradient @ each) for each in functions]
-    left = [each - sample.jacobian.T @ own for each, own in zip(functions, responses, strict=True)]
+    functions = [sample.computed[:, None] * function for function in (features.at(sample.rows.inputs), slow)]
+    responses = [inverse @ (sample.gradient @ function) for function in functions]
+    left = [function - sample.jacobian.T @ response for function, response in zip(functions, responses, strict=True)]
     fast = max(FAST_ROWS / sample.of, FAST)
     quick = sample.computed[:, None] * np.concatenate([timed(fast), timed(2.0 * fast)], axis=1)
     fast = sample.weight[:, None] * quick
@@ -178,9 +180,9 @@ def _estimated(sample: Sample, left: Sequence[FloatArray], noise: float) -> tupl
 
     `left`: what the fit leaves of the features of both.
     """
-    weighted = [sample.weight[:, None] * each for each in left]
-    expected = noise * np.array([float(np.sum(each**2)) for each in weighted])
-    excess = np.array([float(np.sum((sample.residual @ each) ** 2)) for each in weighted]) - expected
+    weighted = [sample.weight[:, None] * function for function in left]
+    expected = noise * np.array([float(np.sum(function**2)) for function in weighted])
+    excess = np.array([float(np.sum((sample.residual @ function) ** 2)) for function in weighted]) - expected
     matrix = np.array([[float(np.sum((a.T @ b) ** 2)) / FEATURES for b in left] for a in weighted])
     deviation = noise * np.sqrt(2.0) * np.array([float(np.sqrt(np.sum((w.T @ w) ** 2))) for w in weighted])
     if not (matrix.diagonal() > 0.0).all() or not (deviation > 0.0).all():

@@ -69,8 +69,8 @@ def _sample(problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[
         start = rows.stop
         weight[rows] = root[channel] ** 2
         if channel in outputs:
-            free, own = outputs[channel]
-            jacobian[free, rows] = own
+            free, derivatives = outputs[channel]
+            jacobian[free, rows] = derivatives
     residual = part.residual(x)[channel]
     computed = part.rows.measured[:, channel] + residual
     noise, apart = np.inf, len(present) / len(number)

@@ -109,6 +109,6 @@ def _passed(group: npt.NDArray[np.int64], place: FloatArray) -> FloatArray:
     """Return the share of its recording that has passed at each row."""
     passed = np.zeros(len(place))
     for recording in np.unique(group):
-        own = place[group == recording]
-        passed[group == recording] = (own - own[0]) / max(float(own[-1] - own[0]), 1e-9)
+        times = place[group == recording]
+        passed[group == recording] = (times - times[0]) / max(float(times[-1] - times[0]), 1e-9)
     return passed
