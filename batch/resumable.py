@@ -27,7 +27,7 @@ from .workers import results as outcomes_of
 FAILED, LOST = "failed", "lost"
 
 
-class Named(Protocol):
+class NamedJob(Protocol):
     """A job."""
 
     @property
@@ -50,7 +50,7 @@ class Stored(Protocol):
         """Return the result as JSON values."""
 
 
-Job = TypeVar("Job", bound=Named)
+Job = TypeVar("Job", bound=NamedJob)
 Task = TypeVar("Task")
 Result = TypeVar("Result", bound=Stored)
 

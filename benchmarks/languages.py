@@ -26,7 +26,7 @@ from self_tests import COMMANDS, command_of, differences
 
 from tirefmu.hosts.printout import printed, program_of
 from tirefmu.symbolic.printers.languages import LANGUAGES, printer
-from tirefmu.symbolic.printers.languages.program import FUNCTIONS, Program, Selection
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintoutSelection, Program
 from tirefmu.tires import Tire, published, read_tir
 
 ROOT = Path(__file__).parents[1]
@@ -121,7 +121,7 @@ def program(name: str, placement: str, rows: int, functions: tuple[str, ...]) ->
     tire = tires()[name].in_signs("iso")
     possible = set(functions) - ({"jacobian_parameters"} if placement == "inline" else set())
     possible -= set() if tire.states else {"states"}
-    return program_of(tire, tire.model, Selection(tuple(sorted(possible)), placement), rows)
+    return program_of(tire, tire.model, PrintoutSelection(tuple(sorted(possible)), placement), rows)
 
 
 def printed_differences(found: Program, language: str) -> dict[str, float]:

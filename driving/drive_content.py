@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypedDict
 from tirefmu.boundary.json_schema import document, schema_of
 
 from .factors import Factor
-from .verdict import CarFinding, EffectFinding, Finding
+from .verdict import CarFinding, EffectFinding, TireDifference
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
 VERSION = "1.3"
@@ -47,7 +47,7 @@ class DriveContent(TypedDict):
     log: str
     duration: Annotated[float, "s"]
     factors: Annotated[Mapping[str, Mapping[str, Factor]], "scaling factors by axle and name"]
-    found: Annotated[Sequence[Finding], "differences of the tires"]
+    found: Annotated[Sequence[TireDifference], "differences of the tires"]
     unknown: Annotated[bool, "whether the tires do not explain the side force of an axle"]
     unexplained: Annotated[dict[str, float], "deviation of the balance of forces per load by axle"]
     effect: Annotated[str | None, "of the library, that the new tires have"]

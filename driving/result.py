@@ -23,9 +23,9 @@ from .factors import Factor
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.log import Log
-from .simulation import Simulation
+from .simulation import VehicleSimulation
 from .unknowns import AXLES, Unknowns
-from .verdict import Verdict, worst_car_deviation
+from .verdict import DriveVerdict, worst_car_deviation
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -65,10 +65,10 @@ class Drive:
     scaled: Mapping[str, Tire]
     factors: Mapping[str, Mapping[str, Factor]]
     wheels: pd.DataFrame
-    before: Simulation
-    after: Simulation
+    before: VehicleSimulation
+    after: VehicleSimulation
     lacking: FloatArray
-    verdict: Verdict
+    verdict: DriveVerdict
 
     @property
     def ok(self) -> bool:

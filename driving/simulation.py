@@ -40,7 +40,7 @@ TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
 
 
 @dataclass(frozen=True)
-class Simulation:
+class VehicleSimulation:
     """Motion simulated from the estimated state at the start of each piece, NaN outside of pieces.
 
     `motion`, shape (n, 3): yaw rate, ay and lateral speed at the intervals. `rms`: of their errors, by name. `fmus`:
@@ -55,7 +55,7 @@ class Simulation:
 def simulated(
     grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, known_car: bool,
     fmus: bool = False,
-) -> Simulation:  # fmt: skip
+) -> VehicleSimulation:  # fmt: skip
     """Simulate a car on its tires.
 
     `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
@@ -72,7 +72,7 @@ def simulated(
     ]
     motion = np.full((len(grid.t), 3), np.nan)
     if not starts:
-        return Simulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+        return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
     rows = np.array(starts)[:, None] + np.arange(length)
     # The offset of the steering is one of the log: both cars drive with it.
     steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated.get("offset", car.values["offset"])
@@ -100,7 +100,7 @@ def simulated(
             motion[at] = np.stack(
                 [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
             )
-    return Simulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+    return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
 
 
 def _rates(

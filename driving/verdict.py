@@ -30,7 +30,7 @@ MEANING = {
 
 
 @dataclass(frozen=True)
-class Finding:
+class TireDifference:
     """A difference of a tire: `axle`, `name` of the factor, `effect` ("friction is lower"), factor, its probability."""
 
     axle: str
@@ -61,7 +61,7 @@ class EffectFinding:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class DriveVerdict:
     """The verdict.
 
     - `tires`: findings. `car`: entries that contradict the car file. `effect`: that the new tires have.
@@ -70,7 +70,7 @@ class Verdict:
     - `lines`: the verdict in words.
     """
 
-    tires: tuple[Finding, ...]
+    tires: tuple[TireDifference, ...]
     car: tuple[CarFinding, ...]
     effect: str | None
     effects: tuple[EffectFinding, ...]
@@ -85,12 +85,14 @@ def verdict_on(
     unknowns: Unknowns,
     car: Car,
     factors: Mapping[str, Mapping[str, Factor]],
-) -> Verdict:
+) -> DriveVerdict:
     """Return the verdict on a drive. `ranked`: `explanations`; `best`: `answer_of` them."""
     estimate = best.estimate
     probabilities = probabilities_of(best.grid, estimate, unknowns)
     findings = tuple(
-        Finding(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability)
+        TireDifference(
+            axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability
+        )
         for (axle, name), probability in probabilities.factors.items()
         if (factor := factors[axle][name]).determined and probability > CERTAIN
     )
@@ -114,7 +116,7 @@ def verdict_on(
     if best.missing:
         lines.insert(0, _effects_line(likely))
     effect = best.missing.name if best.missing else None
-    return Verdict(findings, of_car, effect, likely, lacking(ranked), unknown, tuple(lines))
+    return DriveVerdict(findings, of_car, effect, likely, lacking(ranked), unknown, tuple(lines))
 
 
 def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
@@ -126,7 +128,7 @@ def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
 
 
 def _lines(
-    findings: tuple[Finding, ...], of_car: tuple[CarFinding, ...], unknown: tuple[str, ...],
+    findings: tuple[TireDifference, ...], of_car: tuple[CarFinding, ...], unknown: tuple[str, ...],
     factors: Mapping[str, Mapping[str, Factor]], estimate: Estimate,
 ) -> list[str]:  # fmt: skip
     lines = [

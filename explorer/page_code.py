@@ -7,7 +7,7 @@ import re
 from tirefmu.boundary.escaping import script_text
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.printers.languages import printer
-from tirefmu.symbolic.printers.languages.program import Program, Selection, program
+from tirefmu.symbolic.printers.languages.program import PrintoutSelection, Program, program
 from tirefmu.tires import Tire
 
 #: Name of the module's files; it does not occur in the page.
@@ -22,7 +22,7 @@ def program_for_page(tire: Tire) -> Program:
     coefficients = dict(zip(tire.symbolic_model.coefficients, tire.parameters().tolist(), strict=False))
     nominal = {name: tire.nominal(name) for name in tire.inputs}
     states = ("states",) if tire.lags or tire.states else ()
-    selection = Selection(("forces", "quantities", *states), "struct")
+    selection = PrintoutSelection(("forces", "quantities", *states), "struct")
     return program(_NAME, tire.symbolic_model, tire.has, coefficients, nominal, selection)
 
 

@@ -14,7 +14,14 @@ from tirefmu.boundary.escaping import excerpt
 from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.languages import printer
-from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PLACEMENTS, Program, Selection, operations, program
+from tirefmu.symbolic.printers.languages.program import (
+    FUNCTIONS,
+    PLACEMENTS,
+    PrintoutSelection,
+    Program,
+    operations,
+    program,
+)
 from tirefmu.symbolic.printers.routines import chosen_routines
 from tirefmu.tires import Tire, TireLike, tire_from
 
@@ -85,7 +92,7 @@ def printed(
         if output not in given.outputs:
             raise UnknownName(f"output of {given.model}", output, given.outputs)
     placement = values or ("struct" if isinstance(tire, str) and tire in MODELS else "inline")
-    selection = Selection(tuple(functions), placement, tuple(only))
+    selection = PrintoutSelection(tuple(functions), placement, tuple(only))
     return print_files(program_of(given, name, selection, rows))
 
 
@@ -98,7 +105,7 @@ def _tire(tire: TireLike) -> tuple[Tire, str]:
     return given.in_signs("iso"), stem
 
 
-def program_of(tire: Tire, name: str, selection: Selection, rows: int = ROWS) -> Program:
+def program_of(tire: Tire, name: str, selection: PrintoutSelection, rows: int = ROWS) -> Program:
     """Return what is printed of a tire: lines, header and self-test.
 
     `tire`: in ISO-W.

@@ -33,7 +33,7 @@ from .bench_file import Bench, PlanError
 from .information import Experiment, information, thinned, tires_around
 from .maneuvers import library
 from .plan import PlanResult, Progress, Separation
-from .selection import Selection
+from .selection import ManeuverSelection
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows of a maneuver that are evaluated: effects with memory change within tenths of a second.
@@ -70,7 +70,7 @@ def plan_between(
     maneuvers = library(bench, base, memory=True)
     tables = [maneuver.table(bench.sample_rate) for maneuver in maneuvers]
     parts = (discrimination.products(tables, pd.concat(tables, ignore_index=True)),)
-    selection = Selection.of(discrimination.experiment, bench, maneuvers, parts, discrimination.criterion)
+    selection = ManeuverSelection.of(discrimination.experiment, bench, maneuvers, parts, discrimination.criterion)
     chosen = selection.chosen(minutes, lambda share: progress("choosing maneuvers", share))
     program = selection.program(chosen, alternate=False)
     progress("simulating the program", 0.0)

@@ -35,7 +35,7 @@ from tirefmu.tires.drawing.labels import drawn_unit
 from tirefmu.tires.drawing.picture import write_figures
 
 from .arguments import write_json
-from .demo_page import Chapter, write_demo_page
+from .demo_page import DemoStep, write_demo_page
 from .terminal import Terminal
 
 FloatArray = npt.NDArray[np.float64]
@@ -84,7 +84,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     except OSError as error:
         raise TirefmuError(f"{folder}: cannot be created ({error.strerror or error})") from error
     truth = bench_tire()
-    chapters: list[Chapter] = []
+    chapters: list[DemoStep] = []
     # A second process compiles the code of the diagnosis and draws figures; a forked one would inherit threads.
     with ProcessPoolExecutor(1, get_context("spawn"), _end_with_ctrl_c) as second:
         second.submit(_compile_for_diagnosis)
@@ -128,7 +128,7 @@ def _compile_for_diagnosis() -> None:
     code.drives(rows, parameters)
 
 
-def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter]) -> Recording:
+def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[DemoStep]) -> Recording:
     terminal.heading("1 Virtual bench.", "A tire similar to the Hoosier, measured as in the Trento report")
     with terminal.working("running the virtual bench"):
         recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program(sample_rate=SAMPLE_RATE))
@@ -143,12 +143,12 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")
     files = (folder / "inspection.html", folder / "bench.csv", folder / "truth.tir")
-    chapters.append(Chapter("The data", (f"{text}.",), (), files))
+    chapters.append(DemoStep("The data", (f"{text}.",), (), files))
     return recording
 
 
 def _fits(
-    truth: Tire, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter], second: Executor
+    truth: Tire, recording: Recording, folder: Path, terminal: Terminal, chapters: list[DemoStep], second: Executor
 ) -> tuple[FitResult, FitResult, Future[list[Path]]]:
     terminal.heading("2 Fit.", "The thirteen stages of the report, and all coefficients simultaneously")
     nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
@@ -173,7 +173,7 @@ def _fits(
     ]
     files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
     texts = (f"RMSE of all coefficients in one fit: {errors}.", *(f"{line}." for line in lines))
-    chapters.append(Chapter("The fit", texts, tuple(shown), files))
+    chapters.append(DemoStep("The fit", texts, tuple(shown), files))
     return results["joint"], results["trento"], figures
 
 
@@ -208,7 +208,7 @@ def _stiffness(tire: Tire, name: str, loads: FloatArray) -> Any:
 
 
 def _fmus(
-    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter]
+    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[DemoStep]
 ) -> dict[str, bool]:
     terminal.heading("3 FMU.", "Export, and simulation over the recording with fmpy")
     checks, lines, files = {}, [], []
@@ -230,12 +230,12 @@ def _fmus(
     shown = tuple(figure for figure in check_figures(result) if figure.name == "Fy")
     passed = ", ".join(f"{name} {'passes' if ok else 'fails'}" for name, ok in checks.items())
     texts = (f"{passed} the check against direct evaluation.", *(f"{line}." for line in lines))
-    chapters.append(Chapter("The FMU over the data", texts, shown, (page, *files)))
+    chapters.append(DemoStep("The FMU over the data", texts, shown, (page, *files)))
     return checks
 
 
 def _missing_effect(
-    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter]
+    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[DemoStep]
 ) -> tuple[Tire, dict[str, Any]]:
     terminal.heading("4 A missing effect.", "The same fit without camber thrust")
     with terminal.fitting() as progress:
@@ -257,7 +257,7 @@ def _missing_effect(
     terminal.print(f"  {text}: {picture}")
     texts = ("The same fit without camber thrust leaves a pattern in the residuals.", f"{text}.")
     files = (picture, folder / "without_camber_thrust.tir")
-    chapters.append(Chapter("A tire without one effect", texts, (residual_map_figure(maps),), files))
+    chapters.append(DemoStep("A tire without one effect", texts, (residual_map_figure(maps),), files))
     return reduced.tire, {
         "effect": "camber_thrust",
         "channel": "Fy",
@@ -270,7 +270,7 @@ def _missing_effect(
 
 
 def _diagnosis(
-    start: Tire, recording: Recording, main: Path, terminal: Terminal, chapters: list[Chapter]
+    start: Tire, recording: Recording, main: Path, terminal: Terminal, chapters: list[DemoStep]
 ) -> dict[str, Any]:
     """Diagnose the reduced tire, without information about the removed effect."""
     folder = main / "diagnosis"
@@ -310,7 +310,7 @@ def _diagnosis(
         ),
     )
     files = tuple(path for path in written_files if path.is_file())
-    chapters.append(Chapter("The missing effect, found", texts, (curves_figure(result, "Fy"),), files))
+    chapters.append(DemoStep("The missing effect, found", texts, (curves_figure(result, "Fy"),), files))
     return {"ok": names == ["camber_thrust"] and simulated["ok"], "found": names, "gap": gap, "simulated": simulated}
 
 

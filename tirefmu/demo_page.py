@@ -13,7 +13,7 @@ from tirefmu.tires.drawing.page import page_text, write_page
 
 
 @dataclass(frozen=True)
-class Chapter:
+class DemoStep:
     """A step of the demo.
 
     - `texts`: the first one is the result, with which the page begins.
@@ -26,7 +26,7 @@ class Chapter:
     files: tuple[Path, ...] = ()
 
 
-def write_demo_page(chapters: Sequence[Chapter], folder: Path, ok: bool, seconds: float) -> Path:
+def write_demo_page(chapters: Sequence[DemoStep], folder: Path, ok: bool, seconds: float) -> Path:
     """Write the page ``index.html``.
 
     `ok`: whether every check passed. `seconds`: time of the steps. Raises `TirefmuError` if the file cannot be written.

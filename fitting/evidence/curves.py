@@ -35,7 +35,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Family:
+class CurveFamily:
     """Groups whose curves are drawn in one panel.
 
     - `channel`, `slip`, `by`: the output, the slip on the horizontal axis, and the channel with one curve for each
@@ -52,7 +52,7 @@ class Family:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MeasuredCurves:
     """Measured and computed values by row, in one sign convention.
 
     - `signs`: that of the recordings, or iso if they differ.
@@ -78,7 +78,7 @@ class Comparison:
         """Return the tolerance of the levels of a channel."""
         return level_tolerance(self.table[channel], channel)
 
-    def pure(self, channel: str, slip: str) -> list[Family]:
+    def pure(self, channel: str, slip: str) -> list[CurveFamily]:
         """Return the families of pure slip: by load at the smallest inclination, by inclination at the nominal load.
 
         Both are at the pressure and the speed with the most rows; with several of these, families by them follow.
@@ -94,10 +94,10 @@ class Comparison:
         families = []
         for by in ("Fz", "gamma", *held):
             others = {name: level for name, level in levels.items() if name != by}
-            families.append(Family(channel, slip, by, self.groups(self._at(rows, others), by), others))
+            families.append(CurveFamily(channel, slip, by, self.groups(self._at(rows, others), by), others))
         return [families[0], *(family for family in families[1:] if len(family.groups) > 1)]
 
-    def combined(self) -> list[Family]:
+    def combined(self) -> list[CurveFamily]:
         """Return the families of combined slip over kappa; empty without a held nonzero slip angle.
 
         Fx and Fy by slip angle at one load and the smallest inclination; Fy by load at the largest slip angle, and by
@@ -119,15 +119,15 @@ class Comparison:
             angle = max(held_angles, key=abs)
             upright, loaded = self._near(rows, "gamma", camber), self._near(rows, "Fz", load)
             angles = self.groups(self._near(upright, "Fz", load), "alpha")
-            families.append(Family(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber} | held))
+            families.append(CurveFamily(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber} | held))
             if channel == "Fy":
                 loads = self.groups(self._near(upright, "alpha", angle), "Fz")
-                families.append(Family(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber} | held))
+                families.append(CurveFamily(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber} | held))
                 for moderate in sorted(held_angles, key=abs):
                     cambers = self.groups(self._near(loaded, "alpha", moderate), "gamma")
                     if len(cambers) > 1:
                         levels = {"alpha": moderate, "Fz": load} | held
-                        families.append(Family(channel, "kappa", "gamma", cambers, levels))
+                        families.append(CurveFamily(channel, "kappa", "gamma", cambers, levels))
                         break
         return [family for family in families if family.groups]
 
@@ -170,7 +170,7 @@ class Comparison:
         table = pd.DataFrame(columns).assign(**held)
         return (tire or self.tire).evaluate(table, signs=self.signs)
 
-    def slopes_at_zero(self, family: Family) -> list[tuple[float, float]]:
+    def slopes_at_zero(self, family: CurveFamily) -> list[tuple[float, float]]:
         """Return the magnitudes of load and measured slope at zero slip of each group."""
         read = []
         for group in family.groups:
@@ -219,7 +219,7 @@ class Comparison:
         return min(self._levels(rows, "Fz"), key=lambda load: abs(abs(load) - self.tire.values["FNOMIN"]))
 
 
-def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: str | None = None) -> Comparison:
+def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: str | None = None) -> MeasuredCurves:
     """Combine recordings in one table with measured outputs and outputs of the tire.
 
     `recordings`: of any signs. `signs`: convention of the comparison; by default that of the recordings, or iso if they
@@ -252,7 +252,7 @@ def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: 
         for name in OUTPUTS
         if name in tire.outputs and name in data and data[name].notna().any()
     }
-    return Comparison(tire, signs, tuple(distinct([recording.source for recording in given])), data.assign(**fits))
+    return MeasuredCurves(tire, signs, tuple(distinct([recording.source for recording in given])), data.assign(**fits))
 
 
 def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[np.bool_]]:

@@ -16,7 +16,7 @@ from .heat_balance import BLOCK, EFFECT, HeatBalance
 from .optimum import EFFECT as FRICTION
 from .optimum import QUANTILE, optimum_temperature
 from .selection import check_temperature
-from .solution import SPREAD, Solution, solved
+from .solution import SPREAD, ThermalSolution, solved
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -89,7 +89,7 @@ def _first_part(balance: HeatBalance) -> npt.NDArray[np.bool_]:
 
 
 def _held_out(
-    balances: Sequence[HeatBalance], used: Sequence[npt.NDArray[np.bool_]], early: Solution
+    balances: Sequence[HeatBalance], used: Sequence[npt.NDArray[np.bool_]], early: ThermalSolution
 ) -> tuple[float, float]:
     """Return the rms error of the nodes that were not used, and that of their mean, K."""
     errors, constants = [], []

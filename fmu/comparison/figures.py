@@ -15,7 +15,7 @@ from tirefmu.tires.drawing.figure import Figure, Panel, Series
 from tirefmu.tires.drawing.labels import note
 from tirefmu.tires.drawing.style import BLACK, BLUE, GRAY, RED
 
-from .result import Channel, CheckResult
+from .result import CheckedChannel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -54,7 +54,7 @@ def check_figures(result: CheckResult) -> list[Figure]:
     return [_figure(result, channel) for channel in result.channels]
 
 
-def _figure(result: CheckResult, channel: Channel) -> Figure:
+def _figure(result: CheckResult, channel: CheckedChannel) -> Figure:
     segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each started in steady state"
     names = f"{figure_text(result.fmu)} against {figure_text(result.source)}"
     unit = figure_text(channel.unit)
@@ -85,7 +85,7 @@ def _time(result: CheckResult) -> FloatArray:
     return np.cumsum(steps)
 
 
-def _values(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator[Series]:
+def _values(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
     """Yield the data as dots and the FMU as a line that is interrupted between segments."""
     data, simulated = (table[channel.name].to_numpy() for table in (result.recording, result.simulated))
     yield Series("points", time, data, GRAY, "data", marker="s", size=1.5 if len(time) > MANY else 4.0)
@@ -96,7 +96,7 @@ def _values(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator
     yield Series("line", *line, BLUE, "FMU", marker="." if alone else "", size=0.9)
 
 
-def _errors(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator[Series]:
+def _errors(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
     """Yield the error as dots, lines at plus and minus its RMSE in each segment, and the worst point."""
     error = result.simulated[channel.name].to_numpy() - result.recording[channel.name].to_numpy()
     yield Series("points", time, error, RED, "FMU - data", marker="s", size=1.5 if len(time) > MANY else 4.0)

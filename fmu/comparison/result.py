@@ -43,7 +43,7 @@ class WorstPoint:
 
 
 @dataclass(frozen=True)
-class Channel:
+class CheckedChannel:
     """Goodness of fit of one output of the FMU.
 
     Attributes
@@ -106,7 +106,7 @@ class CheckResult:
     fmi_version: str
     rows: int
     segments: int
-    channels: tuple[Channel, ...]
+    channels: tuple[CheckedChannel, ...]
     evaluation_difference: float | None
     problems: tuple[str, ...]
     tolerance: float | None = None
@@ -199,7 +199,7 @@ def _drawn(name: str, value: float) -> str:
     return f"{name} {value * per_si(name):.4g}{'' if unit == '-' else f' {unit}'}"
 
 
-def _channel_json(channel: Channel) -> dict[str, Any]:
+def _channel_json(channel: CheckedChannel) -> dict[str, Any]:
     """Return a channel as plain values for JSON."""
     numbers = {name: getattr(channel, name) for name in ("rmse", "relative_rmse", "r2", "r2_uncentred")}
     worst = channel.worst

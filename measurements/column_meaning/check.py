@@ -11,7 +11,7 @@ from ..channels import OUTPUTS
 from ..column_names import check_names
 from ..recording import Recording, once
 from .defects import defects, lost_signs, unmoved_slips
-from .explanation import Candidate, Explanation, explanation
+from .explanation import Reading, Readings, explanation
 from .traits import NOTABLE, SIZES
 
 #: Facts in one message; the strongest ones.
@@ -94,7 +94,7 @@ def check_columns(recording: Recording, *, fitted: bool = True) -> None:
         raise DataError(note)
 
 
-def _facts(result: Explanation, signs: str) -> str:
+def _facts(result: Readings, signs: str) -> str:
     """Return what the claimed reading has and no tire has, the strongest first."""
     best = result.better[0].traits.penalties
     claimed = result.claimed.traits
@@ -111,7 +111,7 @@ def _facts(result: Explanation, signs: str) -> str:
     return "; ".join(texts)
 
 
-def _advice(result: Explanation, signs: str) -> str:
+def _advice(result: Readings, signs: str) -> str:
     """Return what the columns are, with the options that read them so; several if they cannot be told apart."""
     texts = [
         f"{candidate.hypothesis.described(signs)} ({candidate.hypothesis.advice(signs)}){_thrust(candidate)}"
@@ -130,7 +130,7 @@ def _advice(result: Explanation, signs: str) -> str:
     return f"{', or '.join(texts)}; the table does not tell which{decides}"
 
 
-def _thrust(candidate: Candidate) -> str:
+def _thrust(candidate: Reading) -> str:
     """Return the camber thrust of a reading with other signs, if the camber acts."""
     traits = candidate.traits
     if candidate.hypothesis.interpretation.units or not np.isfinite(traits.thrust):

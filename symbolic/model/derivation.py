@@ -11,7 +11,7 @@ from ..declarations import Option
 from ..notation import Choice, Equation
 from ..options import OPTIONS, signs
 from .lines import decided, reaching, reduced, switched, switches
-from .structure import Case, Line, Structure
+from .structure import Line, LineCase, Structure
 
 
 def structure_of(
@@ -95,10 +95,10 @@ def _case(
     values: tuple[str, ...],
     fixed: Mapping[str, sp.Expr],
     numbers: dict[str, sp.Expr],
-) -> Case:
+) -> LineCase:
     """Return what an expression is with earlier lines that are numbers; a new number is added to `numbers`."""
     result = expression.xreplace({sp.Symbol(name, real=True): number for name, number in fixed.items()})
     if not result.is_Number:
-        return Case(present, values, "", tuple(sorted(symbol.name for symbol in result.free_symbols)))
+        return LineCase(present, values, "", tuple(sorted(symbol.name for symbol in result.free_symbols)))
     numbers[str(result)] = result
-    return Case(present, values, str(result), ())
+    return LineCase(present, values, str(result), ())

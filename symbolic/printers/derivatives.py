@@ -26,7 +26,7 @@ ONE, ZERO, MINUS_ONE = sp.Integer(1), sp.Integer(0), sp.Integer(-1)
 
 
 @dataclass(frozen=True)
-class Step:
+class NamedExpression:
     """A short expression with a name, and its partial derivatives by the symbols in it."""
 
     symbol: sp.Symbol
@@ -42,7 +42,7 @@ class SplitLine:
     - `shared`: common terms of several steps or partials, computed before them.
     """
 
-    steps: tuple[Step, ...]
+    steps: tuple[NamedExpression, ...]
     shared: tuple[tuple[sp.Symbol, sp.Expr], ...]
 
 
@@ -182,7 +182,10 @@ def _without_repetition(name: str, steps: Sequence[tuple[sp.Symbol, sp.Expr, dic
             retained.append((common, whole))
     rest = (partial.xreplace(constants) for partial in reduced)
     return SplitLine(
-        tuple(Step(symbol, inner, tuple((by, next(rest)) for by in by_symbol)) for symbol, inner, by_symbol in steps),
+        tuple(
+            NamedExpression(symbol, inner, tuple((by, next(rest)) for by in by_symbol))
+            for symbol, inner, by_symbol in steps
+        ),
         tuple(retained),
     )
 

@@ -31,7 +31,7 @@ TOLERANCE = {name: 1e-9 if name.startswith("jacobian_") else 1e-12 for name in F
 
 
 @dataclass(frozen=True)
-class Selection:
+class PrintoutSelection:
     """What a user requests of a printout.
 
     - `functions`: of `FUNCTIONS`.
@@ -120,7 +120,7 @@ def program(
     effects: Collection[str],
     values: Mapping[str, float],
     nominal: Mapping[str, float],
-    selection: Selection,
+    selection: PrintoutSelection,
 ) -> Program:
     """Return the printout of a tire, without header and self-test.
 
