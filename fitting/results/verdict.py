@@ -132,7 +132,7 @@ def _unsteady(result: FitResult) -> Iterator[str]:
     over_time = {c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs}
     for d in discrepancies:
         large = d.channel in over_time.intersection(FORCES) and RANGE * d.state > UNSTEADY
-        if large and d.own and _chance(d.state_chance, discrepancies):
+        if large and d.final and _chance(d.state_chance, discrepancies):
             yield (
                 f"{d.channel} changes by about {RANGE * d.state:.0%} over time, or with an input that the table "
                 "lacks: diagnose"
@@ -191,7 +191,7 @@ def _structure(result: FitResult) -> Iterator[str]:
     texts = [
         f"{d.channel} {size:.1%} over {cause}"
         for d in discrepancies
-        if d.channel not in far and d.own
+        if d.channel not in far and d.final
         for size, chance, cause in (
             (d.form, d.form_chance, "the inputs"), (d.state, d.state_chance, "time")
         )

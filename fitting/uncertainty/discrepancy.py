@@ -88,7 +88,7 @@ class Discrepancy:
     - `names`: the coefficients.
     - `response`, shape (n_coefficients, 2 FEATURES): their derivatives by the weights of both functions.
     - `information`, shape (2 FEATURES, 2 FEATURES), and `score`, shape (2 FEATURES,): of the weights in the residual.
-    - `own`: whether the stage is the last one that fits the channel.
+    - `final`: whether the stage is the last one that fits the channel.
     """
 
     channel: str
@@ -101,7 +101,7 @@ class Discrepancy:
     response: FloatArray
     information: FloatArray
     score: FloatArray
-    own: bool = True
+    final: bool = True
 
     @cached_property
     def squares(self) -> FloatArray:

@@ -129,7 +129,8 @@ def uncertainty_of_stages(
         complete.loc[block, block] = earlier.complete.loc[block, block]
         new = {discrepancy.channel for discrepancy in earlier.discrepancies}
         discrepant = [
-            replace(discrepancy, own=discrepancy.own and discrepancy.channel not in new) for discrepancy in discrepant
+            replace(discrepancy, final=discrepancy.final and discrepancy.channel not in new)
+            for discrepancy in discrepant
         ]
         discrepant += [discrepancy.of(last) for discrepancy in earlier.discrepancies]
         directions += tuple(d for d in earlier.directions if last.intersection(d.coefficients))
