@@ -87,7 +87,6 @@ WRONG: dict[str, Callable[[Recording], Recording]] = {
     "Fz rounded to kN": lambda recording: _changed(recording, Fz=(recording.table["Fz"] / 1e3).round() * 1e3),
     "camber is zero": lambda recording: _changed(recording, gamma=0.0),
     "60 rows": _few,
-    "Fy without its sign": lambda recording: _changed(recording, Fy=recording.table["Fy"].abs()),
     "friction bump at one load": _bump,
 }
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from .conftest import COMMANDS, command_of
+from .conftest import command_of
+from .self_tests import COMMANDS
 
 FUNCTIONS = ["forces", "states"]
 
