@@ -158,7 +158,14 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
 
 
 def effect_text(effect: AddedEffect) -> str:
-    """Return the text of an effect's file."""
+    """Return the text of an effect's file. It is stored in the effect: every tire with the effect asks for it."""
+    stored = vars(effect)
+    if "_text" not in stored:
+        stored["_text"] = _written(effect)
+    return str(stored["_text"])
+
+
+def _written(effect: AddedEffect) -> str:
     lines = [f"{key} = {toml_string(text)}" for key, text in (("name", effect.name), ("physics", effect.physics))]
     lines += [f"source = {toml_string(effect.source)}"] if effect.source else []
     lines += ["", "[coefficients]"]
