@@ -37,8 +37,8 @@ def folder(tmp_path_factory):
     made = MadeFiles(tmp_path_factory.mktemp("made"))
     for name in FILES:
         made.copy(name, folder)
-    with contextlib.chdir(folder), Path("bench.toml").open("w", encoding="utf-8") as file:
-        with contextlib.redirect_stdout(file):
+    with contextlib.chdir(folder):
+        with Path("bench.toml").open("w", encoding="utf-8") as file, contextlib.redirect_stdout(file):
             main(["plan", "--example"])
         for line in COMMANDS:
             assert main(line.split()) in (0, 1), line
