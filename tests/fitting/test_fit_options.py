@@ -110,6 +110,8 @@ def test_a_fit_that_does_not_converge_is_a_result(known, make):
     assert result.status.startswith("not converged: stage 'Fx, Fy, Mz, all rows'")
     assert "iteration limit: predicted reduction" in result.status
     assert not result.stages[-1].converged
+    for stage in result.stages:  # only stages that a later one continues
+        assert stage.converged == stage.reason.endswith("a later stage continues")
     plain = json.loads(json.dumps(result.to_json(), allow_nan=False))
     assert plain["ok"] is False
     assert np.isfinite(list(result.tire.values.values())).all()
