@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
+.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives foreign-drive measured-drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -67,7 +67,13 @@ drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: e
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[mdf]"
 	$(BIN)/pytest tests/driving -k mdf
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/drives.py $(DRIVES_ARGS)
-	$(if $(TIREFMU_DATA),OMP_NUM_THREADS=1 $(BIN)/python benchmarks/dart.py $(TIREFMU_DATA)/dart)
+
+foreign-drive: $(VENV)/installed-dev  ## a drive of the multi-body car of another program: errors of the curves of its tires
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[foreign-car]"
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/foreign_drive.py
+
+measured-drives: $(VENV)/installed-dev  ## drives of a small car in the folder dart of TIREFMU_DATA: its friction on two floors
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/dart.py $(TIREFMU_DATA)/dart
 
 missing-effects: $(VENV)/installed-dev  ## tests of all entries of the benchmark of missing effects, and the tables of docs/missing_effects.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
