@@ -29,7 +29,7 @@ def best_end(
 ) -> SolverResult:
     """Solve again from other values of a few coefficients, with all others at the best solution; return the best.
 
-    `first`: the solution of the stage. `settle`: solves the stage from scaled values. `lower`, `upper`, shape
+    `first`: the solution of the stage. `solve_from`: solves the stage from scaled values. `lower`, `upper`, shape
     (n_free,): scaled bounds. `again`: the values of each restart. `always`: run all restarts; otherwise only those of
     which one coefficient is at a bound, as in most local minima. Returns: its iterations are those of the first
     solution and of the accepted restarts.

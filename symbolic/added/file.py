@@ -166,6 +166,7 @@ def effect_text(effect: AddedEffect) -> str:
 
 
 def _written(effect: AddedEffect) -> str:
+    """Return the text of an effect's file, which `effect_text` stores."""
     lines = [f"{key} = {toml_string(text)}" for key, text in (("name", effect.name), ("physics", effect.physics))]
     lines += [f"source = {toml_string(effect.source)}"] if effect.source else []
     lines += ["", "[coefficients]"]
