@@ -202,6 +202,15 @@ def test_a_recording_may_have_no_row_or_one():
         assert answer["tread_heat"].shape == (n,)
 
 
+def test_break_in_is_not_recovered():
+    tire = tire_with("break_in")
+    t = np.linspace(0.0, 20.0, 401)
+    alpha = np.where(t < 8.0, 0.15 * np.sin(t), 0.0)
+    answer = tire.evaluate(pd.DataFrame({"t": t, "alpha": alpha, "Fz": 4000.0, "V": 15.0}))
+    assert (np.diff(answer["sliding_work"]) >= 0.0).all()
+    assert answer["mu_y"].iloc[-1] < answer["mu_y"].iloc[0]
+
+
 def test_an_effect_at_neutral_coefficients_does_nothing():
     plain = tire_with().evaluate(smooth(40))
     for name in ACTIVE:

@@ -270,3 +270,23 @@ def test_a_recording_without_rows_is_rejected():
     assert lagging("mf61", "relax_lat").evaluate(recording().iloc[:0]).shape[0] == 0
     one = lagging("mf61", "relax_lat").evaluate(recording().iloc[:1])
     assert one["alpha_lagged"].iloc[0] == pytest.approx(one["alpha"].iloc[0], rel=1e-15)
+
+
+@pytest.mark.parametrize("name", SIX)
+def test_at_the_nominal_load_the_length_is_the_constant_one(name):
+    at_nominal = recording().assign(Fz=BODY["FNOMIN"])
+    by_load, constant = (lagging(name, effect).evaluate(at_nominal) for effect in ("relax_load", "relax_lat"))
+    pd.testing.assert_frame_equal(by_load, constant, check_exact=True)
+    by_load, constant = (lagging(name, effect).evaluate(recording()) for effect in ("relax_load", "relax_lat"))
+    assert (by_load["alpha_lagged"] - constant["alpha_lagged"]).abs().max() > 1e-3
+
+
+def test_the_state_is_preserved_at_rest():
+    """The lagged slip is constant for any steering; loads still act immediately."""
+    tire = lagging("mf61", "relax_lat", "relax_lon")
+    table = recording()
+    table.loc[20:, "V"] = 0.0
+    answer = tire.evaluate(table)
+    rest = acting(answer)[21:]
+    np.testing.assert_allclose(rest, np.repeat(rest[:1], len(rest), axis=0), rtol=1e-13)
+    assert np.isfinite(answer.to_numpy()).all()
