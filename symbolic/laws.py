@@ -2,53 +2,31 @@
 
 A state x follows a target u at a rate r, x' = r (u - x), or adds up a flow, x' = g, or oscillates about a target, or
 follows a path independent of time. A law is the exact solution over a step of any size if the target and the rate are
-as stated. `tirefmu.symbolic.printers.laws` prints a law as a function of its arguments.
+as stated. `tirefmu.symbolic.printers.line_functions` prints a law as a function of its arguments.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import sympy as sp
 
 from .functions import absolute, expm1, sgn, where
+from .line_function import LineFunction
 from .notation import Chapter
 
 #: Below this size a path has no direction.
 NO_PATH = sp.Float("1e-300")
+#: The last line of a law.
+RESULT = "result"
 
 
-@dataclass(frozen=True)
-class Law:
-    """A function of real numbers: lines, and the symbol of its result.
-
-    - `lines`: each line uses arguments and earlier lines.
-
-    >>> law = LAWS["lag"]
-    >>> law.arguments
-    ('x', 'u', 'u_end', 'way')
-    """
-
-    name: str
-    summary: str
-    arguments: tuple[str, ...]
-    lines: Chapter
-    result: sp.Expr
-
-
-def _law(define: Callable[..., sp.Expr]) -> Law:
+def _law(define: Callable[..., sp.Expr]) -> LineFunction:
     """Return the law of a function that files its lines in the chapter that is its first argument."""
     arguments = define.__code__.co_varnames[1 : define.__code__.co_argcount]
     lines = Chapter(define.__name__)
-    result = define(lines, *sp.symbols(arguments, real=True))
-    used = set(result.free_symbols)  # compilers report lines that are not
-    for line in reversed(lines.equations.copy()):
-        if line.symbol in used:
-            used |= line.expression.free_symbols
-        else:
-            lines.equations.remove(line)
-    return Law(define.__name__, " ".join((define.__doc__ or "").split()), arguments, lines, result)
+    lines("law", RESULT, define(lines, *sp.symbols(arguments, real=True)), named=False)
+    return LineFunction(define.__name__, " ".join((define.__doc__ or "").split()), lines, arguments, (RESULT,))
 
 
 def _share(eq: Chapter, name: str, way: sp.Expr) -> sp.Expr:
@@ -243,7 +221,7 @@ def _parts(
 
 
 #: Every law by name.
-LAWS: dict[str, Law] = {
+LAWS: dict[str, LineFunction] = {
     law.__name__: _law(law)
     for law in (
         lag, lag_curved, sum_linear, sum_curved, oscillator, oscillator_speed, dahl, dahl_size, play, play_size

@@ -140,18 +140,17 @@ static inline double fast_cos(double x)
     return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? NUMBER_ALONE(number_cos, x) : cos(x);
 }
 
-/* Lag x' = r (u - x) with a target that is linear from u to u_end; way is the integral of r, also
-   infinite. */
+/* Lag x' = r (u - x) with a target that is linear from u to u_end; way is the integral of r, also infinite. */
 static inline double state_lag(double x, double u, double u_end, double way)
 {
     const double decay = exp(-way);
     const double lag_way = (way > 0.0 ? way : 1.0);
     const double lag_share = (way > 0.0 ? -expm1(-lag_way)/lag_way : 1.0);
-    return decay*x + (1.0 - lag_share)*(u_end - u) - u*expm1(-way);
+    const double result = decay*x + (1.0 - lag_share)*(u_end - u) - u*expm1(-way);
+    return result;
 }
 
-/* Lag x' = r (u - x) with a target on the parabola through u, u_half and u_end; way is r times the
-   step. */
+/* Lag x' = r (u - x) with a target on the parabola through u, u_half and u_end; way is r times the step. */
 static inline double state_lag_curved(double x, double u, double u_half, double u_end, double way)
 {
     const double slope = -u_end - 3.0*u + 4.0*u_half;
@@ -162,23 +161,26 @@ static inline double state_lag_curved(double x, double u, double u_half, double 
     const double large = (way < 0.05 ? 1.0 : way);
     const double first = (way < 0.05 ? 0.5*small*(1.0 - 0.3333333333333333*small*(1.0 - 0.25*small*(1.0 - 0.2*small*(1.0 - 0.16666666666666666*small*(1.0 - 0.14285714285714285*small))))) : 1.0 - lag_share);
     const double second = (way < 0.05 ? 0.3333333333333333*small*(1.0 - 0.25*small*(1.0 - 0.2*small*(1.0 - 0.16666666666666666*small*(1.0 - 0.14285714285714285*small*(1.0 - 0.125*small))))) : 1.0 - 2.0*first/large);
-    return bend*second + first*slope + x*exp(-way) - u*expm1(-way);
+    const double result = bend*second + first*slope + x*exp(-way) - u*expm1(-way);
+    return result;
 }
 
 /* Sum x' = g with a flow that is linear from g to g_end over a step h. */
 static inline double state_sum_linear(double x, double g, double g_end, double h)
 {
-    return x + 0.5*h*(g + g_end);
+    const double result = x + 0.5*h*(g + g_end);
+    return result;
 }
 
 /* Sum x' = g with a flow on the parabola through g, g_half and g_end over a step h. */
 static inline double state_sum_curved(double x, double g, double g_half, double g_end, double h)
 {
-    return x + 0.16666666666666666*h*(g + g_end + 4.0*g_half);
+    const double result = x + 0.16666666666666666*h*(g + g_end + 4.0*g_half);
+    return result;
 }
 
-/* Oscillator x'' = w^2 (u - x) - d x' with a target on the parabola through u, u_half and u_end over a
-   step h. v is x' at the start, way is w h, loss is d h. */
+/* Oscillator x'' = w^2 (u - x) - d x' with a target on the parabola through u, u_half and u_end over a step h. v
+   is x' at the start, way is w h, loss is d h. */
 static inline double state_oscillator(double x, double v, double u, double u_half, double u_end, double way, double loss, double h)
 {
     const double slope = -u_end - 3.0*u + 4.0*u_half;
@@ -236,7 +238,8 @@ static inline double state_oscillator(double x, double v, double u, double u_hal
     const double fast_first = (fast < 0.05 ? 0.5*fast_small*(1.0 - 0.3333333333333333*fast_small*(1.0 - 0.25*fast_small*(1.0 - 0.2*fast_small*(1.0 - 0.16666666666666666*fast_small*(1.0 - 0.14285714285714285*fast_small))))) : 1.0 - fast_lag_share);
     const double fast_second = (fast < 0.05 ? 0.3333333333333333*fast_small*(1.0 - 0.25*fast_small*(1.0 - 0.2*fast_small*(1.0 - 0.16666666666666666*fast_small*(1.0 - 0.14285714285714285*fast_small*(1.0 - 0.125*fast_small))))) : 1.0 - 2.0*fast_first/fast_large);
     const double early = bend*fast_second + fast_first*slope - u*expm1(-fast);
-    return ((loss < 0.5) && (way < 0.5) ? start + term10 + term11 + term12 + term13 + term14 + term15 + term2 + term3 + term4 + term5 + term6 + term7 + term8 + term9 + x : (loss > 2.5*way ? of_speed*start + stay*x + (fast*late - early*slow)/difference : behind + bend + middle + dv*of_speed + dx*stay));
+    const double result = ((loss < 0.5) && (way < 0.5) ? start + term10 + term11 + term12 + term13 + term14 + term15 + term2 + term3 + term4 + term5 + term6 + term7 + term8 + term9 + x : (loss > 2.5*way ? of_speed*start + stay*x + (fast*late - early*slow)/difference : behind + bend + middle + dv*of_speed + dx*stay));
+    return result;
 }
 
 /* Speed x' at the end of the same step of an oscillator. */
@@ -298,20 +301,20 @@ static inline double state_oscillator_speed(double x, double v, double u, double
     const double fast_second = (fast < 0.05 ? 0.3333333333333333*fast_small*(1.0 - 0.25*fast_small*(1.0 - 0.2*fast_small*(1.0 - 0.16666666666666666*fast_small*(1.0 - 0.14285714285714285*fast_small*(1.0 - 0.125*fast_small))))) : 1.0 - 2.0*fast_first/fast_large);
     const double early = bend*fast_second + fast_first*slope - u*expm1(-fast);
     const double step = (h > 0.0 ? h : 1.0);
-    return v + ((loss < 0.5) && (way < 0.5) ? 2.0*term2 + 3.0*term3 + 4.0*term4 + 5.0*term5 + 6.0*term6 + 7.0*term7 + 8.0*term8 + 9.0*term9 + 10.0*term10 + 11.0*term11 + 12.0*term12 + 13.0*term13 + 14.0*term14 + 15.0*term15 : (loss > 2.5*way ? start*(-1.0 + keep) + square(way)*(early - late)/difference - of_speed*x*square(way) : 2.0*bend + dv*(-1.0 + keep) - dx*of_speed*square(way)))/step;
+    const double result = v + ((loss < 0.5) && (way < 0.5) ? 2.0*term2 + 3.0*term3 + 4.0*term4 + 5.0*term5 + 6.0*term6 + 7.0*term7 + 8.0*term8 + 9.0*term9 + 10.0*term10 + 11.0*term11 + 12.0*term12 + 13.0*term13 + 14.0*term14 + 15.0*term15 : (loss > 2.5*way ? start*(-1.0 + keep) + square(way)*(early - late)/difference - of_speed*x*square(way) : 2.0*bend + dv*(-1.0 + keep) - dx*of_speed*square(way)))/step;
+    return result;
 }
 
-/* Dahl's law dz = (sgn(ds) - z) |ds| / width along a path that goes from s to s_end without turning
-   back. */
+/* Dahl's law dz = (sgn(ds) - z) |ds| / width along a path that goes from s to s_end without turning back. */
 static inline double state_dahl(double z, double s, double s_end, double width)
 {
     const double way = (s_end - s)/width;
-    return (z - sgn(way))*exp(-fabs(way)) + sgn(way);
+    const double result = (z - sgn(way))*exp(-fabs(way)) + sgn(way);
+    return result;
 }
 
-/* Dahl's law for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end). The size
-   falls to the point of the path that is nearest to zero and grows from there on: two parts without a
-   turn. */
+/* Dahl's law for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end). The size falls to
+   the point of the path that is nearest to zero and grows from there on: two parts without a turn. */
 static inline double state_dahl_size(double z, double a, double b, double a_end, double b_end, double width)
 {
     const double da = a_end - a;
@@ -324,18 +327,19 @@ static inline double state_dahl_size(double z, double a, double b, double a_end,
     const double fall = (least - sqrt(square(a) + square(b)))/width;
     const double rise = (sqrt(square(a_end) + square(b_end)) - least)/width;
     const double fallen = (fall < 0.0 ? -1.0 + (1.0 + z)*exp(fall) : z);
-    return (rise > 0.0 ? 1.0 + (-1.0 + fallen)*exp(-rise) : fallen);
+    const double result = (rise > 0.0 ? 1.0 + (-1.0 + fallen)*exp(-rise) : fallen);
+    return result;
 }
 
 /* Play dz = ds / width between -1 and 1 along a path that goes from s to s_end without turning back. */
 static inline double state_play(double z, double s, double s_end, double width)
 {
     const double moved = z + (s_end - s)/width;
-    return (moved > 1.0 ? 1.0 : (moved < -1.0 ? -1.0 : moved));
+    const double result = (moved > 1.0 ? 1.0 : (moved < -1.0 ? -1.0 : moved));
+    return result;
 }
 
-/* Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two
-   parts. */
+/* Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two parts. */
 static inline double state_play_size(double z, double a, double b, double a_end, double b_end, double width)
 {
     const double da = a_end - a;
@@ -349,7 +353,8 @@ static inline double state_play_size(double z, double a, double b, double a_end,
     const double rise = (sqrt(square(a_end) + square(b_end)) - least)/width;
     const double lowered = fall + z;
     const double fallen = (lowered < -1.0 ? -1.0 : lowered);
-    return (fallen + rise > 1.0 ? 1.0 : fallen + rise);
+    const double result = (fallen + rise > 1.0 ? 1.0 : fallen + rise);
+    return result;
 }
 
 #endif

@@ -7,19 +7,16 @@ import numpy as np
 
 
 def lag(x, u, u_end, way, xp=np):
-    """Lag x' = r (u - x) with a target that is linear from u to u_end; way is the integral of r, also
-    infinite.
-    """
+    """Lag x' = r (u - x) with a target that is linear from u to u_end; way is the integral of r, also infinite."""
     decay = xp.exp(-way)
     lag_way = xp.where(way > 0, way, 1)
     lag_share = xp.where(way > 0, -xp.expm1(-lag_way)/lag_way, 1)
-    return decay*x + (1 - lag_share)*(u_end - u) - u*xp.expm1(-way)
+    result = decay*x + (1 - lag_share)*(u_end - u) - u*xp.expm1(-way)
+    return result
 
 
 def lag_curved(x, u, u_half, u_end, way, xp=np):
-    """Lag x' = r (u - x) with a target on the parabola through u, u_half and u_end; way is r times the
-    step.
-    """
+    """Lag x' = r (u - x) with a target on the parabola through u, u_half and u_end; way is r times the step."""
     slope = -u_end - 3*u + 4*u_half
     bend = -4*u_half + 2*u + 2*u_end
     lag_way = xp.where(way > 0, way, 1)
@@ -28,22 +25,25 @@ def lag_curved(x, u, u_half, u_end, way, xp=np):
     large = xp.where(way < 0.05, 1, way)
     first = xp.where(way < 0.05, 0.5*small*(1 - 0.3333333333333333*small*(1 - 0.25*small*(1 - 0.2*small*(1 - 0.16666666666666666*small*(1 - 0.14285714285714285*small))))), 1 - lag_share)
     second = xp.where(way < 0.05, 0.3333333333333333*small*(1 - 0.25*small*(1 - 0.2*small*(1 - 0.16666666666666666*small*(1 - 0.14285714285714285*small*(1 - 0.125*small))))), 1 - 2*first/large)
-    return bend*second + first*slope + x*xp.exp(-way) - u*xp.expm1(-way)
+    result = bend*second + first*slope + x*xp.exp(-way) - u*xp.expm1(-way)
+    return result
 
 
 def sum_linear(x, g, g_end, h, xp=np):
     """Sum x' = g with a flow that is linear from g to g_end over a step h."""
-    return x + 0.5*h*(g + g_end)
+    result = x + 0.5*h*(g + g_end)
+    return result
 
 
 def sum_curved(x, g, g_half, g_end, h, xp=np):
     """Sum x' = g with a flow on the parabola through g, g_half and g_end over a step h."""
-    return x + 0.16666666666666666*h*(g + g_end + 4*g_half)
+    result = x + 0.16666666666666666*h*(g + g_end + 4*g_half)
+    return result
 
 
 def oscillator(x, v, u, u_half, u_end, way, loss, h, xp=np):
-    """Oscillator x'' = w^2 (u - x) - d x' with a target on the parabola through u, u_half and u_end over a
-    step h. v is x' at the start, way is w h, loss is d h.
+    """Oscillator x'' = w^2 (u - x) - d x' with a target on the parabola through u, u_half and u_end over a step h. v
+    is x' at the start, way is w h, loss is d h.
     """
     slope = -u_end - 3*u + 4*u_half
     bend = -4*u_half + 2*u + 2*u_end
@@ -100,7 +100,8 @@ def oscillator(x, v, u, u_half, u_end, way, loss, h, xp=np):
     fast_first = xp.where(fast < 0.05, 0.5*fast_small*(1 - 0.3333333333333333*fast_small*(1 - 0.25*fast_small*(1 - 0.2*fast_small*(1 - 0.16666666666666666*fast_small*(1 - 0.14285714285714285*fast_small))))), 1 - fast_lag_share)
     fast_second = xp.where(fast < 0.05, 0.3333333333333333*fast_small*(1 - 0.25*fast_small*(1 - 0.2*fast_small*(1 - 0.16666666666666666*fast_small*(1 - 0.14285714285714285*fast_small*(1 - 0.125*fast_small))))), 1 - 2*fast_first/fast_large)
     early = bend*fast_second + fast_first*slope - u*xp.expm1(-fast)
-    return xp.where(xp.logical_and(loss < 0.5, way < 0.5), start + term10 + term11 + term12 + term13 + term14 + term15 + term2 + term3 + term4 + term5 + term6 + term7 + term8 + term9 + x, xp.where(loss > 2.5*way, of_speed*start + stay*x + (fast*late - early*slow)/difference, behind + bend + middle + dv*of_speed + dx*stay))
+    result = xp.where(xp.logical_and(loss < 0.5, way < 0.5), start + term10 + term11 + term12 + term13 + term14 + term15 + term2 + term3 + term4 + term5 + term6 + term7 + term8 + term9 + x, xp.where(loss > 2.5*way, of_speed*start + stay*x + (fast*late - early*slow)/difference, behind + bend + middle + dv*of_speed + dx*stay))
+    return result
 
 
 def oscillator_speed(x, v, u, u_half, u_end, way, loss, h, xp=np):
@@ -161,21 +162,20 @@ def oscillator_speed(x, v, u, u_half, u_end, way, loss, h, xp=np):
     fast_second = xp.where(fast < 0.05, 0.3333333333333333*fast_small*(1 - 0.25*fast_small*(1 - 0.2*fast_small*(1 - 0.16666666666666666*fast_small*(1 - 0.14285714285714285*fast_small*(1 - 0.125*fast_small))))), 1 - 2*fast_first/fast_large)
     early = bend*fast_second + fast_first*slope - u*xp.expm1(-fast)
     step = xp.where(h > 0, h, 1)
-    return v + xp.where(xp.logical_and(loss < 0.5, way < 0.5), 2*term2 + 3*term3 + 4*term4 + 5*term5 + 6*term6 + 7*term7 + 8*term8 + 9*term9 + 10*term10 + 11*term11 + 12*term12 + 13*term13 + 14*term14 + 15*term15, xp.where(loss > 2.5*way, start*(-1 + keep) + way**2*(early - late)/difference - of_speed*x*way**2, 2*bend + dv*(-1 + keep) - dx*of_speed*way**2))/step
+    result = v + xp.where(xp.logical_and(loss < 0.5, way < 0.5), 2*term2 + 3*term3 + 4*term4 + 5*term5 + 6*term6 + 7*term7 + 8*term8 + 9*term9 + 10*term10 + 11*term11 + 12*term12 + 13*term13 + 14*term14 + 15*term15, xp.where(loss > 2.5*way, start*(-1 + keep) + way**2*(early - late)/difference - of_speed*x*way**2, 2*bend + dv*(-1 + keep) - dx*of_speed*way**2))/step
+    return result
 
 
 def dahl(z, s, s_end, width, xp=np):
-    """Dahl's law dz = (sgn(ds) - z) |ds| / width along a path that goes from s to s_end without turning
-    back.
-    """
+    """Dahl's law dz = (sgn(ds) - z) |ds| / width along a path that goes from s to s_end without turning back."""
     way = (s_end - s)/width
-    return (z - xp.sign(way))*xp.exp(-xp.abs(way)) + xp.sign(way)
+    result = (z - xp.sign(way))*xp.exp(-xp.abs(way)) + xp.sign(way)
+    return result
 
 
 def dahl_size(z, a, b, a_end, b_end, width, xp=np):
-    """Dahl's law for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end). The size
-    falls to the point of the path that is nearest to zero and grows from there on: two parts without a
-    turn.
+    """Dahl's law for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end). The size falls to
+    the point of the path that is nearest to zero and grows from there on: two parts without a turn.
     """
     da = a_end - a
     db = b_end - b
@@ -187,19 +187,19 @@ def dahl_size(z, a, b, a_end, b_end, width, xp=np):
     fall = (least - xp.sqrt(a**2 + b**2))/width
     rise = (xp.sqrt(a_end**2 + b_end**2) - least)/width
     fallen = xp.where(fall < 0, -1 + (1 + z)*xp.exp(fall), z)
-    return xp.where(rise > 0, 1 + (-1 + fallen)*xp.exp(-rise), fallen)
+    result = xp.where(rise > 0, 1 + (-1 + fallen)*xp.exp(-rise), fallen)
+    return result
 
 
 def play(z, s, s_end, width, xp=np):
     """Play dz = ds / width between -1 and 1 along a path that goes from s to s_end without turning back."""
     moved = z + (s_end - s)/width
-    return xp.where(moved > 1, 1, xp.where(moved < -1, -1, moved))
+    result = xp.where(moved > 1, 1, xp.where(moved < -1, -1, moved))
+    return result
 
 
 def play_size(z, a, b, a_end, b_end, width, xp=np):
-    """Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two
-    parts.
-    """
+    """Play for s = sqrt(a^2 + b^2) along the straight path from (a, b) to (a_end, b_end), in the same two parts."""
     da = a_end - a
     db = b_end - b
     squared = da**2 + db**2
@@ -211,4 +211,5 @@ def play_size(z, a, b, a_end, b_end, width, xp=np):
     rise = (xp.sqrt(a_end**2 + b_end**2) - least)/width
     lowered = fall + z
     fallen = xp.where(lowered < -1, -1, lowered)
-    return xp.where(fallen + rise > 1, 1, fallen + rise)
+    result = xp.where(fallen + rise > 1, 1, fallen + rise)
+    return result

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from functools import reduce
 from typing import Any, ClassVar
 
@@ -81,6 +81,7 @@ class ArrayPrinter(NumberPrinter, PythonCodePrinter):
 
     module = ""
     where = ""
+    conjunction, disjunction = "logical_and", "logical_or"
     #: Functions with another name there.
     other_names: ClassVar[dict[str, str]] = {}
 
@@ -119,13 +120,14 @@ class ArrayPrinter(NumberPrinter, PythonCodePrinter):
         return f"{self.where}({self._print(condition)}, {self._print(value)}, {self._print(otherwise)})"
 
     def _print_And(self, expr: Any) -> str:
-        return self._joined(f"{self.module}.logical_and", expr)
+        return self._joined(self.conjunction, expr)
 
     def _print_Or(self, expr: Any) -> str:
-        return self._joined(f"{self.module}.logical_or", expr)
+        return self._joined(self.disjunction, expr)
 
-    def _joined(self, function: str, expr: Any) -> str:
-        return reduce(lambda joined, arg: f"{function}({joined}, {arg})", [str(self._print(arg)) for arg in expr.args])
+    def _joined(self, name: str, expr: Any) -> str:
+        texts = [str(self._print(arg)) for arg in expr.args]
+        return reduce(lambda joined, text: f"{self.module}.{name}({joined}, {text})", texts)
 
 
 class NumpyPrinter(ArrayPrinter):
@@ -164,16 +166,11 @@ class CasadiPrinter(ArrayPrinter):
 
     module = "ca"
     where = "ca.if_else"
+    conjunction, disjunction = "logic_and", "logic_or"
     other_names: ClassVar[dict[str, str]] = {"sgn": "sign", "absolute": "fabs"}
 
-    def _print_And(self, expr: Any) -> str:
-        return self._joined("ca.logic_and", expr)
 
-    def _print_Or(self, expr: Any) -> str:
-        return self._joined("ca.logic_or", expr)
-
-
-#: Powers that C code writes as a call; the inline functions are in `arithmetic.h`.
+#: Powers that are written as a call, because SymPy prints a denominator without checking whether it needs brackets.
 CALLED_POWERS = {
     sp.Rational(1, 2): "sqrt",
     sp.Rational(3, 2): "cubed_sqrt",
@@ -183,58 +180,105 @@ CALLED_POWERS = {
 }
 
 
-class PlainCPrinter(NumberPrinter, C99CodePrinter):
-    """C99 text in double precision; squares are written as calls of an inline function, never with pow.
+class CallPrinter(NumberPrinter, C99CodePrinter):
+    """Scalar text in which every function is a call; a language names the functions and writes choices.
+
+    `members`: what is written for a symbol that is a member of a structure, by its name.
+
+    >>> x, y = sp.symbols("x y")
+    >>> CallPrinter().doprint(sp.Piecewise((sp.sin(x) ** 2, x > 0), (1 / y, True)))
+    '(x > 0.0 ? square(sin(x)) : 1.0/y)'
+    >>> CallPrinter({"x": "inputs.x"}).doprint(x * y)
+    'inputs.x*y'
+    """
+
+    #: Names of functions that differ from SymPy's.
+    names: ClassVar[dict[str, str]] = {"absolute": "fabs"}
+    powers = CALLED_POWERS
+    #: Prefix of the functions that the language has.
+    prefix = ""
+    #: Functions that the printout defines.
+    defined: ClassVar[frozenset[str]] = frozenset(["square", "cube", "fourth", "cubed_sqrt", "sgn", "sgn1"])
+    choice = "({condition} ? {then} : {otherwise})"
+    conjunction, disjunction, equal = " && ", " || ", "=="
+    number = "{}"
+    pi = "3.141592653589793"
+
+    def __init__(self, members: Mapping[str, str] | None = None) -> None:
+        # M_PI and similar constants are not in C99.
+        super().__init__({"order": "none", "math_macros": {}})
+        self._members = dict(members or {})
+
+    def _print_Symbol(self, expr: Any) -> str:
+        return self._members.get(expr.name) or str(super()._print_Symbol(expr))
+
+    def _call(self, name: str, *arguments: Any) -> str:
+        called = self.names.get(name, name)
+        prefix = "" if called in self.defined else self.prefix
+        return f"{prefix}{called}({', '.join(self._print(argument) for argument in arguments)})"
+
+    def _print_called(self, expr: Any) -> str:
+        return self._call(expr.func.__name__, *expr.args)
+
+    _print_sin = _print_cos = _print_tan = _print_atan = _print_acos = _print_exp = _print_log = _print_called
+    _print_sgn = _print_sgn1 = _print_absolute = _print_expm1 = _print_called
+
+    def _print_Pow(self, expr: Any) -> str:
+        if expr.exp == -1:
+            return f"{self._print(sp.Integer(1))}/{self.parenthesize(expr.base, PRECEDENCE['Mul'], strict=True)}"
+        called = self.powers.get(abs(expr.exp))
+        if called is None:
+            return self._call("pow", expr.base, expr.exp)
+        text = self._call(called, expr.base)
+        return text if expr.exp > 0 else f"{self._print(sp.Integer(1))}/{text}"
+
+    def _print_Integer(self, expr: Any) -> str:
+        return self._signed(f"{abs(expr.p)}.0", expr.p < 0)
+
+    def _print_Rational(self, expr: Any) -> str:
+        return self._signed(repr(abs(expr.p / expr.q)), expr.p < 0)
+
+    def _print_Float(self, expr: Any) -> str:
+        return self._signed(repr(abs(float(expr))), float(expr) < 0)
+
+    def _print_Literal(self, expr: Any) -> str:
+        text = self._signed(repr(abs(expr.value)), expr.value < 0)
+        return f"({text})" if expr.value < 0 else text
+
+    def _print_Pi(self, expr: Any) -> str:
+        return self.number.format(self.pi)
+
+    def _signed(self, text: str, negative: bool) -> str:
+        return f"{'-' if negative else ''}{self.number.format(text)}"
+
+    def _print_Relational(self, expr: Any) -> str:
+        operator = self.equal if expr.rel_op == "==" else expr.rel_op
+        return f"{self._print(expr.lhs)} {operator} {self._print(expr.rhs)}"
+
+    def _print_And(self, expr: Any) -> str:
+        return self.conjunction.join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Or(self, expr: Any) -> str:
+        return self.disjunction.join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Piecewise(self, expr: Any) -> str:
+        (value, condition), (otherwise, _) = expr.args
+        parts = {"condition": condition, "then": value, "otherwise": otherwise}
+        return self.choice.format(**{name: self._print(part) for name, part in parts.items()})
+
+
+class PlainCPrinter(CallPrinter):
+    """C99 text of the generated code: powers and elementary functions are calls of its own inline functions.
 
     >>> PlainCPrinter().doprint(sp.Symbol("dfz") ** 2 / sp.sqrt(sp.Symbol("x")))
     'square(dfz)/sqrt(x)'
     """
 
-    def __init__(self) -> None:
-        # M_PI and similar constants are not in C99.
-        super().__init__({"order": "none", "math_macros": {}})
-
-    def _print_Pow(self, expr: Any) -> str:
-        # Calls, not products: SymPy prints a denominator without checking whether it needs brackets.
-        called = CALLED_POWERS.get(abs(expr.exp))
-        if called is None:
-            return str(super()._print_Pow(expr))
-        text = f"{called}({self._print(expr.base)})"
-        return text if expr.exp > 0 else f"1.0/{text}"
-
-    def _print_fast(self, expr: Any) -> str:
-        """Write a call of one of the functions of elementary.h."""
-        return f"fast_{expr.func.__name__}({self._print(expr.args[0])})"
-
-    _print_sin = _print_cos = _print_tan = _print_atan = _print_fast
-
-    def _print_sgn(self, expr: Any) -> str:
-        return f"sgn({self._print(expr.args[0])})"
-
-    def _print_sgn1(self, expr: Any) -> str:
-        return f"sgn1({self._print(expr.args[0])})"
-
-    def _print_absolute(self, expr: Any) -> str:
-        return f"fabs({self._print(expr.args[0])})"
-
-    def _print_expm1(self, expr: Any) -> str:
-        return f"expm1({self._print(expr.args[0])})"
-
-    def _print_Pi(self, expr: Any) -> str:
-        return "PI"
-
-    def _print_Integer(self, expr: Any) -> str:
-        return f"{expr.p}.0"
-
-    def _print_And(self, expr: Any) -> str:
-        return " && ".join(f"({self._print(arg)})" for arg in expr.args)
-
-    def _print_Or(self, expr: Any) -> str:
-        return " || ".join(f"({self._print(arg)})" for arg in expr.args)
-
-    def _print_Piecewise(self, expr: Any) -> str:
-        (value, condition), (otherwise, _) = expr.args
-        return f"({self._print(condition)} ? {self._print(value)} : {self._print(otherwise)})"
+    names: ClassVar[dict[str, str]] = {
+        "absolute": "fabs", **{name: f"fast_{name}" for name in ("sin", "cos", "tan", "atan")},
+    }  # fmt: skip
+    powers = CALLED_POWERS | {sp.Rational(1, 3): "cbrt"}
+    pi = "PI"
 
 
 class LanesPrinter(PlainCPrinter):
@@ -249,6 +293,9 @@ class LanesPrinter(PlainCPrinter):
     'choose(x > 0.0, each(B), x)'
     """
 
+    powers = CALLED_POWERS
+    conjunction, disjunction = " & ", " | "
+
     def __init__(self, varying: Collection[str]) -> None:
         super().__init__()
         self._varying = varying
@@ -262,28 +309,11 @@ class LanesPrinter(PlainCPrinter):
         text = str(self.doprint(expr))
         return text if self.varies(expr) else f"each({text})"
 
-    def _print_called(self, expr: Any) -> str:
-        if not self.varies(expr):
-            return str(getattr(super(), f"_print_{expr.func.__name__}")(expr))
-        return f"lanes_{expr.func.__name__}({self._print(expr.args[0])})"
-
-    _print_sin = _print_cos = _print_tan = _print_atan = _print_exp = _print_log = _print_called
-    _print_sgn = _print_sgn1 = _print_absolute = _print_called
-
-    def _print_Pow(self, expr: Any) -> str:
-        if not self.varies(expr) or expr.exp == -1:
-            return super()._print_Pow(expr)
-        called = CALLED_POWERS.get(abs(expr.exp))
-        if called is None:
-            return f"lanes_pow({self.in_lanes(expr.base)}, {self.in_lanes(expr.exp)})"
-        text = f"lanes_{called}({self._print(expr.base)})"
-        return text if expr.exp > 0 else f"1.0/{text}"
-
-    def _print_And(self, expr: Any) -> str:
-        return " & ".join(f"({self._print(arg)})" for arg in expr.args)
-
-    def _print_Or(self, expr: Any) -> str:
-        return " | ".join(f"({self._print(arg)})" for arg in expr.args)
+    def _call(self, name: str, *arguments: Any) -> str:
+        if not any(map(self.varies, arguments)):
+            return super()._call(name, *arguments)
+        printed = self.in_lanes if len(arguments) > 1 else self._print
+        return f"lanes_{name}({', '.join(map(printed, arguments))})"
 
     def _print_Piecewise(self, expr: Any) -> str:
         if not self.varies(expr):

@@ -1,8 +1,8 @@
 """Everything that is generated: rendered as text, written, or compared with what is committed.
 
 The files that people read are committed: the forces, quantities, operations and structure of each model. The Jacobians,
-and each model with the whole library of effects, are printed when a wheel is built, or at first use
-(`tirefmu.tires.code.printed`).
+the kernels for tables, and each model with the whole library of effects are printed when a wheel is built, or at first
+use (`tirefmu.tires.code.printed`).
 """
 
 from __future__ import annotations
@@ -21,29 +21,27 @@ from ..model.verification import verify
 from ..models import MODELS, WITH_EFFECTS, whole_library
 from .batch import KERNELS, batch_sources
 from .c import c_header, c_sources
-from .laws import law_files
+from .line_functions import line_function_files
 from .operations import c_operations
 from .python import origin, python_modules
+from .rolling_radius import c_rolling_radius
 from .routines import routines
-from .two_track import two_track_files
-from .wheel.kinematics import kinematic_files
-from .wheel.rolling_radius import c_rolling_radius
 
 
 def render(everything: bool = False) -> dict[str, str]:
     """Return the generated files: path relative to the folder, text. They are identical byte by byte in every run.
 
-    `everything`: also the Jacobians, and in the folder `WITH_EFFECTS` each model with the whole library of effects, for
-    the diagnosis. Without it, the committed files.
+    `everything`: also the files on demand, and in the folder `WITH_EFFECTS` each model with the whole library of
+    effects, for the diagnosis. Without it, the committed files.
 
     See render_model : the files of one model.
     """
-    files = law_files() | kinematic_files() | two_track_files()
+    files = line_function_files()
     models = [_from_lines(MODELS[name]) for name in sorted(packaged_models())]
     extended = [_with_library(model) for model in models] if everything else []
     for model in models:
-        printed, derivatives = render_model(model), set(jacobian_files(model.name))
-        files |= {name: text for name, text in printed.items() if everything or name not in derivatives}
+        on_demand = set() if everything else set(files_on_demand(model.name))
+        files |= {name: text for name, text in render_model(model).items() if name not in on_demand}
     for model in extended:
         files |= {f"{WITH_EFFECTS}/{name}": text for name, text in render_model(model).items()}
     files["MANIFEST.json"] = _manifest(files, models, extended)
@@ -86,13 +84,13 @@ def render_model(model: Model) -> dict[str, str]:
     }
 
 
-def jacobian_files(name: str) -> list[str]:
-    """Return the files of a model that have its Jacobians: six times as long as the others together.
+def files_on_demand(name: str) -> list[str]:
+    """Return the files of a model that are not committed: its Jacobians and its kernels, most of the text.
 
-    >>> jacobian_files("mf96")[:2]
+    >>> files_on_demand("mf96")[:2]
     ['numpy/mf96_jacobians.py', 'c/mf96_jacobians.c']
     """
-    kernels = [f"c/{name}_batch_{kernel}.c" for kernel in KERNELS if kernel.startswith("jacobian_")]
+    kernels = [f"c/{name}_batch_{kernel}.c" for kernel in KERNELS]
     return [f"numpy/{name}_jacobians.py", f"c/{name}_jacobians.c", *kernels]
 
 

@@ -5,14 +5,14 @@ the center of gravity, the lateral one divided between the axles by their roll s
 steering angle. After Schramm, Hiller, Bardini, Vehicle Dynamics (2018), chapters 10 and 11; the balance at the axles is
 the balance of lateral force and yaw moment, solved for the two axle forces.
 
-The lines are functions of real numbers; `tirefmu.symbolic.printers.two_track` prints them.
+The lines are functions of real numbers; `tirefmu.symbolic.printers.line_functions` prints them.
 """
 
 from __future__ import annotations
 
 from sympy import Expr, Float, Symbol, atan, cos, sin
 
-from ..line_function import LineFunction
+from ..line_function import LineFunction, names
 from ..notation import Chapter
 from . import quantities as car
 
@@ -87,33 +87,15 @@ eq(BODY, "yaw_rate_dot", (lf*Yf - lr*Yr + turning) / Iz, "rad/s^2", "rate of the
 # fmt: on
 
 #: The functions, in the order in which they are printed.
-FUNCTIONS = (
-    LineFunction(
-        "wheels",
-        "Slip angles, forward speeds and loads of the wheels from the motion.",
-        eq,
-        (*car.MOTION, *car.RATES, car.STEER, *car.CAR),
-        car.WHEELS,
-    ),
-    LineFunction(
-        "balance",
-        "Forces at the axles, and what the motion requires beyond them.",
-        eq,
-        (*car.MOTION, *car.RATES, car.STEER, *car.CAR, *car.FORCES),
-        car.BALANCE,
-    ),
-    LineFunction(
-        "accelerations",
-        "Rates of the motion that the forces of the tires cause.",
-        eq,
-        (*car.MOTION, car.STEER, *car.CAR, *car.FORCES),
-        car.ACCELERATIONS,
-    ),
-    LineFunction(
-        "sensor",
-        "What a sensor in the vehicle measures.",
-        eq,
-        (*car.MOTION, *car.RATES, *car.SENSOR),
-        car.READINGS,
-    ),
-)
+FUNCTIONS = tuple(
+    LineFunction(name, summary, eq, names(arguments), names(results))
+    for name, summary, arguments, results in (
+        ("wheels", "Slip angles, forward speeds and loads of the wheels from the motion.",
+         (*car.MOTION, *car.RATES, car.STEER, *car.CAR), car.WHEELS),
+        ("balance", "Forces at the axles, and what the motion requires beyond them.",
+         (*car.MOTION, *car.RATES, car.STEER, *car.CAR, *car.FORCES), car.BALANCE),
+        ("accelerations", "Rates of the motion that the forces of the tires cause.",
+         (*car.MOTION, car.STEER, *car.CAR, *car.FORCES), car.ACCELERATIONS),
+        ("sensor", "What a sensor in the vehicle measures.", (*car.MOTION, *car.RATES, *car.SENSOR), car.READINGS),
+    )
+)  # fmt: skip

@@ -5,7 +5,7 @@ spin axis that is normal to the road. The W axes are x along the intersection of
 normal of the road. After Pacejka, Tire and Vehicle Dynamics (2012), section 2.2: the velocity of the contact point is
 the rate of its position, and the wheel turns relative to the W axes.
 
-The lines are functions of real numbers. `tirefmu.symbolic.printers.wheel.kinematics` prints them for NumPy, CasADi and
+The lines are functions of real numbers. `tirefmu.symbolic.printers.line_functions` prints them for NumPy, CasADi and
 C; C code also has their tangents.
 """
 
@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from sympy import Expr, Symbol, atan, sqrt
 
 from ..declarations import Quantity
-from ..line_function import LineFunction
+from ..line_function import LineFunction, names
 from ..notation import Chapter
 from . import quantities as hub
 
@@ -117,14 +117,14 @@ FUNCTIONS = (
         "wheel_motion",
         "Motion of the wheel at its contact point from the motion of the carrier and the road.",
         eq,
-        (*hub.CARRIER, *hub.ROAD, hub.SPIN),
-        (*hub.MOTION, hub.LOADED_RADIUS, hub.RADIUS_RATE, *hub.CONTACT_POINT),
+        names((*hub.CARRIER, *hub.ROAD, hub.SPIN)),
+        names((*hub.MOTION, hub.LOADED_RADIUS, hub.RADIUS_RATE, *hub.CONTACT_POINT)),
     ),
     LineFunction(
         "hub_wrench",
         "Forces and moments at the wheel centre from those at the contact point.",
         eq,
-        (*hub.ROTATION, *hub.NORMAL, hub.LOADED_RADIUS, *hub.CONTACT_FORCES),
-        (*hub.WRENCH, *hub.GLOBAL_WRENCH),
+        names((*hub.ROTATION, *hub.NORMAL, hub.LOADED_RADIUS, *hub.CONTACT_FORCES)),
+        names((*hub.WRENCH, *hub.GLOBAL_WRENCH)),
     ),
 )

@@ -11,14 +11,14 @@ import pytest
 
 import tirefmu.generated
 from tirefmu.symbolic.models import MODELS
-from tirefmu.symbolic.printers.generate import jacobian_files
+from tirefmu.symbolic.printers.generate import files_on_demand
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
 from tirefmu.tires.code.printed import code_file
 
 FOLDER = Path(tirefmu.generated.__file__).parent / "c"
 #: Without the rolling radius: one function of an FMU, included after the header of its model.
 HEADERS = sorted(path.stem for path in FOLDER.glob("*.h") if not path.stem.endswith("_rolling_radius"))
-NAMES = [Path(file).stem for model in MODELS for file in (f"{model}_batch_forces", f"{model}.c", *jacobian_files(model))
+NAMES = [Path(file).stem for model in MODELS for file in (f"{model}_batch_forces", f"{model}.c", *files_on_demand(model))
          if not file.endswith(".py")]  # fmt: skip
 SOURCES = sorted(name for name in NAMES if "_batch_" not in name)
 STRICT = ["-Wall", "-Wextra", "-Wshadow", "-Wpedantic", "-Wconversion", "-Wstrict-prototypes", "-Werror"]

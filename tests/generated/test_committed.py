@@ -14,7 +14,7 @@ import pytest
 import tirefmu.generated
 from tirefmu.symbolic.models import MODELS, WITH_EFFECTS
 from tirefmu.symbolic.printers import generate
-from tirefmu.symbolic.printers.generate import difference, jacobian_files, render, render_model, write
+from tirefmu.symbolic.printers.generate import difference, files_on_demand, render, render_model, write
 from tirefmu.tires.code.printed import code_file
 
 COMMITTED = Path(tirefmu.generated.__file__).parent
@@ -146,7 +146,7 @@ def test_everything_has_the_jacobians_and_the_library(monkeypatch, tmp_path):
     monkeypatch.setattr(generate, "packaged_models", lambda: {"fiala": MODELS["fiala"]})
     write(tmp_path, everything=True)
     whole = made_files(tmp_path)
-    assert whole >= {name for file in jacobian_files("fiala") for name in (file, f"{WITH_EFFECTS}/{file}")}
+    assert whole >= {name for file in files_on_demand("fiala") for name in (file, f"{WITH_EFFECTS}/{file}")}
     manifest = json.loads((tmp_path / "MANIFEST.json").read_text(encoding="ascii"))
     assert manifest["files"].keys() == whole - {"MANIFEST.json"}
     assert manifest[WITH_EFFECTS].keys() == {"fiala"}
@@ -155,7 +155,7 @@ def test_everything_has_the_jacobians_and_the_library(monkeypatch, tmp_path):
     assert made_files(tmp_path) < whole
 
 
-@pytest.mark.parametrize("file", jacobian_files("fiala"))
+@pytest.mark.parametrize("file", files_on_demand("fiala"))
 def test_what_is_not_committed_is_printed_at_its_first_use(file):
     path = code_file(MODELS["fiala"], file)
     assert COMMITTED not in path.parents

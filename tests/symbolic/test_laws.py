@@ -14,7 +14,7 @@ from scipy.linalg import expm
 
 from tirefmu.generated.numpy import state_laws as laws
 from tirefmu.symbolic.laws import LAWS
-from tirefmu.symbolic.printers.laws import law_files
+from tirefmu.symbolic.printers.line_functions import line_function_files
 from tirefmu.tires.code.casadi_code import ARRAYS
 from tirefmu.tires.code.compiler import find_compiler
 
@@ -142,7 +142,7 @@ def test_play_along_the_size_of_a_slip_is_split_where_it_is_least(path):
 def compiled(tmp_path_factory):
     """Return the laws of the C header as a library."""
     folder = tmp_path_factory.mktemp("laws")
-    (folder / "state_laws.h").write_text(law_files()["c/state_laws.h"], encoding="ascii")
+    (folder / "state_laws.h").write_text(line_function_files()["c/state_laws.h"], encoding="ascii")
     called = [
         f"double call_{law.name}({', '.join('double ' + a for a in law.arguments)})"
         f" {{ return state_{law.name}({', '.join(law.arguments)}); }}"

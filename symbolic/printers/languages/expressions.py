@@ -2,98 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import sympy as sp
 from sympy.printing.precedence import PRECEDENCE
 
-from ..expressions import CALLED_POWERS, PlainCPrinter
-
-
-class CallPrinter(PlainCPrinter):
-    """Scalar text in which every function is a call; a language names the functions and writes choices.
-
-    `members`: what is written for a symbol that is a member of a structure, by its name.
-
-    >>> x, y = sp.symbols("x y")
-    >>> CallPrinter().doprint(sp.Piecewise((sp.sin(x) ** 2, x > 0), (1 / y, True)))
-    '(x > 0.0 ? square(sin(x)) : 1.0/y)'
-    >>> CallPrinter({"x": "inputs.x"}).doprint(x * y)
-    'inputs.x*y'
-    """
-
-    #: Names of functions that differ from SymPy's.
-    names: ClassVar[dict[str, str]] = {"absolute": "fabs"}
-    #: Prefix of the functions that the language has.
-    prefix = ""
-    #: Functions that the printout defines.
-    defined: ClassVar[frozenset[str]] = frozenset(["square", "cube", "fourth", "cubed_sqrt", "sgn", "sgn1"])
-    choice = "({condition} ? {then} : {otherwise})"
-    conjunction, disjunction, equal = " && ", " || ", "=="
-    number = "{}"
-    pi = "3.141592653589793"
-
-    def __init__(self, members: Mapping[str, str] | None = None) -> None:
-        super().__init__()
-        self._members = dict(members or {})
-
-    def _print_Symbol(self, expr: Any) -> str:
-        return self._members.get(expr.name) or str(super()._print_Symbol(expr))
-
-    def _call(self, name: str, *arguments: Any) -> str:
-        called = self.names.get(name, name)
-        prefix = "" if called in self.defined else self.prefix
-        return f"{prefix}{called}({', '.join(self._print(argument) for argument in arguments)})"
-
-    def _print_called(self, expr: Any) -> str:
-        return self._call(expr.func.__name__, *expr.args)
-
-    _print_sin = _print_cos = _print_tan = _print_atan = _print_acos = _print_exp = _print_log = _print_called
-    _print_sgn = _print_sgn1 = _print_absolute = _print_called
-
-    def _print_Pow(self, expr: Any) -> str:
-        if expr.exp == -1:
-            return f"{self._print(sp.Integer(1))}/{self.parenthesize(expr.base, PRECEDENCE['Mul'], strict=True)}"
-        called = CALLED_POWERS.get(abs(expr.exp))
-        if called is None:
-            return self._call("pow", expr.base, expr.exp)
-        text = self._call(called, expr.base)
-        return text if expr.exp > 0 else f"{self._print(sp.Integer(1))}/{text}"
-
-    def _print_Integer(self, expr: Any) -> str:
-        return self._signed(f"{abs(expr.p)}.0", expr.p < 0)
-
-    def _print_Rational(self, expr: Any) -> str:
-        return self._signed(repr(abs(expr.p / expr.q)), expr.p < 0)
-
-    def _print_Float(self, expr: Any) -> str:
-        return self._signed(repr(abs(float(expr))), float(expr) < 0)
-
-    def _print_Literal(self, expr: Any) -> str:
-        text = self._signed(repr(abs(expr.value)), expr.value < 0)
-        return f"({text})" if expr.value < 0 else text
-
-    def _print_Pi(self, expr: Any) -> str:
-        return self.number.format(self.pi)
-
-    def _signed(self, text: str, negative: bool) -> str:
-        return f"{'-' if negative else ''}{self.number.format(text)}"
-
-    def _print_Relational(self, expr: Any) -> str:
-        operator = self.equal if expr.rel_op == "==" else expr.rel_op
-        return f"{self._print(expr.lhs)} {operator} {self._print(expr.rhs)}"
-
-    def _print_And(self, expr: Any) -> str:
-        return self.conjunction.join(f"({self._print(arg)})" for arg in expr.args)
-
-    def _print_Or(self, expr: Any) -> str:
-        return self.disjunction.join(f"({self._print(arg)})" for arg in expr.args)
-
-    def _print_Piecewise(self, expr: Any) -> str:
-        (value, condition), (otherwise, _) = expr.args
-        parts = {"condition": condition, "then": value, "otherwise": otherwise}
-        return self.choice.format(**{name: self._print(part) for name, part in parts.items()})
+from ..expressions import CallPrinter
 
 
 class C99Printer(CallPrinter):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ...model import Model
-from ..definitions import calling_math, comment, definitions
-from ..expressions import PlainCPrinter
-from ..operations import rolling_radius_lines
-from ..python import origin
+from ..model import Model
+from .c import PRINTER
+from .definitions import calling_math, comment, definitions
+from .operations import rolling_radius_lines
+from .python import origin
 
 
 def c_rolling_radius(model: Model) -> str:
@@ -22,10 +22,9 @@ def c_rolling_radius(model: Model) -> str:
     needed = rolling_radius_lines(model)
     turning = model.quantity("wheel_speed") or "omega"
     read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
-    printer = PlainCPrinter()
     lines = [f"const double {name} = parameters[{prefix}_{name}];" for name in model.parameters if name in read]
     lines += [f"const double {q.name} = inputs[{prefix}_{q.name}];" for q in model.inputs if q.name in read]
-    lines += [f"const double {line.symbol} = {printer.doprint(line.expression)};" for line in needed]
+    lines += [f"const double {line.symbol} = {PRINTER.doprint(line.expression)};" for line in needed]
     lines += [] if needed else ["(void) inputs;", f"(void) {turning};"]
     lines += [f"return {model.quantity('rolling_radius') if needed else 'UNLOADED_RADIUS'};"]
     body = calling_math("\n".join(f"    {line}" for line in lines))
