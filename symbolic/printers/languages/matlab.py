@@ -16,7 +16,7 @@ from ..routines import Routine, chosen_routines
 from .expressions import MatlabPrinter
 from .layout import Layout
 from .program import Program
-from .rendering import Function, render
+from .rendering import function_of, render
 
 LAYOUT = Layout(MatlabPrinter(), "{name} = {value};", "% {}", line_comment, continued=" ...")
 #: The name of the coefficients in the functions: they are in most lines.
@@ -62,7 +62,7 @@ def _function(program: Program, routine: Routine, arguments: list[str]) -> dict[
     """Return the file of a function, which reads inputs and coefficients from their structures."""
     members = {key: f"inputs.{key}" for key in program.input_names}
     members |= {key: f"{COEFFICIENTS}.{key}" for key in program.coefficients}
-    function = Function(routine, program, replace(LAYOUT, printer=MatlabPrinter(members)))
+    function = function_of(routine, program, replace(LAYOUT, printer=MatlabPrinter(members)))
     name, call = program.name, f"{program.name}_{routine.name}"
     results = f"[{', '.join(routine.labels)}]" if routine.name == "forces" else "result"
     help_lines = [f"inputs: structure of scalars or arrays of one shape, see {name}_inputs."]

@@ -59,7 +59,7 @@ def _derivatives(program: Program, printed: Mapping[str, Function]) -> list[tupl
     """Return the terms of the time derivative of each force, by the chain rule."""
     if "jacobian_inputs" not in printed:
         return []
-    rows = zip(program.outputs, printed["jacobian_inputs"].routine.results, strict=True)
+    rows = zip(program.outputs, printed["jacobian_inputs"].results, strict=True)
     return [
         (quantity.name, [f"matrix[{i}, {k}]*der_{name}"
                          for k, (name, value) in enumerate(zip(program.input_names, row, strict=True), 1) if value])

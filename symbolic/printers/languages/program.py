@@ -109,10 +109,6 @@ class Program:
             files[self.values_file] = "".join(f"{name} {value!r}\n" for name, value in self.coefficients.items())
         return files
 
-    def sizes(self) -> list[tuple[str, int]]:
-        """Return the functions and their numbers of results, in the order of the self-test's rows."""
-        return [(routine.name, sum(map(len, routine.results))) for routine in self.routines]
-
 
 def program(
     name: str,

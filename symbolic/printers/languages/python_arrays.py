@@ -18,7 +18,7 @@ from ..expressions import ArrayPrinter, NumpyPrinter
 from ..routines import chosen_routines
 from .layout import Layout
 from .program import Program
-from .rendering import Function, render
+from .rendering import Function, function_of, render
 
 #: Names of the private functions of the equations.
 PRIVATE = {"forces": "_forces_of", "quantities": "_quantities_of", "jacobian_inputs": "_by_inputs",
@@ -83,7 +83,7 @@ def _equations(program: Program, layout: Layout, differentiates: bool) -> list[F
         [sp.Symbol(name, real=True) for name in program.coefficients],
     )  # fmt: skip
     routines = [printed.get(name) or chosen_routines(program.lines, [name], *symbols)[0] for name in needed]
-    return [Function(routine, program, layout) for routine in routines]
+    return [function_of(routine, program, layout) for routine in routines]
 
 
 numpy_files, jax_files, torch_files = map(printer_for, MODULES)

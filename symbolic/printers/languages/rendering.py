@@ -8,8 +8,9 @@ or `escaped`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -21,41 +22,20 @@ from .program import TOLERANCE, Program
 
 
 @dataclass(frozen=True)
-class Function:
+class Function(Routine):
     """A routine in a language.
 
     - `first`: index of its first result among those of all functions.
     """
 
-    routine: Routine
-    program: Program
-    layout: Layout
+    program: Program = field(kw_only=True)
+    layout: Layout = field(kw_only=True)
     first: int = 0
-
-    @property
-    def name(self) -> str:
-        """Name of the routine."""
-        return self.routine.name
 
     @property
     def type(self) -> str:
         """Name of a type, such as JacobianInputs."""
         return "".join(word.capitalize() for word in self.name.split("_"))
-
-    @property
-    def summary(self) -> str:
-        """What the routine returns, in a sentence."""
-        return self.routine.summary
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the results, or of the columns of a matrix."""
-        return self.routine.labels
-
-    @property
-    def members(self) -> list[str]:
-        """The results as members of the result, such as forces.Fx."""
-        return [f"{self.name}.{label}" for label in self.labels]
 
     @property
     def is_matrix(self) -> bool:
@@ -65,12 +45,12 @@ class Function:
     @property
     def n_rows(self) -> int:
         """Number of rows of a matrix."""
-        return len(self.routine.results)
+        return len(self.results)
 
     @property
     def size(self) -> int:
         """Number of results."""
-        return sum(map(len, self.routine.results))
+        return sum(map(len, self.results))
 
     @property
     def tolerance(self) -> str:
@@ -80,31 +60,31 @@ class Function:
     @cached_property
     def inputs(self) -> list[str]:
         """The inputs that it reads."""
-        return self.routine.uses(self.program.input_names)
+        return self.uses(self.program.input_names)
 
     @cached_property
     def coefficients(self) -> list[str]:
         """The coefficients that it reads."""
-        return self.routine.uses(list(self.program.coefficients))
+        return self.uses(list(self.program.coefficients))
 
     @property
     def statements(self) -> str:
         """Its statements, indented."""
-        return self.layout.statements(self.routine)
+        return self.layout.statements(self)
 
     @property
     def assigned(self) -> list[str]:
         """Names of the local variables."""
-        return [str(assignment.symbol) for assignment in self.routine.body]
+        return [str(assignment.symbol) for assignment in self.body]
 
     @property
     def values(self) -> list[str]:
         """Its results as expressions, row by row."""
-        return self.layout.values(self.routine)
+        return self.layout.values(self)
 
     def rows(self, row: str) -> list[str]:
         """Return the rows of a matrix as lines, each in the brackets of the language."""
-        return self.layout.rows(self.routine, row)
+        return self.layout.rows(self, row)
 
 
 @dataclass(frozen=True)
@@ -122,13 +102,16 @@ class PrintedValue:
         return f"{self.description} [{self.unit}]"
 
 
+def function_of(routine: Routine, program: Program, layout: Layout, first: int = 0) -> Function:
+    """Return a routine of a program in a language."""
+    return Function(**vars(routine), program=program, layout=layout, first=first)
+
+
 def functions_of(program: Program, layout: Layout) -> list[Function]:
     """Return the functions of a program in a language."""
-    functions: list[Function] = []
-    for routine in program.routines:
-        first = functions[-1].first + functions[-1].size if functions else 0
-        functions.append(Function(routine, program, layout, first))
-    return functions
+    begins = accumulate((sum(map(len, routine.results)) for routine in program.routines), initial=0)
+    placed = zip(program.routines, begins, strict=False)
+    return [function_of(routine, program, layout, first) for routine, first in placed]
 
 
 def render(
