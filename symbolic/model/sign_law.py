@@ -10,9 +10,8 @@ The same method checks whether Fx reverses with the speed, as the model declares
 from __future__ import annotations
 
 import math
-import operator
 import random
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from tirefmu.boundary.errors import ModelError
@@ -22,7 +21,7 @@ from ..options import signs
 from ..quantities import V
 from .definition import Model
 from .lines import reaching
-from .tape import Tape, taped
+from .tape import run, taped
 
 #: The columns that adapted SAE writes with the opposite sign of ISO.
 REVERSED = frozenset({"Fy", "My", "Mz"})
@@ -72,7 +71,7 @@ def check_reversal(model: Model) -> None:
     for seed in range(ROWS):
         row = _row(model, random.Random(seed), second=False)
         driven = {**row.coefficients, **row.given, "kappa": 0.3, "alpha": 0.0, signs.parameter: 1.0}
-        forward, backward = (_run(tape, {**driven, "V": speed})["Fx"] for speed in (V.typical, -V.typical))
+        forward, backward = (run(tape, {**driven, "V": speed})["Fx"] for speed in (V.typical, -V.typical))
         reversed_rows += forward * backward < 0.0
     if model.motion.reverses != (2 * reversed_rows > ROWS):
         how = "does not reverse" if model.motion.reverses else "reverses"
@@ -128,7 +127,7 @@ class _Check:
 
     def _computed(self, row: _Row, flipped: Collection[str], sae: float) -> Values:
         tire = {name: -value if name in flipped else value for name, value in row.coefficients.items()}
-        return _run(self._tape, {**row.given, **tire, signs.parameter: sae})
+        return run(self._tape, {**row.given, **tire, signs.parameter: sae})
 
 
 def _row(model: Model, draw: random.Random, *, second: bool) -> _Row:
@@ -148,27 +147,3 @@ def _input(quantity: Quantity, tire: Values, draw: random.Random) -> float:
     if isinstance(quantity.nominal, str):
         return tire.get(quantity.nominal, quantity.typical) * draw.uniform(0.6, 1.4)
     return quantity.nominal + quantity.typical * draw.uniform(-1.0, 1.0)
-
-
-def _run(tape: Tape, leaves: Values) -> Values:
-    """Return the values of the lines of a tape at given leaves; NaN if a step has no value."""
-    slots = [leaves[name] for name in tape.leaves] + list(tape.constants)
-    for operation in tape.operations:
-        try:
-            slots.append(float(_STEPS[operation.code](*(slots[i] for i in operation.operands))))
-        except (ArithmeticError, ValueError, TypeError):  # a root of a negative power is complex
-            slots.append(math.nan)
-    return {name: slots[i] for name, i in tape.slots.items()}
-
-
-def _sgn(x: float) -> float:
-    return math.copysign(1.0, x) if x else 0.0
-
-
-_STEPS: dict[str, Callable[..., float]] = {
-    "ADD": operator.add, "SUBTRACT": operator.sub, "MULTIPLY": operator.mul, "DIVIDE": operator.truediv,
-    "POWER": operator.pow, "LESS": operator.lt, "AT_MOST": operator.le, "EQUAL": operator.eq,
-    "AND": lambda a, b: bool(a and b), "OR": lambda a, b: bool(a or b), "CHOOSE": lambda test, a, b: a if test else b,
-    "ROOT": math.sqrt, "SIN": math.sin, "COS": math.cos, "TAN": math.tan, "ATAN": math.atan, "ACOS": math.acos,
-    "EXP": math.exp, "LOG": math.log, "SGN": _sgn, "SGN1": lambda x: -1.0 if x < 0 else 1.0, "ABSOLUTE": abs,
-}  # fmt: skip

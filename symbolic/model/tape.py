@@ -7,18 +7,29 @@ values found there (Griewank and Walther, Evaluating Derivatives (2008), chapter
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+import operator
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
 from ..notation import Equation
 
-#: Operations of two and three operands, then of one.
-CODES = (
-    *("ADD", "SUBTRACT", "MULTIPLY", "DIVIDE", "POWER", "LESS", "AT_MOST", "EQUAL", "AND", "OR", "CHOOSE"),
-    *("ROOT", "SIN", "COS", "TAN", "ATAN", "ACOS", "EXP", "LOG", "SGN", "SGN1", "ABSOLUTE"),
-)
+
+def _sgn(x: float) -> float:
+    return math.copysign(1.0, x) if x else 0.0
+
+
+#: What each operation does: those of two and three operands, then of one.
+_STEPS: dict[str, Callable[..., float]] = {
+    "ADD": operator.add, "SUBTRACT": operator.sub, "MULTIPLY": operator.mul, "DIVIDE": operator.truediv,
+    "POWER": operator.pow, "LESS": operator.lt, "AT_MOST": operator.le, "EQUAL": operator.eq,
+    "AND": lambda a, b: bool(a and b), "OR": lambda a, b: bool(a or b), "CHOOSE": lambda test, a, b: a if test else b,
+    "ROOT": math.sqrt, "SIN": math.sin, "COS": math.cos, "TAN": math.tan, "ATAN": math.atan, "ACOS": math.acos,
+    "EXP": math.exp, "LOG": math.log, "SGN": _sgn, "SGN1": lambda x: -1.0 if x < 0 else 1.0, "ABSOLUTE": abs,
+}  # fmt: skip
+CODES = tuple(_STEPS)
 #: By class: the operation, and whether its operands are exchanged.
 _RELATIONS: dict[type[sp.Basic], tuple[str, bool]] = {
     sp.StrictLessThan: ("LESS", False),
@@ -82,6 +93,20 @@ def taped(lines: Sequence[Equation], leaves: Sequence[str]) -> Tape:
     )
     slots = {name: shifted.get(slot, slot) for name, slot in recorder.slots.items()}
     return Tape(tuple(leaves), tuple(recorder.constants), tuple(operations), slots)
+
+
+def run(tape: Tape, leaves: Mapping[str, float]) -> dict[str, float]:
+    """Return the values of the leaves and lines of a tape; NaN if an operation has no value.
+
+    `leaves`: value by name, further names are ignored.
+    """
+    slots = [leaves[name] for name in tape.leaves] + list(tape.constants)
+    for operation in tape.operations:
+        try:
+            slots.append(float(_STEPS[operation.code](*(slots[i] for i in operation.operands))))
+        except (ArithmeticError, ValueError, TypeError):  # a root of a negative power is complex
+            slots.append(math.nan)
+    return {name: slots[i] for name, i in tape.slots.items()}
 
 
 @dataclass
