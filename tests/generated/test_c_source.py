@@ -18,7 +18,7 @@ from tirefmu.tires.code.printed import code_file
 FOLDER = Path(tirefmu.generated.__file__).parent / "c"
 #: Without the rolling radius: one function of an FMU, included after the header of its model.
 HEADERS = sorted(path.stem for path in FOLDER.glob("*.h") if not path.stem.endswith("_rolling_radius"))
-NAMES = [Path(file).stem for model in MODELS for file in (f"{model}_batch_forces", f"{model}.c", *files_on_demand(model))
+NAMES = [Path(file).stem for model in MODELS for file in (f"{model}.c", *files_on_demand(model))
          if not file.endswith(".py")]  # fmt: skip
 SOURCES = sorted(name for name in NAMES if "_batch_" not in name)
 STRICT = ["-Wall", "-Wextra", "-Wshadow", "-Wpedantic", "-Wconversion", "-Wstrict-prototypes", "-Werror"]
@@ -58,7 +58,9 @@ def test_no_warning(compiler, source, standard, tmp_path):
 @pytest.mark.parametrize("header", HEADERS)
 def test_header_is_self_contained_and_may_be_included_twice(header, tmp_path):
     source = tmp_path / "use.c"
-    source.write_text(f'#include "{header}.h"\n#include "{header}.h"\nint main(void) {{ return 0; }}\n', encoding="ascii")
+    source.write_text(
+        f'#include "{header}.h"\n#include "{header}.h"\nint main(void) {{ return 0; }}\n', encoding="ascii"
+    )
     command = [*find_compiler(), "-std=c99", *STRICT, f"-I{FOLDER}", "-c", str(source)]
     subprocess.run([*command, "-o", str(tmp_path / "use.o")], check=True)
 

@@ -41,7 +41,9 @@ LOOPS = {
 def built(folder, flags):
     functions = "\n".join(FUNCTION.format(kind=k, name=n, loop=LOOPS[k].format(name=n)) for k, n in CASES)
     source = folder / "elementary.c"
-    source.write_text("\n".join([INCLUDES, "#define WIDE 1", definitions(functions, KERNEL), functions]), encoding="ascii")
+    source.write_text(
+        "\n".join([INCLUDES, "#define WIDE 1", definitions(functions, KERNEL), functions]), encoding="ascii"
+    )
     return ctypes.CDLL(str(shared_library("elementary", [source], flags=["-fvisibility=default", *flags])))
 
 

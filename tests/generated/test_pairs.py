@@ -8,13 +8,10 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
-import sympy as sp
 
 import tirefmu.generated
 from tirefmu.symbolic.models import model_named
 from tirefmu.symbolic.printers.definitions import INCLUDES, definitions
-from tirefmu.symbolic.printers.pairs import function_of, in_pairs
-from tirefmu.symbolic.printers.routines import Assignment, routines
 from tirefmu.tires.code.compiler import shared_library
 from tirefmu.tires.code.numpy_code import numpy_code
 
@@ -129,32 +126,3 @@ def test_forces_are_the_same_with_and_without_vectors(tmp_path, monkeypatch):
     with np.errstate(all="ignore"):
         exact = numpy_code(symbolic_model).forces(np.ascontiguousarray(rows.T), parameters).T
     assert found["plain"] == pytest.approx(exact, rel=1e-12, abs=1e-9, nan_ok=True)
-
-
-@pytest.mark.parametrize("name", ["fiala", "mf96", "mf61"])
-def test_every_statement_is_computed_once_after_what_it_needs(name):
-    forces = {routine.full_name: routine for routine in routines(model_named(name))}
-    body = forces.get("forces_straight", forces["forces"]).body
-    known = {symbol for a in body for symbol in a.expression.free_symbols} - {a.symbol for a in body}
-    computed = {}
-    for members in in_pairs(body):
-        assert len({function_of(member.expression) for member in members}) == 1
-        assert len(members) == 1 or (len(members) == 2 and function_of(members[0].expression))
-        assert all(member.expression.free_symbols <= known for member in members)
-        assert not known & {member.symbol for member in members}
-        known |= {member.symbol for member in members}
-        computed |= {member.symbol: member.expression for member in members}
-    lines = {assignment.symbol for assignment in body}
-    for assignment in body:
-        expression = computed[assignment.symbol]
-        while inner := {s: computed[s] for s in expression.free_symbols if s in computed and s not in lines}:
-            expression = expression.xreplace(inner)
-        assert expression == assignment.expression
-
-
-def test_calls_share_a_pair_where_they_do_not_depend_on_each_other():
-    x = sp.Symbol("x")
-    names = sp.symbols("a b c d e")
-    body = [Assignment(name, sp.cos((k + 2) * x)) for k, name in enumerate(names)]
-    sizes = [len(members) for members in in_pairs(body) if function_of(members[0].expression)]
-    assert sizes == [2, 2, 1]

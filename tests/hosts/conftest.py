@@ -12,7 +12,7 @@ from tirefmu.symbolic.added import AddedEffect
 from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, TOLERANCE
-from tirefmu.tires import published, read_tir
+from tirefmu.tires import Tire, published, read_tir
 
 from . import self_tests
 from .self_tests import NotInstalledError, differences
@@ -29,23 +29,38 @@ def wet_grip(text=HOSTILE):
     return AddedEffect("wet_grip", text, text, (coefficient,), (Act("friction_y", "factor", formula),))
 
 
-@pytest.fixture(scope="session")
-def mf61(golden):
-    """Return an MF6.1 tire with all effects."""
-    return read_tir(golden / "MagicFormula61_Parameters.tir")
+SIZE = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31}
+FIALA = {**SIZE, "WIDTH": 0.15, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 9e4, "CALPHA": 6e4, "UMIN": 0.7, "UMAX": 1.1}
 
 
 @pytest.fixture(scope="session")
-def trento():
-    return published("trento_hoosier")
+def tire_of(golden):
+    """Return a function: the tire of a model, with all effects if it is a Magic Formula."""
+
+    def tire(model):
+        if model in ("mf52", "mf61", "mf62"):
+            return read_tir(golden / f"MagicFormula{model[2:]}_Parameters.tir")
+        return published("trento_hoosier") if model == "mf96" else Tire(model, FIALA if model == "fiala" else SIZE)
+
+    return tire
 
 
 @pytest.fixture(scope="session")
-def wet():
-    """Return an MF96 tire with a user-defined effect, whose texts are all hostile, and effects with states."""
-    trento = published("trento_hoosier")
-    effects = {*trento.has, "wet_grip", "heat_friction", "slip_history"}
+def mf61(tire_of):
+    return tire_of("mf61")
+
+
+@pytest.fixture(scope="session")
+def trento(tire_of):
+    return tire_of("mf96")
+
+
+@pytest.fixture(scope="session")
+def wet(trento):
+    """Return an MF96 tire with a user-defined effect, all texts hostile, and effects with states of each kind."""
+    effects = {*trento.has, "wet_grip", "heat_friction", "slip_history", "temperature", "temp_friction"}
     values = {**trento.values, "GRIPT": 0.01, "HMU": 0.016, "SHMUX": 0.05, "SHMUY": 0.05, "SHKX": 0.1, "SHKY": 0.1}
+    values |= {"TMU1": -0.002, "TREF": 50.0, "THACT": 1.0, "THSHAREX": 0.8}
     return replace(trento, values=values, effects=effects, name=HOSTILE, added=(wet_grip(),))
 
 

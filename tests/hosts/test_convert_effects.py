@@ -17,18 +17,12 @@ from tirefmu.hosts.dialects import HOSTS
 from tirefmu.hosts.lacking import acting
 from tirefmu.symbolic.added import library, read_effect
 from tirefmu.symbolic.models import MODELS, whole_library
-from tirefmu.tires import Tire, published, read_tir
+from tirefmu.tires import Tire, read_tir
 
-SIZE = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31}
-FIALA = {**SIZE, "WIDTH": 0.15, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 9e4, "CALPHA": 6e4, "UMIN": 0.7, "UMAX": 1.1}
+from .conftest import FIALA
+
 #: Few operating conditions, for the laws without a fit.
 ROWS = pd.DataFrame({"kappa": [0.0, 0.05, -0.1, 0.0], "alpha": [0.08, 0.0, 0.05, -0.15], "gamma": 0.02, "Fz": 3000.0})
-
-
-def plain_tire(model, golden):
-    if model.startswith("mf") and model != "mf96":
-        return read_tir(golden / f"MagicFormula{model[2:]}_Parameters.tir")
-    return published("trento_hoosier") if model == "mf96" else Tire(model, FIALA if model == "fiala" else SIZE)
 
 
 def with_effect(tire, effect):
@@ -48,7 +42,7 @@ def with_effect(tire, effect):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_a_tire_with_an_effect_converts_for_every_host(model, golden, tmp_path, monkeypatch):
+def test_a_tire_with_an_effect_converts_for_every_host(model, tire_of, tmp_path, monkeypatch):
     """The fits are replaced by their start: what is fitted is tested below."""
     monkeypatch.setattr(conversion, "_operating_range", lambda tire: ROWS)
     monkeypatch.setattr(conversion, "fit", lambda table, model, *, start, **options: SimpleNamespace(tire=start))
@@ -58,7 +52,7 @@ def test_a_tire_with_an_effect_converts_for_every_host(model, golden, tmp_path, 
         return replace(tire, values={**tire.values, **neutral})
 
     monkeypatch.setattr(conversion, "nearest", start)
-    tire = plain_tire(model, golden)
+    tire = tire_of(model)
     for effect in library().values():
         if not tire.symbolic_model.has_place_for(effect):
             continue
@@ -93,8 +87,8 @@ def test_a_user_defined_effect_is_folded_and_its_error_printed(tmp_path, capsys)
     assert 1e-4 < errors["Fy"] < 0.1
 
 
-def test_an_effect_is_folded_into_the_coefficients_that_a_host_reads(golden, tmp_path):
-    whole = with_effect(plain_tire("mf61", golden), library()["heat_friction"])
+def test_an_effect_is_folded_into_the_coefficients_that_a_host_reads(mf61, tmp_path):
+    whole = with_effect(mf61, library()["heat_friction"])
     result = convert(whole, tmp_path / "x.tir", "simcenter")
     table = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 41), "Fz": 4000.0})
     forces = whole.evaluate(table, steady=True)

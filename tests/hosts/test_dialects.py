@@ -15,17 +15,9 @@ from tirefmu.hosts.dialects import HOSTS
 from tirefmu.hosts.lint import lint
 from tirefmu.hosts.self_test import operating_conditions
 from tirefmu.symbolic.models import MODELS
-from tirefmu.tires import Tire, read_tir
+from tirefmu.tires import read_tir
 
-FIALA = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31, "WIDTH": 0.15, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 9e4,
-         "CALPHA": 6e4, "UMIN": 0.7, "UMAX": 1.1}  # fmt: skip
 CASES = [(host, model) for host, rules in HOSTS.items() for model in rules.dialects]
-
-
-@pytest.fixture(scope="module")
-def tires(golden):
-    magic = {name: read_tir(golden / f"MagicFormula{name[2:]}_Parameters.tir") for name in ("mf52", "mf61", "mf62")}
-    return {**magic, "fiala": Tire("fiala", FIALA)}
 
 
 def errors_of(path, host):
@@ -38,14 +30,14 @@ def forces_of(tire):
 
 
 @pytest.mark.parametrize(("host", "model"), CASES)
-def test_a_converted_file_is_accepted_and_is_the_same_tire(tires, tmp_path, host, model):
-    result = convert(tires[model], tmp_path / "x.tir", host)
+def test_a_converted_file_is_accepted_and_is_the_same_tire(tire_of, tmp_path, host, model):
+    result = convert(tire_of(model), tmp_path / "x.tir", host)
     assert result.model == model
     assert not result.refitted
     assert not errors_of(result.path, host)
     written = read_tir(result.path)
     assert written.model == model
-    np.testing.assert_array_equal(forces_of(written), forces_of(tires[model]))
+    np.testing.assert_array_equal(forces_of(written), forces_of(tire_of(model)))
     text = result.path.read_text()
     for key, value in HOSTS[host].dialects[model].entries.items():
         assert text.count(f"\n{key} = {value}\n") == 1, key
@@ -74,8 +66,8 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("correct", "wrong", "message"), FAULTS)
-def test_every_fault_is_found(tires, tmp_path, correct, wrong, message):
-    path = convert(tires["mf52"], tmp_path / "x.tir", "chrono").path
+def test_every_fault_is_found(tire_of, tmp_path, correct, wrong, message):
+    path = convert(tire_of("mf52"), tmp_path / "x.tir", "chrono").path
     text = path.read_text()
     assert text.count(f"\n{correct}") == 1, correct
     path.write_text(text.replace(f"\n{correct}", f"\n{wrong}"))
@@ -86,8 +78,8 @@ def test_every_fault_is_found(tires, tmp_path, correct, wrong, message):
         assert all(wrong.splitlines()[0].split(" ")[0] in lines[f.line - 1] for f in found if message in f.text)
 
 
-def test_an_added_effect_is_reported_and_stays_in_a_section_of_its_own(tires, tmp_path, capsys):
-    tire = tires["mf52"]
+def test_an_added_effect_is_reported_and_stays_in_a_section_of_its_own(tire_of, tmp_path, capsys):
+    tire = tire_of("mf52")
     values = {**tire.values, "TREF": 60.0, "TMU1": -0.002, "TMU2": 0.0}
     warm = replace(tire, values=values, effects={*tire.has, "temp_friction"})
     warm.save(tmp_path / "warm.tir")
@@ -100,9 +92,9 @@ def test_an_added_effect_is_reported_and_stays_in_a_section_of_its_own(tires, tm
 
 
 @pytest.mark.parametrize("host", ["adams", "mfeval"])
-def test_coefficients_that_a_host_lacks_are_replaced_by_a_fit_with_a_stated_error(tires, tmp_path, host):
+def test_coefficients_that_a_host_lacks_are_replaced_by_a_fit_with_a_stated_error(tire_of, tmp_path, host):
     """MFeval has the coefficients of MF6.1 in MF5.2, too; PAC2002 would ignore them."""
-    tire = replace(tires["mf52"], values={**tires["mf52"].values, "PKY4": 1.8, "RBX3": 2.0})
+    tire = replace(tire_of("mf52"), values={**tire_of("mf52").values, "PKY4": 1.8, "RBX3": 2.0})
     tire.save(tmp_path / "x.tir")
     found = " ".join(finding.text for finding in errors_of(tmp_path / "x.tir", host))
     result = convert(tire, tmp_path / "y.tir", host)

@@ -15,7 +15,6 @@ from tirefmu.hosts.printout import generate, printed, program_of
 from tirefmu.hosts.self_test import operating_conditions, reference
 from tirefmu.symbolic.printers.languages import LANGUAGES
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintoutSelection
-from tirefmu.tires import read_tir
 
 from .conftest import HOSTILE, command_of, wet_grip
 
@@ -34,10 +33,9 @@ def test_special_operating_conditions_are_among_the_rows(mf61):
 
 
 @pytest.mark.parametrize("model", ["mf96", "mf52", "mf61"])
-def test_few_rows_are_omitted_and_few_results_have_a_wider_tolerance(trento, golden, model):
+def test_few_rows_are_omitted_and_few_results_have_a_wider_tolerance(tire_of, model):
     """All special rows are compared. Only results that lose digits are compared less strictly than their size."""
-    tire = trento if model == "mf96" else read_tir(golden / f"MagicFormula{model[2:]}_Parameters.tir")
-    tire = tire.in_signs("iso")
+    tire = tire_of(model).in_signs("iso")
     found = program_of(tire, model, PrintoutSelection(("forces", "quantities")), rows=1)
     rows = operating_conditions(tire, 500)
     inputs, results, sizes = reference(tire, found, rows)
@@ -48,8 +46,8 @@ def test_few_rows_are_omitted_and_few_results_have_a_wider_tolerance(trento, gol
     assert set(labels[sizes > 1.5 * typical]) <= ({"rho", "R_l", "c_z"} if model == "mf52" else set())
 
 
-def test_the_deflection_of_a_nearly_linear_tire_is_compared_within_its_rounding(golden, printout, assert_agrees):
-    tire = read_tir(golden / "MagicFormula52_Parameters.tir")
+def test_the_deflection_of_a_nearly_linear_tire_is_compared_within_its_rounding(tire_of, printout, assert_agrees):
+    tire = tire_of("mf52")
     for bend in (1e-2, 1e-7):
         nearly_linear = replace(tire, values={**tire.values, "Q_FZ2": bend})
         folder = printout(nearly_linear, "numpy", "linear", functions=["quantities"])

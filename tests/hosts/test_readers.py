@@ -52,10 +52,10 @@ def fitted(data_folder):
 
 
 @pytest.fixture(params=["golden", "fitted"])
-def tire(request, golden):
+def tire(request, tire_of):
     """Return a tire of a property file, and one fitted to measured recordings."""
     if request.param == "golden":
-        return read_tir(golden / "MagicFormula52_Parameters.tir")
+        return tire_of(MODEL)
     return request.getfixturevalue("fitted")
 
 
@@ -220,9 +220,9 @@ def slalom(tire, folder, largest, inclination):
 
 
 @pytest.mark.parametrize(("largest", "inclination"), [(0.08, 0.0), (0.2, 0.0), (0.08, 0.05)])
-def test_a_hub_fmu_drives_a_slalom_as_chronos_tire_does(golden, tmp_path, largest, inclination):
+def test_a_hub_fmu_drives_a_slalom_as_chronos_tire_does(tire_of, tmp_path, largest, inclination):
     """With the slips of the FMU's carcass, which Chrono's tire has not."""
-    result = convert(read_tir(golden / "MagicFormula52_Parameters.tir"), tmp_path / "chrono.tir", "chrono")
+    result = convert(tire_of(MODEL), tmp_path / "chrono.tir", "chrono")
     path_of("TIREFMU_CHRONO")
     driven = slalom(result.tire, tmp_path, largest, inclination)
     assert driven[["Fx", "Fy"]].abs().max().min() > 4000.0

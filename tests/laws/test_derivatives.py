@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import casadi as ca
 import numpy as np
 import pytest
 
 from tirefmu.symbolic.model.lines import reaching
+from tirefmu.tires.code import code_for
 from tirefmu.tires.code.casadi_code import casadi_expression
-from tirefmu.tires.code.modules import numpy_routine
 
 ROUTINES = ("jacobian_inputs", "jacobian_parameters")
 
 
 def printed(tire, routine, rows, parameters):
     """Return derivatives as (n, n_forces, n_by)."""
-    with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
-        matrix = numpy_routine(tire.symbolic_model, routine)(rows, parameters)
-    return np.array([[np.broadcast_to(value, rows.shape[1]) for value in row] for row in matrix]).transpose(2, 0, 1)
+    return getattr(code_for(tire.symbolic_model, "numpy"), routine)(rows, parameters)
+
+
+@cache
+def differentiated(model, routine):
+    """Return the Jacobian that CasADi derives from the forces, as a function of inputs and parameters."""
+    x, p = ca.SX.sym("x", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
+    jacobian = ca.jacobian(casadi_expression(model, "forces", x, p), x if routine == "jacobian_inputs" else p)
+    return ca.Function("jacobian", [x, p], [jacobian])
 
 
 def by_casadi(tire, routine, rows, parameters):
-    x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
-    forces = casadi_expression(tire.symbolic_model, "forces", x, p)
-    jacobian = ca.jacobian(forces, x if routine == "jacobian_inputs" else p)
-    function = ca.Function("jacobian", [x, p], [jacobian])
+    function = differentiated(tire.symbolic_model, routine)
     full = np.stack([np.array(function(point, parameters)) for point in rows.T])
     return full if routine == "jacobian_inputs" else full[:, :, : len(tire.symbolic_model.coefficients)]
 
@@ -38,9 +43,7 @@ ROUNDING = 1e-14
 
 
 def forces_at(tire, rows, parameters):
-    with np.errstate(all="ignore"):
-        forces = numpy_routine(tire.symbolic_model, "forces")(rows, parameters)
-    return np.stack([np.broadcast_to(force, rows.shape[1]) for force in forces])
+    return code_for(tire.symbolic_model, "numpy").forces(rows, parameters)
 
 
 def by_differences(tire, routine, rows, parameters):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tirefmu.tires.code import code_for
-from tirefmu.tires.code.modules import numpy_routine
 
 LANGUAGES = ("numpy", "c", "casadi")
 
@@ -36,8 +35,7 @@ def test_jacobians_stay_finite(tire, points, code):
     rows, parameters = points(tire, n=8), tire.parameters()
     rows = with_each_load(tire, rows, [0.0, -5000.0, 1e-9, 1e-6, 2e-6])
     assert np.isfinite(code_for(tire.model, code).jacobian_parameters(rows, parameters)).all()
-    by_inputs = numpy_routine(tire.symbolic_model, "jacobian_inputs")(rows, parameters)
-    assert all(np.isfinite(value).all() for row in by_inputs for value in row)
+    assert np.isfinite(code_for(tire.model, code).jacobian_inputs(rows, parameters)).all()
 
 
 @pytest.mark.parametrize("code", ["numpy", "casadi"])

@@ -76,66 +76,39 @@ def test_without_a_length_a_state_has_its_target():
     assert laws.lag_curved(0.3, 1.0, 0.2, -0.7, np.inf) == pytest.approx(-0.7, rel=1e-14)
 
 
-def test_a_held_lag_requires_no_step_size():
-    x = 0.3
-    for _ in range(25):
-        x = laws.lag(x, 1.0, 1.0, 2.0 / 25)
-    assert x == pytest.approx(float(laws.lag(0.3, 1.0, 1.0, 2.0)), rel=1e-15)
+#: Paths that turn, also through the limits of play.
+TURNS = (0.0, 0.1, 0.08, -0.05, 0.0)
 
 
-def test_dahl_depends_on_the_path_alone():
-    """One step against 25 along a path that turns: only the turns count."""
-    z = fine = 0.2
-    for start, end in ((0.0, 0.1), (0.1, -0.05), (-0.05, 0.02)):
-        z = laws.dahl(z, start, end, 0.03)
-        points = np.linspace(start, end, 26)
-        for a, b in pairwise(points):
-            fine = laws.dahl(fine, a, b, 0.03)
-    assert z == pytest.approx(fine, rel=1e-14)
-    assert -1.0 < z < 1.0
-
-
-@pytest.mark.parametrize("path", [((0.1, 0.0), (-0.2, 0.0)), ((0.1, 0.05), (-0.08, 0.02)), ((0.01, 0.02), (0.3, 0.1))])
-def test_the_size_of_a_slip_is_split_where_it_is_least(path):
-    """A path through or past zero in one step is the path in many: the size falls first, then grows."""
-    (a, b), (a_end, b_end) = path
-    fine, n = 0.2, 400
-    points = np.linspace((a, b), (a_end, b_end), n + 1)
-    for p, q in pairwise(points):
-        fine = laws.dahl_size(fine, *p, *q, 0.03)
-    once = laws.dahl_size(0.2, a, b, a_end, b_end, 0.03)
-    assert once == pytest.approx(float(fine), abs=1e-12)
-    one_way = laws.dahl(0.2, np.hypot(a, b), np.hypot(a_end, b_end), 0.03)
-    assert (abs(once - one_way) > 0.01) == (path[1] != (0.3, 0.1))
-
-
-def test_play_depends_on_the_path_alone():
-    """One step against 25 along a path that turns, also through its limits: the follower of a backlash."""
-    z = fine = 0.2
-    width, follower, s = 0.03, -0.2 * 0.03, 0.0
-    for start, end in ((0.0, 0.1), (0.1, 0.08), (0.08, -0.05), (-0.05, 0.0)):
-        z = laws.play(z, start, end, width)
+@pytest.mark.parametrize("law", [laws.dahl, laws.play])
+def test_a_state_depends_on_the_path_alone(law):
+    """One step against 25 along each part of a path that turns: only the turns count."""
+    z, fine, width, follower = -0.2, -0.2, 0.03, 0.2 * 0.03
+    for start, end in pairwise(TURNS):
+        z = law(z, start, end, width)
         for a, b in pairwise(np.linspace(start, end, 26)):
-            fine = laws.play(fine, a, b, width)
-        s, follower = end, min(max(follower, end - width), end + width)
+            fine = law(fine, a, b, width)
+        follower = min(max(follower, end - width), end + width)
         assert z == pytest.approx(fine, abs=1e-14)
-        assert s - width * z == pytest.approx(follower, abs=1e-15)
+        if law is laws.play:  # the follower of a backlash
+            assert end - width * z == pytest.approx(follower, abs=1e-15)
     assert -1.0 < z < 1.0
 
 
-PAST_ZERO = [((0.1, 0.0), (-0.2, 0.0)), ((0.1, 0.05), (-0.08, 0.02)), ((0.01, 0.02), (0.02, 0.03))]
-
-
-@pytest.mark.parametrize("path", PAST_ZERO)
-def test_play_along_the_size_of_a_slip_is_split_where_it_is_least(path):
-    (a, b), (a_end, b_end) = path
-    fine, width = -0.8, 0.15
-    for p, q in pairwise(np.linspace((a, b), (a_end, b_end), 401)):
-        fine = laws.play_size(fine, *p, *q, width)
-    once = laws.play_size(-0.8, a, b, a_end, b_end, width)
+@pytest.mark.parametrize(("law", "of_size", "z", "width"),
+                         [(laws.dahl, laws.dahl_size, 0.2, 0.03), (laws.play, laws.play_size, -0.8, 0.15)])  # fmt: skip
+@pytest.mark.parametrize(("path", "turns"), [
+    (((0.1, 0.0), (-0.2, 0.0)), True), (((0.1, 0.05), (-0.08, 0.02)), True), (((0.01, 0.02), (0.02, 0.03)), False),
+])  # fmt: skip
+def test_the_size_of_a_slip_is_split_where_it_is_least(law, of_size, z, width, path, turns):
+    """A path through or past zero in one step is the path in many: the size falls first, then grows."""
+    fine = z
+    for p, q in pairwise(np.linspace(*path, 401)):
+        fine = of_size(fine, *p, *q, width)
+    once = of_size(z, *path[0], *path[1], width)
     assert once == pytest.approx(float(fine), abs=1e-12)
-    one_way = laws.play(-0.8, np.hypot(a, b), np.hypot(a_end, b_end), width)
-    assert (abs(once - one_way) > 0.01) == (path[1] != (0.02, 0.03))
+    one_way = law(z, *(np.hypot(*end) for end in path), width)
+    assert (abs(once - one_way) > 0.01) == turns
 
 
 @pytest.fixture(scope="module")
