@@ -98,7 +98,8 @@ def tire_data(
         ],
         "targets": sorted({q.name for q in model.outputs} | set(model.results)),
         "lines": [
-            [line.name, line.effects, line.earlier, [[c.present, c.numbers, c.number, c.reads] for c in line.cases]]
+            [line.name, line.effects, [*line.earlier],
+             [[*condition, c.number, c.reads] for condition, c in zip(line.conditions(), line.cases, strict=True)]]
             for line in model.structure.lines
         ],
         "file": property_file_template(whole),

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from itertools import product
+from dataclasses import replace
+from itertools import groupby
+from operator import itemgetter
 
 import sympy as sp
 
@@ -69,36 +71,29 @@ def _read_by(lines: Sequence[Equation], output: str) -> tuple[str, ...]:
 def _lines(equations: Sequence[Equation]) -> tuple[Line, ...]:
     """Return what each line reads in all cases: with every choice of its effects, and of the earlier lines' numbers."""
     options = {option.parameter for option in OPTIONS.values()}
-    possible: dict[str, list[str]] = {}  # numbers that a line may be, '' for an expression
+    possible: dict[str, tuple[str, ...]] = {}  # numbers that a line may be, '' for an expression
     numbers: dict[str, sp.Expr] = {}
     derived = []
     for line in equations:
-        effects = _effects(line)
         earlier = sorted(symbol.name for symbol in line.expression.free_symbols if symbol.name in possible)
+        shape = Line(line.symbol.name, tuple(_effects(line)), {name: possible[name] for name in earlier})
         cases = []
-        for switched_on in product((False, True), repeat=len(effects)):
-            present = tuple(name for name, is_on in zip(effects, switched_on, strict=True) if is_on)
+        for present, group in groupby(shape.conditions(), key=itemgetter(0)):
             expression = decided(switched(line.expression, present), options)
-            for values in product(*(possible[name] for name in earlier)):
+            for _, values in group:
                 fixed = {name: numbers[value] for name, value in zip(earlier, values, strict=True) if value}
-                cases.append(_case(expression, present, values, fixed, numbers))
-        derived.append(Line(line.symbol.name, tuple(effects), tuple(earlier), tuple(cases)))
+                cases.append(_case(expression, fixed, numbers))
+        derived.append(replace(shape, cases=tuple(cases)))
         results = sorted({case.number for case in cases})
         if results != [""]:
-            possible[line.symbol.name] = results
+            possible[line.symbol.name] = tuple(results)
     return tuple(derived)
 
 
-def _case(
-    expression: sp.Expr,
-    present: tuple[str, ...],
-    values: tuple[str, ...],
-    fixed: Mapping[str, sp.Expr],
-    numbers: dict[str, sp.Expr],
-) -> LineCase:
+def _case(expression: sp.Expr, fixed: Mapping[str, sp.Expr], numbers: dict[str, sp.Expr]) -> LineCase:
     """Return what an expression is with earlier lines that are numbers; a new number is added to `numbers`."""
     result = expression.xreplace({sp.Symbol(name, real=True): number for name, number in fixed.items()})
     if not result.is_Number:
-        return LineCase(present, values, "", tuple(sorted(symbol.name for symbol in result.free_symbols)))
+        return LineCase("", tuple(sorted(symbol.name for symbol in result.free_symbols)))
     numbers[str(result)] = result
-    return LineCase(present, values, str(result), ())
+    return LineCase(str(result), ())

@@ -7,27 +7,19 @@ themselves are loaded to print code, to add effects and to show equations.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from importlib.resources.abc import Traversable
-from typing import Any
+from itertools import compress, product
 
 from tirefmu.boundary.errors import ModelError
 
 
 @dataclass(frozen=True)
 class LineCase:
-    """The content of a line under certain conditions: a number, as text, or an expression that reads names.
+    """The content of a line under certain conditions: a number, as text, or '' and the names that it reads."""
 
-    - `present`: the effects of the line that are on.
-    - `numbers`: the numbers that earlier lines are, '' for an expression; in the order of `Line.earlier`.
-    - `number`: the number; '' for an expression.
-    - `reads`: the names that the expression reads.
-    """
-
-    present: tuple[str, ...]
-    numbers: tuple[str, ...]
     number: str
     reads: tuple[str, ...]
 
@@ -36,17 +28,24 @@ class LineCase:
 class Line:
     """The names that a line reads, depending on its effects and on the earlier lines that may be numbers.
 
-    - `cases`: one for each combination.
+    - `earlier`: by earlier line, the numbers that it may be, as text; '' for an expression.
+    - `cases`: one for each of `conditions`.
     """
 
     name: str
     effects: tuple[str, ...]
-    earlier: tuple[str, ...]
-    cases: tuple[LineCase, ...]
+    earlier: Mapping[str, tuple[str, ...]]
+    cases: tuple[LineCase, ...] = ()
+
+    def conditions(self) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+        """Yield for each case the effects of the line that are on, and the numbers that the earlier lines are."""
+        for switched_on in product((False, True), repeat=len(self.effects)):
+            yield from product([tuple(compress(self.effects, switched_on))], product(*self.earlier.values()))
 
     @cached_property
     def _by_condition(self) -> dict[tuple[frozenset[str], tuple[str, ...]], LineCase]:
-        return {(frozenset(case.present), case.numbers): case for case in self.cases}
+        pairs = zip(self.conditions(), self.cases, strict=True)
+        return {(frozenset(present), numbers): case for (present, numbers), case in pairs}
 
     def case(self, present: Collection[str], numbers: Mapping[str, str]) -> LineCase:
         """Return the content of the line with these effects and earlier lines that are numbers."""
@@ -106,7 +105,11 @@ class Structure:
         `from_text` is the inverse, without the remark about the file.
         """
         content = {"about": about, **asdict(self)}
-        lines = [_without_names(line) for line in content.pop("lines")]
+        del content["lines"]
+        lines = [
+            [line.name, line.effects, line.earlier, [case.number or case.reads for case in line.cases]]
+            for line in self.lines
+        ]
         fields = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
         rows = ",\n  ".join(json.dumps(line) for line in lines)
         return "{\n" + ",\n".join([*fields, f'"lines": [\n  {rows}\n]']) + "\n}\n"
@@ -117,9 +120,10 @@ class Structure:
         content = json.loads(text)
         del content["about"]
         lines = tuple(
-            Line(name, tuple(effects), tuple(earlier), tuple(_case(*case) for case in cases))
+            Line(name, tuple(effects), {line: tuple(numbers) for line, numbers in earlier.items()},
+                 tuple(LineCase(case, ()) if isinstance(case, str) else LineCase("", tuple(case)) for case in cases))
             for name, effects, earlier, cases in content.pop("lines")
-        )
+        )  # fmt: skip
         quantities = {name: (unit, description) for name, (unit, description) in content.pop("quantities").items()}
         straight = {name: tuple(reads) for name, reads in content.pop("straight").items()}
         names = {key: tuple(value) for key, value in content.items()}
@@ -133,18 +137,8 @@ def stored_structure(file: Traversable, declared: Collection[str]) -> Structure:
     """
     try:
         structure = Structure.from_text(file.read_text(encoding="ascii"))
-    except (KeyError, TypeError, ValueError):
+    except (AttributeError, KeyError, TypeError, ValueError):
         raise ModelError(f'{file} is stale: run "tirefmu generate"') from None
     if unknown := set(structure.coefficients).difference(declared):
         raise ModelError(f'{file} is stale, it has {min(unknown)}: run "tirefmu generate"')
     return structure
-
-
-def _without_names(line: dict[str, Any]) -> list[Any]:
-    """Return the fields of a line and its cases as lists, which are shorter than mappings."""
-    cases = [list(case.values()) for case in line["cases"]]
-    return [line["name"], line["effects"], line["earlier"], cases]
-
-
-def _case(present: list[str], numbers: list[str], number: str, reads: list[str]) -> LineCase:
-    return LineCase(tuple(present), tuple(numbers), number, tuple(reads))

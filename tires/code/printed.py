@@ -1,10 +1,10 @@
 """Location of the code of a model: in the package, or printed once and stored by content.
 
 The package has the files that `generated/MANIFEST.json` lists: in a clone the forces, operations and structure of each
-model, in a wheel also the Jacobians, the kernels and the models with the whole library of effects. Code that the package lacks is
-printed into the cache at first use. This includes models with other effects and models that a program registers. The
-name of an entry contains a digest of the equations, the printers and the effects: after a change of one of them the
-code is printed again.
+model, in a wheel also the Jacobians, the kernels and the models with the whole library of effects. Code that the
+package lacks is printed into the cache at first use. This includes models with other effects and models that a program
+registers. The name of an entry contains a digest of the equations, the printers and the effects: after a change of one
+of them the code is printed again.
 """
 
 from __future__ import annotations
