@@ -78,10 +78,10 @@ def test_a_deep_file_is_refused_before_it_fills_the_memory(tmp_path, read, text)
 
 def test_a_deep_effect_in_a_tire_is_refused(tmp_path):
     tire, path = published("trento_hoosier"), tmp_path / "tire.tir"
-    own = read_effect(EFFECT, "own.toml")
-    write_tir(replace(tire, effects=[*tire.effects, own.name], added=(own,)), path)
+    effect = read_effect(EFFECT, "own.toml")
+    write_tir(replace(tire, effects=[*tire.effects, effect.name], added=(effect,)), path)
     written = path.read_text(encoding="utf-8")
-    name = f"name = \\u0022{own.name}\\u0022"
+    name = f"name = \\u0022{effect.name}\\u0022"
     assert name in written
     path.write_text(written.replace(name, DEEP["key"]), encoding="utf-8")
     assert peak(lambda: read_tir(path)) < MEMORY
@@ -98,8 +98,8 @@ def test_a_large_file_is_refused(tmp_path, read):
 def test_toml_is_parsed_in_one_module():
     packages = [path.parent for path in ROOT.glob("*/__init__.py") if path.parent.name != "tests"]
     files = [path for package in packages for path in package.rglob("*.py")]
-    found = [path for path in files if re.search("^ *(import|from) tomllib", path.read_text(encoding="utf-8"), re.M)]
-    assert [str(path.relative_to(ROOT)) for path in found] == [str(Path("boundary", "bounded_file.py"))]
+    parsers = [path for path in files if re.search("^ *(import|from) tomllib", path.read_text(encoding="utf-8"), re.M)]
+    assert [str(path.relative_to(ROOT)) for path in parsers] == [str(Path("boundary", "bounded_file.py"))]
 
 
 #: Characters that begin, end or escape a text, a comment, a key, an array or a table.
@@ -141,8 +141,8 @@ def statements(draw):
 
 
 @given(st.lists(statements(), min_size=1, max_size=3))
-def test_what_is_not_too_deep_is_read_as_tomllib_does(found):
-    text, deepest = "\n".join(line for line, _ in found), max(levels for _, levels in found)
+def test_what_is_not_too_deep_is_read_as_tomllib_does(lines):
+    text, deepest = "\n".join(line for line, _ in lines), max(levels for _, levels in lines)
     try:
         content = tomllib.loads(text)
     except ValueError:  # two statements with the same key
@@ -152,9 +152,9 @@ def test_what_is_not_too_deep_is_read_as_tomllib_does(found):
 
 
 @given(st.lists(statements(), min_size=1, max_size=3), st.text(SIGNS + "\n"))
-def test_no_key_that_is_too_deep_reaches_the_parser(found, rest):
+def test_no_key_that_is_too_deep_reaches_the_parser(lines, rest):
     """Also where another text follows or the whole is no TOML: the parser stores keys up to its first error."""
-    text = "\n".join(line for line, _ in found) + rest
+    text = "\n".join(line for line, _ in lines) + rest
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tomllib._parser, "parse_key", partial(_parsed_key, tomllib._parser.parse_key))
         with suppress(TirefmuError):

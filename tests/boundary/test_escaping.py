@@ -44,7 +44,7 @@ def test_a_c_string_has_the_bytes_of_the_text(text):
     literal = escaping.c_string(text)
     assert re.fullmatch(r'"(?:[^"\\?%\n]|\\[0-7]{3})*"', literal)
     assert literal.isascii()
-    octal = re.sub(rb"\\([0-7]{3})", lambda found: bytes([int(found[1], 8)]), literal[1:-1].encode())
+    octal = re.sub(rb"\\([0-7]{3})", lambda match: bytes([int(match[1], 8)]), literal[1:-1].encode())
     assert octal == text.encode(errors="replace")
 
 

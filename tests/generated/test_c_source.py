@@ -32,13 +32,13 @@ def source_file(name):
 def compilers():
     """Return the default C compiler of the machine and the other known compilers that it has."""
     try:
-        found = {Path(shutil.which(find_compiler()[0]) or "").resolve(): find_compiler()}
+        commands = {Path(shutil.which(find_compiler()[0]) or "").resolve(): find_compiler()}
     except CompilerError:
-        found = {}
+        commands = {}
     for name in ("gcc", "clang"):
         if path := shutil.which(name):
-            found.setdefault(Path(path).resolve(), [path])
-    return [pytest.param(command, id=Path(command[0]).name) for command in found.values()]
+            commands.setdefault(Path(path).resolve(), [path])
+    return [pytest.param(command, id=Path(command[0]).name) for command in commands.values()]
 
 
 #: Jacobians, the same statements as the values but many times as long, and kernels are compiled by one standard.

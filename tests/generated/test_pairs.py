@@ -115,14 +115,14 @@ def test_forces_are_the_same_with_and_without_vectors(tmp_path, monkeypatch):
     ranges = {"kappa": (-1.5, 1.5), "alpha": (-1.4, 1.4), "gamma": (-0.3, 0.3), "Fz": (-100.0, 9000.0),
               "p": (0.0, 3e5), "V": (-30.0, 30.0), "phit": (0.0, 0.0)}  # fmt: skip
     rows = np.stack([rng.uniform(*ranges[quantity.name], 300) for quantity in symbolic_model.inputs], axis=1)
-    found = {}
+    results = {}
     for build, flags in BUILDS.items():
         code = built("mf61", FOLDER / "mf61.c", ["-O1", *flags], [FOLDER / "mf61.h"])
-        found[build] = np.empty((len(rows), len(symbolic_model.outputs)))
-        for row, result in zip(rows, found[build], strict=True):
+        results[build] = np.empty((len(rows), len(symbolic_model.outputs)))
+        for row, result in zip(rows, results[build], strict=True):
             code.mf61_forces(*(array.ctypes.data_as(ctypes.c_void_p) for array in (row, parameters, result)))
-    for build, forces in found.items():
-        assert np.array_equal(bits(forces), bits(found["plain"])), build
+    for build, forces in results.items():
+        assert np.array_equal(bits(forces), bits(results["plain"])), build
     with np.errstate(all="ignore"):
         exact = numpy_code(symbolic_model).forces(np.ascontiguousarray(rows.T), parameters).T
-    assert found["plain"] == pytest.approx(exact, rel=1e-12, abs=1e-9, nan_ok=True)
+    assert results["plain"] == pytest.approx(exact, rel=1e-12, abs=1e-9, nan_ok=True)

@@ -61,10 +61,10 @@ def evaluate(values, rows, *, model="mf61", limits=False, slip_angle="tan", turn
         (deflection_62 if model == "mf62" else deflection_61)(c, q)
         contact_patch(c, q)
         carcass(c, q)
-    found = {
+    results = {
         name: np.broadcast_to(np.asarray(getattr(q, name)), q.Fz.shape) for name in (*QUANTITIES.split(), "R_omega")
     }
-    return {name: array.astype(float) for name, array in found.items()}
+    return {name: array.astype(float) for name, array in results.items()}
 
 
 def sgn1(x):

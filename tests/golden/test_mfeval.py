@@ -90,13 +90,13 @@ def errors(answer: pd.DataFrame, rows: pd.DataFrame, case: Case, values: dict[st
         allowed |= SECANT
     else:
         allowed |= {name: TOLERANCE + more for name, more in rounding(rows, values).items()}
-    found = {}
+    largest = {}
     for theirs, ours in COLUMNS.items():
         compared = ~unloadable(rows, values) if theirs in ("rho", "Rl", "Cz") else rows.index >= 0
         column = answer.loc[compared, ours].to_numpy() * (2 if theirs in ("2a", "2b") else 1)
         reference = rows.loc[compared, theirs].to_numpy()
-        found[theirs] = float(np.max(np.abs(column - reference) / (1 + np.abs(reference)))) / allowed[theirs]
-    return found
+        largest[theirs] = float(np.max(np.abs(column - reference) / (1 + np.abs(reference)))) / allowed[theirs]
+    return largest
 
 
 def disagreeing(answer, rows, case, values) -> dict[str, float]:

@@ -77,8 +77,8 @@ def test_a_bench_table_in_sae(rows, worksheet_tire):
 
 def test_forces_in_iso_are_the_mirrored_ones(rows, worksheet_tire):
     answer = worksheet_tire.evaluate(rows[INPUTS], signs="iso")
-    for own, theirs in {"Fx": rows["FX"], "Fy": -rows["FY"], "F_y0": -rows["FY0"], "M_z0": -rows["MZ0"]}.items():
-        assert np.max(np.abs(answer[own] - theirs) / (1 + np.abs(theirs))) < 1e-9
+    for ours, theirs in {"Fx": rows["FX"], "Fy": -rows["FY"], "F_y0": -rows["FY0"], "M_z0": -rows["MZ0"]}.items():
+        assert np.max(np.abs(answer[ours] - theirs) / (1 + np.abs(theirs))) < 1e-9
 
 
 def test_the_published_tire_has_these_parameters_to_the_bit(worksheet_tire):

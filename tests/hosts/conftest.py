@@ -100,10 +100,10 @@ def assert_agrees():
     """Return a function that runs a printout's self-test, correct and with faults in its stored results."""
 
     def check(command, folder, functions=FUNCTIONS):
-        code, found = differences(command, folder)
-        assert code == 0, found
-        assert set(found) == set(functions)
-        for name, difference in found.items():
+        code, largest = differences(command, folder)
+        assert code == 0, largest
+        assert set(largest) == set(functions)
+        for name, difference in largest.items():
             assert 0 <= difference <= TOLERANCE[name], (name, difference)
         assert not (folder / "ran").exists()
         (stored,) = folder.glob("*_selftest.txt")

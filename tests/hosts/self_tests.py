@@ -33,10 +33,10 @@ class NotInstalledError(RuntimeError):
 
 def tool(name: str) -> str:
     """Return the path of a program."""
-    found = shutil.which(name)
-    if not found:
+    path = shutil.which(name)
+    if not path:
         raise NotInstalledError(f"{name} is not installed")
-    return found
+    return path
 
 
 def command_of(language: str, folder: Path | None = None, source: str = "", level: str = "-O0") -> list[str]:

@@ -27,10 +27,12 @@ ROWS = pd.DataFrame({"kappa": [0.0, 0.05, -0.1, 0.0], "alpha": [0.08, 0.0, 0.05,
 
 def with_effect(tire, effect):
     """Return a tire with an effect of the library at its typical size, or at its declared start without a detection."""
-    neutral = {each.name: each.neutral or 0.0 for each in effect.declarations}
+    neutral = {declaration.name: declaration.neutral or 0.0 for declaration in effect.declarations}
     given = {name: value for name, value in tire.values.items() if name not in tire.defaulted}
     if not effect.detection:
-        given |= {each.name: each.start for each in effect.declarations if each.start is not None}
+        given |= {
+            declaration.name: declaration.start for declaration in effect.declarations if declaration.start is not None
+        }
     for form in effect.detection.forms if effect.detection else ():
         for probe in form.probes:
             given |= {name: neutral[name] + size for name, size in probe.items()}

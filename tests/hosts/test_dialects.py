@@ -71,11 +71,11 @@ def test_every_fault_is_found(tire_of, tmp_path, correct, wrong, message):
     text = path.read_text()
     assert text.count(f"\n{correct}") == 1, correct
     path.write_text(text.replace(f"\n{correct}", f"\n{wrong}"))
-    found = errors_of(path, "chrono")
-    assert any(message in finding.text for finding in found), found
+    errors = errors_of(path, "chrono")
+    assert any(message in finding.text for finding in errors), errors
     if "missing" not in message and "positive" not in message:
         lines = path.read_text().splitlines()
-        assert all(wrong.splitlines()[0].split(" ")[0] in lines[f.line - 1] for f in found if message in f.text)
+        assert all(wrong.splitlines()[0].split(" ")[0] in lines[f.line - 1] for f in errors if message in f.text)
 
 
 def test_an_added_effect_is_reported_and_stays_in_a_section_of_its_own(tire_of, tmp_path, capsys):
@@ -96,11 +96,13 @@ def test_coefficients_that_a_host_lacks_are_replaced_by_a_fit_with_a_stated_erro
     """MFeval has the coefficients of MF6.1 in MF5.2, too; PAC2002 would ignore them."""
     tire = replace(tire_of("mf52"), values={**tire_of("mf52").values, "PKY4": 1.8, "RBX3": 2.0})
     tire.save(tmp_path / "x.tir")
-    found = " ".join(finding.text for finding in errors_of(tmp_path / "x.tir", host))
+    errors = " ".join(finding.text for finding in errors_of(tmp_path / "x.tir", host))
     result = convert(tire, tmp_path / "y.tir", host)
     assert not errors_of(result.path, host)
     written = read_tir(result.path)
-    assert ("PKY4 is 1.8: the host lacks it" in found) == ("RBX3 is 2" in found) == result.refitted == (host == "adams")
+    assert (
+        ("PKY4 is 1.8: the host lacks it" in errors) == ("RBX3 is 2" in errors) == result.refitted == (host == "adams")
+    )
     if not result.refitted:
         np.testing.assert_array_equal(forces_of(written), forces_of(tire))
         return

@@ -29,10 +29,10 @@ def command(name):
 
 
 def assert_agree(folder, name, functions):
-    code, found = differences(command(name), folder)
+    code, largest = differences(command(name), folder)
     assert code == 0
-    assert set(found) == set(functions)
-    for function, difference in found.items():
+    assert set(largest) == set(functions)
+    for function, difference in largest.items():
         assert 0.0 <= difference <= TOLERANCE[function], (function, difference)
 
 

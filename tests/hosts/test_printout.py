@@ -36,12 +36,12 @@ def test_special_operating_conditions_are_among_the_rows(mf61):
 def test_few_rows_are_omitted_and_few_results_have_a_wider_tolerance(tire_of, model):
     """All special rows are compared. Only results that lose digits are compared less strictly than their size."""
     tire = tire_of(model).in_signs("iso")
-    found = program_of(tire, model, PrintoutSelection(("forces", "quantities")), rows=1)
+    printout = program_of(tire, model, PrintoutSelection(("forces", "quantities")), rows=1)
     rows = operating_conditions(tire, 500)
-    inputs, results, sizes = reference(tire, found, rows)
+    inputs, results, sizes = reference(tire, printout, rows)
     assert inputs.shape[1] >= 0.99 * rows.shape[1]
     np.testing.assert_array_equal(inputs[:, :13], rows[:, :13])
-    labels = np.array([label for routine in found.routines for label in routine.labels])
+    labels = np.array([label for routine in printout.routines for label in routine.labels])
     typical = np.array([np.median(np.abs(x[x != 0])) if x.any() else 1.0 for x in results.T])
     assert set(labels[sizes > 1.5 * typical]) <= ({"rho", "R_l", "c_z"} if model == "mf52" else set())
 

@@ -67,10 +67,10 @@ def converted(tire, tmp_path):
 
 def path_of(name):
     """Return the path in a variable of the environment, or skip the test."""
-    found = os.environ.get(name)
-    if not found:
+    path = os.environ.get(name)
+    if not path:
         pytest.skip(f"{name} is not set: see the head of this file")
-    return found
+    return path
 
 
 def rows(tire, **fixed):
@@ -82,10 +82,10 @@ def rows(tire, **fixed):
     return pd.DataFrame({**table, **{name: np.full(ROWS, value) for name, value in constant.items()}})
 
 
-def differences(reader, found, expected, where=slice(None)):
+def differences(reader, forces, expected, where=slice(None)):
     """Return the largest difference of each force, relative to the largest force; `make readers` prints them."""
     largest = {}
-    for name, values in found.items():
+    for name, values in forces.items():
         difference, size = np.abs(values - expected[name])[where].max(), np.abs(expected[name]).max()
         largest[name] = float(difference / size) if size else float(difference)  # a fit without Mx has none
     print(f"{reader}: {', '.join(f'{name} {value:.0e}' for name, value in largest.items())}")
@@ -128,14 +128,14 @@ def opentire(path, table, monkeypatch):
     reader, state = import_module("opentire.Core.TIRFile"), import_module("opentire.Core.tirestate")
     model = reader.TIRFile().load(str(path))
     names = {"SR": "kappa", "SA": "alpha", "IA": "gamma", "FZ": "Fz", "V": "V"}
-    found = {"Fx": [], "Fy": [], "Mz": []}
+    columns = {"Fx": [], "Fy": [], "Mz": []}
     for row in table.to_dict("records"):
         now = state.TireState()
         now.update({theirs: float(row[ours]) for theirs, ours in names.items()})
-        for name, forces in found.items():
+        for name, forces in columns.items():
             now[name.upper()] = getattr(model, f"calculate_{name.lower()}")(now)  # Mz reads Fx and Fy
             forces.append(now[name.upper()])
-    return {name: np.array(forces) for name, forces in found.items()}
+    return {name: np.array(forces) for name, forces in columns.items()}
 
 
 def within(evaluated, *factors):
@@ -157,7 +157,7 @@ def test_files_of_a_fitted_tire_pass_the_check_of_each_host_and_give_its_forces(
     table = rows(fitted).drop(columns="V")
     for host, result in results.items():
         assert not [finding for finding in lint(result.path, host) if finding.severity == "error"], host
-        forces, expected = (each.forces(**table) for each in (read_tir(result.path), result.tire))
+        forces, expected = (tire.forces(**table) for tire in (read_tir(result.path), result.tire))
         for name, values in expected.items():
             np.testing.assert_array_equal(forces[name], values, err_msg=f"{host}: {name}")
 
@@ -165,19 +165,19 @@ def test_files_of_a_fitted_tire_pass_the_check_of_each_host_and_give_its_forces(
 def test_mfeval_has_the_same_forces_and_moments(converted, tmp_path):
     result = converted("mfeval")
     table = rows(result.tire)
-    found = mfeval(result.path, table, tmp_path)
-    largest = differences("MFeval", found, result.tire.forces(**table))
+    forces = mfeval(result.path, table, tmp_path)
+    largest = differences("MFeval", forces, result.tire.forces(**table))
     assert max(largest.values()) < 1e-12
 
 
 def test_opentire_has_the_same_forces_where_no_curvature_factor_is_limited(converted, monkeypatch):
     result = converted("adams")
     table = rows(result.tire)
-    found, evaluated = opentire(result.path, table, monkeypatch), result.tire.evaluate(table)
-    differences("OpenTire, all rows", found, evaluated)
+    forces, evaluated = opentire(result.path, table, monkeypatch), result.tire.evaluate(table)
+    differences("OpenTire, all rows", forces, evaluated)
     where = within(evaluated, "E_x", "E_y", "E_t", "E_xalpha", "E_ykappa")
     assert where.sum() > ROWS / 2
-    largest = differences("OpenTire, curvature factors up to 1", found, evaluated, where)
+    largest = differences("OpenTire, curvature factors up to 1", forces, evaluated, where)
     assert largest["Fy"] < 1e-9
     assert max(largest["Fx"], largest["Mz"]) < 1e-3
 
@@ -187,12 +187,12 @@ def test_chrono_has_the_same_forces_where_it_limits_nothing(converted, fixed, na
     """It uses the slip angle where others use its tangent, and adds 0.1 N to a denominator."""
     result = converted("chrono")
     table = rows(result.tire, gamma=0.0, **fixed)
-    found, evaluated = chrono(result.path, table), result.tire.evaluate(table, slip_angle="angle")
-    differences("Chrono, all rows", found, evaluated)
+    forces, evaluated = chrono(result.path, table), result.tire.evaluate(table, slip_angle="angle")
+    differences("Chrono, all rows", forces, evaluated)
     slips = (evaluated["B_x"] * evaluated["kappa_x"], evaluated["B_y"] * evaluated["alpha_y"])
     where = within(evaluated, "E_x", "E_y") & np.all([np.abs(slip) < CHRONO_LIMIT for slip in slips], axis=0)
     assert where.sum() > ROWS / 5
-    largest = differences("Chrono", {name: found[name] for name in names}, evaluated, where)
+    largest = differences("Chrono", {name: forces[name] for name in names}, evaluated, where)
     assert max(largest.values()) < 2e-5
 
 
@@ -211,12 +211,12 @@ def slalom(tire, folder, largest, inclination):
     }  # fmt: skip
     outputs = {"kappa_lagged": "kappa", "alpha_lagged": "alpha", "gamma": "gamma", "Fz": "Fz"}
     outputs |= {name: name for name in ("Fx", "Fy", "Mz")}
-    found = simulate_fmu(
+    results = simulate_fmu(
         str(fmu), fmi_type="CoSimulation", stop_time=4.0, step_size=0.01, output_interval=0.01,
         input=pd.DataFrame(moved).to_records(index=False), start_values={"SLIP_ANGLE": 1.0}, output=list(outputs),
         set_input_derivatives=False,
     )  # fmt: skip
-    return pd.DataFrame({ours: found[name] for name, ours in outputs.items()})
+    return pd.DataFrame({ours: results[name] for name, ours in outputs.items()})
 
 
 @pytest.mark.parametrize(("largest", "inclination"), [(0.08, 0.0), (0.2, 0.0), (0.08, 0.05)])
@@ -226,6 +226,6 @@ def test_a_hub_fmu_drives_a_slalom_as_chronos_tire_does(tire_of, tmp_path, large
     path_of("TIREFMU_CHRONO")
     driven = slalom(result.tire, tmp_path, largest, inclination)
     assert driven[["Fx", "Fy"]].abs().max().min() > 4000.0
-    found = differences(f"Chrono, slalom {largest} {inclination}", chrono(result.path, driven), driven)
+    errors = differences(f"Chrono, slalom {largest} {inclination}", chrono(result.path, driven), driven)
     if (largest, inclination) == (0.08, 0.0):  # nothing is limited
-        assert max(found.values()) < 2e-5
+        assert max(errors.values()) < 2e-5

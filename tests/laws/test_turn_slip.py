@@ -22,8 +22,8 @@ def forces(tire, scale_of, phit, convention):
     """Return the forces at an inclination by turn slip, relative to their sizes; shape (n_forces, n)."""
     at = {"kappa": 0.02, "alpha": 0.05, "gamma": 0.1, "Fz": tire.values["FNOMIN"], "V": 20.0}
     table = pd.DataFrame({"phit": np.asarray(phit, dtype=float)}).assign(**at)
-    found = tire.evaluate(table, signs=tire.signs, convention=convention)
-    return found[list(tire.outputs)].to_numpy().T / scale_of(tire)
+    values = tire.evaluate(table, signs=tire.signs, convention=convention)
+    return values[list(tire.outputs)].to_numpy().T / scale_of(tire)
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
@@ -36,17 +36,17 @@ def test_forces_are_continuous_where_the_path_is_straight(turning, scale_of, con
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
 def test_forces_go_over_steadily(turning, scale_of, convention):
-    found = forces(turning, scale_of, np.linspace(-2.0, 2.0, 4001) * FULL, convention)
+    values = forces(turning, scale_of, np.linspace(-2.0, 2.0, 4001) * FULL, convention)
     # A smooth step has 1.5 times the slope of a straight line over 1000 intervals.
-    assert np.all(np.abs(np.diff(found)).max(axis=1) < 3e-3 * np.ptp(found, axis=1) + 1e-12)
-    assert np.ptp(found, axis=1)[1] > 1e-4  # inclination has another effect with turn slip
+    assert np.all(np.abs(np.diff(values)).max(axis=1) < 3e-3 * np.ptp(values, axis=1) + 1e-12)
+    assert np.ptp(values, axis=1)[1] > 1e-4  # inclination has another effect with turn slip
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
 def test_turn_slip_acts_in_full_beyond(turning, scale_of, convention):
     """From FULL on the forces change with the path only, as slowly as at any other curvature."""
-    found = forces(turning, scale_of, [FULL, 2.0 * FULL, 10.0 * FULL, 100.0 * FULL], convention)
-    assert np.max(np.abs(found - found[:, :1])) < 100.0 * 100.0 * FULL
+    values = forces(turning, scale_of, [FULL, 2.0 * FULL, 10.0 * FULL, 100.0 * FULL], convention)
+    assert np.max(np.abs(values - values[:, :1])) < 100.0 * 100.0 * FULL
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)

@@ -50,8 +50,8 @@ def test_other_units_of_force_length_and_time(magic_tire, points, narrowed, opti
     units = {quantity.name: quantity.unit for quantity in magic_tire.symbolic_model.inputs}
     units |= {line.symbol.name: line.unit for line in magic_tire.symbolic_model.equations}
     values = {
-        name: magic_tire.values[name] * factor(each.unit)
-        for name, each in magic_tire.symbolic_model.coefficients.items()
+        name: magic_tire.values[name] * factor(declaration.unit)
+        for name, declaration in magic_tire.symbolic_model.coefficients.items()
     }
     ranges = {name: tuple(end * factor(units[name]) for end in ends) for name, ends in magic_tire.ranges.items()}
     answer = replace(magic_tire, values=values, ranges=ranges).evaluate(

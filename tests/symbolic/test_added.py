@@ -41,7 +41,7 @@ def test_a_file_written_and_read_is_the_same_effect(name):
 @pytest.mark.parametrize("name", LIBRARY)
 def test_an_effect_owns_its_coefficients(name):
     symbolic_model = model_named("mf61", ADDED)
-    declared = {each: {declaration.name for declaration in library()[each].declarations} for each in LIBRARY}
+    declared = {effect: {declaration.name for declaration in library()[effect].declarations} for effect in LIBRARY}
     assert symbolic_model.owned(name) <= declared[name]
     assert symbolic_model.owned(*LIBRARY) == set().union(*declared.values())
     assert symbolic_model.effects[name].optional

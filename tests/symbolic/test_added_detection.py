@@ -140,7 +140,9 @@ def test_every_declared_coefficient_belongs_to_the_effect_in_some_model():
     owned = {name: {declaration.name for declaration in effect.declarations} for name, effect in library().items()}
     for model in (MODELS[name] for name in ("mf96", "mf52", "mf61")):
         for name in DECLARED.keys() & model.effects.keys():
-            related = {other for other, one in DECLARED.items() if one.contains == name} | {DECLARED[name].contains}
+            related = {other for other, detection in DECLARED.items() if detection.contains == name} | {
+                DECLARED[name].contains
+            }
             owned.setdefault(name, set()).update(model.owned(name, *(related & model.effects.keys())))
     for name, detection in DECLARED.items():
         forms = (*detection.forms, *detection.refinements)
@@ -151,7 +153,9 @@ def test_every_declared_coefficient_belongs_to_the_effect_in_some_model():
 def test_every_other_explanation_exists_and_each_pair_is_declared_once():
     pairs = [frozenset({name, pair.other}) for name, detection in DECLARED.items() for pair in detection.confounded]
     assert len(set(pairs)) == len(pairs)
-    for name in {name for pair in pairs for name in pair} | {one.contains for one in DECLARED.values() if one.contains}:
+    for name in {name for pair in pairs for name in pair} | {
+        detection.contains for detection in DECLARED.values() if detection.contains
+    }:
         assert name in DECLARED or name in EXPLANATIONS
 
 

@@ -58,12 +58,12 @@ def test_every_line_has_number_unit_and_description(model):
 
 
 def test_every_line_uses_only_earlier_lines(model):
-    known = {quantity.name for quantity in model.inputs} | set(model.parameters) | set(model.effects)
+    earlier = {quantity.name for quantity in model.inputs} | set(model.parameters) | set(model.effects)
     for line in model.equations:
-        assert {symbol.name for symbol in line.expression.free_symbols} <= known, line.symbol
-        assert line.symbol.name not in known, f"{line.symbol} is filed twice"
-        known.add(line.symbol.name)
-    assert {quantity.name for quantity in model.outputs} <= known
+        assert {symbol.name for symbol in line.expression.free_symbols} <= earlier, line.symbol
+        assert line.symbol.name not in earlier, f"{line.symbol} is filed twice"
+        earlier.add(line.symbol.name)
+    assert {quantity.name for quantity in model.outputs} <= earlier
 
 
 def test_lines_stay_short(model):

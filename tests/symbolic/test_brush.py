@@ -220,6 +220,6 @@ def test_default_physical_constraints_are_enforced():
 
 def test_a_diagnosis_names_what_changes_with_load():
     table = bench(made(NSTIFF=0.6, NMU=0.0, NPATCH=0.5), 1200, loads=[1500.0, 3000.0, 4500.0, 2200.0], noise=0.5)
-    found = diagnose(table, signs="iso", model="brush", nominal={"Fz0": 3000.0, "R0": 0.3, "p0": 2e5})
-    assert [one.effect for one in found.found] == ["load_stiffness"]
-    assert found.found[0].coefficients["NSTIFF"].value == pytest.approx(0.6, abs=0.05)
+    result = diagnose(table, signs="iso", model="brush", nominal={"Fz0": 3000.0, "R0": 0.3, "p0": 2e5})
+    assert [effect.effect for effect in result.found] == ["load_stiffness"]
+    assert result.found[0].coefficients["NSTIFF"].value == pytest.approx(0.6, abs=0.05)

@@ -192,9 +192,9 @@ def test_its_fmu_is_the_tire(tire, tmp_path, inputs):
 
 def test_a_diagnosis_identifies_the_missing_effect(tire):
     nominal = {"Fz0": 1000.0, "R0": 0.3, "p0": 2e5}
-    found = diagnose(bench(tire, 1200), signs="adapted-sae", model="toy", nominal=nominal)
-    assert [one.effect for one in found.found] == ["softening"]
-    assert found.found[0].coefficients["USOFT"].value == pytest.approx(VALUES["USOFT"], rel=0.1)
+    result = diagnose(bench(tire, 1200), signs="adapted-sae", model="toy", nominal=nominal)
+    assert [effect.effect for effect in result.found] == ["softening"]
+    assert result.found[0].coefficients["USOFT"].value == pytest.approx(VALUES["USOFT"], rel=0.1)
 
 
 #: The built-in demonstration uses one tire.
@@ -211,13 +211,15 @@ def written(path):
 def test_no_other_package_names_a_model_or_its_coefficients():
     # Names common to every model or every property file belong to no model.
     shared = {"FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL", "WIDTH", "RIM_RADIUS", "VERTICAL_STIFFNESS"}
-    own = {name for model in MODELS.values() for name, each in model.coefficients.items() if each.fitted} | set(MODELS)
-    own |= {"SIGX", "SIGY", "SIGC", "SIGK", "VXLOW"}
-    found = {}
+    names = {
+        name for model in MODELS.values() for name, declaration in model.coefficients.items() if declaration.fitted
+    } | set(MODELS)
+    names |= {"SIGX", "SIGY", "SIGC", "SIGK", "VXLOW"}
+    named = {}
     for folder in ("tires", "measurements", "estimation", "fitting", "fmu", "diagnosis", "tirefmu"):
         for path in (ROOT / folder).rglob("*.py"):
             name = path.relative_to(ROOT).as_posix()
-            texts = {text for text in written(path) if isinstance(text, str)} & (own - shared)
+            texts = {text for text in written(path) if isinstance(text, str)} & (names - shared)
             if texts and name not in OF_ONE_MODEL:
-                found[name] = texts
-    assert found == {}
+                named[name] = texts
+    assert named == {}

@@ -68,9 +68,9 @@ def bench(tire, n=400, alpha=0.3, **settings):
 
 def test_it_computes_the_published_equations(rows):
     expected = np.array([by_the_book(*row) for row in rows.T]).T
-    found = TIRE.forces(**dict(zip(TIRE.inputs, rows, strict=True)))
+    forces = TIRE.forces(**dict(zip(TIRE.inputs, rows, strict=True)))
     for name, values in zip(TIRE.outputs, expected, strict=True):
-        np.testing.assert_allclose(found[name], values, rtol=1e-12, atol=1e-9, err_msg=name)
+        np.testing.assert_allclose(forces[name], values, rtol=1e-12, atol=1e-9, err_msg=name)
 
 
 def test_slopes_at_zero_are_the_stiffnesses():

@@ -165,15 +165,15 @@ def test_a_file_with_any_text_reads_back_equal(text):
     ],
 )
 def test_a_name_with_another_meaning_is_rejected(changed, message):
-    own = effect()
+    changed_effect = effect()
     if "coefficient" in changed:
-        (declaration,) = own.declarations
+        (declaration,) = changed_effect.declarations
         declaration.name = changed["coefficient"]
     if "reads" in changed:
-        acts = (replace(own.acts[0], text=f"1 + {changed['reads']}"),)
-        own = replace(own, acts=acts)
+        acts = (replace(changed_effect.acts[0], text=f"1 + {changed['reads']}"),)
+        changed_effect = replace(changed_effect, acts=acts)
     with pytest.raises(EffectError, match=message):
-        SMALL.extended([replace(own, name=changed.get("name", own.name))])
+        SMALL.extended([replace(changed_effect, name=changed.get("name", changed_effect.name))])
 
 
 def test_two_effects_with_the_same_name_are_rejected():
@@ -214,5 +214,5 @@ def test_a_file_beyond_the_bounds_is_one_line(text, message):
 
 def test_a_formula_at_the_bounds_is_printed():
     deep = "sin(" * 75 + "OWN1*T" + ")" * 75
-    own = read_effect(TEXT.replace("OWN1*T + 1", f"1 + {deep}"), "own.toml")
-    assert render_model(SMALL.extended([own]))["c/small.c"].count("fast_sin(") > 75
+    changed_effect = read_effect(TEXT.replace("OWN1*T + 1", f"1 + {deep}"), "own.toml")
+    assert render_model(SMALL.extended([changed_effect]))["c/small.c"].count("fast_sin(") > 75

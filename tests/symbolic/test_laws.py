@@ -47,8 +47,8 @@ def test_an_oscillator_is_the_matrix_exponential(way, ratio):
     matrix[0, 1] = matrix[2, 3] = matrix[3, 4] = 1.0
     matrix[1, :3] = -(way**2), -loss, way**2
     exact = expm(matrix) @ [x, v * h, u, slope, 2 * bend]
-    found = [law(x, v, u, half, end, way, loss, h) for law in (laws.oscillator, laws.oscillator_speed)]
-    np.testing.assert_allclose(found, [exact[0], exact[1] / h], rtol=1e-12, atol=1e-13 * (1.0 + way) / h)
+    ends = [law(x, v, u, half, end, way, loss, h) for law in (laws.oscillator, laws.oscillator_speed)]
+    np.testing.assert_allclose(ends, [exact[0], exact[1] / h], rtol=1e-12, atol=1e-13 * (1.0 + way) / h)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 1.0, 40.0])
@@ -132,7 +132,7 @@ def test_the_languages_agree(compiled, name):
     n = len(LAWS[name].arguments)
     in_c = getattr(compiled, f"call_{name}")
     in_c.restype, in_c.argtypes = ctypes.c_double, [ctypes.c_double] * n
-    symbols = [ca.SX.sym(each) for each in LAWS[name].arguments]
+    symbols = [ca.SX.sym(argument) for argument in LAWS[name].arguments]
     function = ca.Function(name, symbols, [getattr(laws, name)(*symbols, xp=ARRAYS)])
     for _ in range(40):
         values = [*RANDOM.uniform(-0.2, 0.2, n - 1), RANDOM.choice([0.0, 1e-4, 0.03, 0.9]) or 0.02]

@@ -67,9 +67,9 @@ def test_no_name_that_generated_code_defines_is_a_coefficient():
 
 
 def test_no_section_of_a_tir_file_is_an_effect():
-    own = [title.removeprefix("TIREFMU_") for title in OWN_SECTIONS if title != "TIREFMU"]
-    assert len(own) > 4
-    assert [title for title in own if not no_effect(title) or not no_effect(title.lower())] == []
+    sections = [title.removeprefix("TIREFMU_") for title in OWN_SECTIONS if title != "TIREFMU"]
+    assert len(sections) > 4
+    assert [title for title in sections if not no_effect(title) or not no_effect(title.lower())] == []
 
 
 @settings(max_examples=100, deadline=None)

@@ -34,20 +34,15 @@ class _Printer(NumpyPrinter):
         super().__init__()
         self.module, self.where = module, "_choose"
 
-    def _print_sgn1(self, expr: sp.Expr) -> str:
-        return f"_sgn1({self._print(expr.args[0])})"
+    def _print_own(self, expr: sp.Expr) -> str:
+        return f"_{expr.func.__name__}({self._print(expr.args[0])})"
 
-    def _print_sgn(self, expr: sp.Expr) -> str:
-        return f"_sgn({self._print(expr.args[0])})"
+    _print_sgn = _print_sgn1 = _print_absolute = _print_own
 
-    def _print_absolute(self, expr: sp.Expr) -> str:
-        return f"_absolute({self._print(expr.args[0])})"
+    def _print_joined(self, expr: sp.Expr) -> str:
+        return (" & " if expr.func is sp.And else " | ").join(f"({self._print(arg)})" for arg in expr.args)
 
-    def _print_And(self, expr: sp.Expr) -> str:
-        return " & ".join(f"({self._print(arg)})" for arg in expr.args)
-
-    def _print_Or(self, expr: sp.Expr) -> str:
-        return " | ".join(f"({self._print(arg)})" for arg in expr.args)
+    _print_And = _print_Or = _print_joined
 
 
 def python_layout(printer: ArrayPrinter) -> Layout:
