@@ -61,6 +61,12 @@ def tire(request):
     return made_tire(*request.param)
 
 
+@pytest.fixture(params=MODELS)
+def model_tire(request):
+    """Return one tire of every model, for laws of its lines that take long."""
+    return made_tire(request.param, 0)
+
+
 @pytest.fixture(params=MADE, ids=lambda p: f"{p[0]}-{p[1]}")
 def magic_tire(request):
     """Return a tire of every Magic Formula."""

@@ -81,12 +81,12 @@ def test_the_chain_rule_is_casadis(tire, points, routine):
 
 
 @pytest.mark.parametrize("routine", ROUTINES)
-def test_the_chain_rule_is_the_slope_of_the_forces(tire, points, routine):
-    rows, parameters = points(tire, n=100), tire.parameters()
-    if "phit" in tire.inputs:  # turn slip starts with a jump: a difference across it is not a slope
-        rows = rows[:, rows[tire.inputs.index("phit")] != 0]
-    ours, theirs = (f(tire, routine, rows, parameters) for f in (printed, by_differences))
-    noise = rounding_of(tire, routine, rows, parameters, ours.shape[2]) / STEP
+def test_the_chain_rule_is_the_slope_of_the_forces(model_tire, points, routine):
+    rows, parameters = points(model_tire, n=100), model_tire.parameters()
+    if "phit" in model_tire.inputs:  # turn slip starts with a jump: a difference across it is not a slope
+        rows = rows[:, rows[model_tire.inputs.index("phit")] != 0]
+    ours, theirs = (f(model_tire, routine, rows, parameters) for f in (printed, by_differences))
+    noise = rounding_of(model_tire, routine, rows, parameters, ours.shape[2]) / STEP
     # The remainder of the fifth derivative: a bend within 1e-3 of slip over steps of 1e-5, to the fourth, is 1e-8.
     assert (np.abs(ours - theirs) <= 1e-7 * np.abs(theirs).max(axis=0) + noise).all()
 

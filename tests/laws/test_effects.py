@@ -53,23 +53,23 @@ def test_all_effects_present_is_the_printed_model(tire, points, forces_of, scale
     check(tire, list(tire.symbolic_model.effects), points(tire), forces_of, scale_of)
 
 
-def test_each_effect_off(tire, points, forces_of, scale_of):
-    for effect in tire.symbolic_model.effects:
-        check(tire, tire.symbolic_model.effects.keys() - {effect}, points(tire), forces_of, scale_of)
+def test_each_effect_off(model_tire, points, forces_of, scale_of):
+    for effect in model_tire.symbolic_model.effects:
+        check(model_tire, model_tire.symbolic_model.effects.keys() - {effect}, points(model_tire), forces_of, scale_of)
 
 
-def test_each_effect_alone_and_none(tire, points, forces_of, scale_of):
+def test_each_effect_alone_and_none(model_tire, points, forces_of, scale_of):
     # MF5.2 and 6.2 have the effects of MF6.1, in lines that they mostly share.
-    alone = tire.symbolic_model.effects if tire.model in ("mf96", "mf61") else ()
+    alone = model_tire.symbolic_model.effects if model_tire.model in ("mf96", "mf61") else ()
     for present in ([], *([effect] for effect in alone)):
-        check(tire, present, points(tire), forces_of, scale_of)
+        check(model_tire, present, points(model_tire), forces_of, scale_of)
 
 
-def test_random_subsets(tire, points, forces_of, scale_of):
+def test_random_subsets(model_tire, points, forces_of, scale_of):
     rng = np.random.default_rng(1)
     for _ in range(5):
-        present = [effect for effect in tire.symbolic_model.effects if rng.random() < 0.5]
-        check(tire, present, points(tire), forces_of, scale_of)
+        present = [effect for effect in model_tire.symbolic_model.effects if rng.random() < 0.5]
+        check(model_tire, present, points(model_tire), forces_of, scale_of)
 
 
 def test_each_effect_changes_an_output(tire, points, forces_of, scale_of):
