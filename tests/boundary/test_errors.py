@@ -15,7 +15,7 @@ MANY = [f"name_{number:02d}" for number in range(30)]
 
 
 @pytest.mark.parametrize(
-    ("name", "known", "end"),
+    ("name", "valid", "end"),
     [
         ("PDYI", ["PDY1", "PKX1"], ": did you mean PDY1? Known are PDY1, PKX1"),
         ("fz", ["Fx", "Fz"], ": did you mean Fz? Known are Fx, Fz"),
