@@ -54,7 +54,7 @@ def test_heat_that_comes_in_is_stored_or_goes_out(tire, hosts, inputs):
         "slip": {"alpha": 0.1, "kappa": 0.03, "V": 15.0, "Fz": 1500.0}, "hub": {"r_z": 0.243, "v_x": 15.0, "v_y": -1.2},
         "wheel": {"V_x": 15.0, "V_y": -1.2, "omega": 65.0, "Fz": 1500.0},
     }[inputs]  # fmt: skip
-    values = SimpleNamespace(**tire.values, **shares)
+    values = SimpleNamespace(**(tire.values | shares))
     host = hosts("heated", 3, inputs).start(**given, **shares, p=1.5e5)
     speed = "V" if inputs == "slip" else "V_x"
     for i in range(20):
