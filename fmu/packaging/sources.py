@@ -20,14 +20,14 @@ COMMON = (
     "values.c", "outputs.c", "instance.c", "life_cycle.c", "access.c", "stepping.c", "derivatives.c", "changes.c",
     "tangents.c", "chain_rule.c", "events.c", "continuous.c", "saved_state.c",
 )  # fmt: skip
-#: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.
+#: The files of the contact kinematics, by the kind of inputs; that of lagging slips.
 _WHEEL = ("wheel_inputs.c", "standstill.c")
 _HUB = (*_WHEEL, "hub.c", "hub_derivatives.c", "root.c")
 CONTACT = {"slip": ("slip_inputs.c",), "wheel": _WHEEL, "hub": _HUB, "hub-torque": (*_HUB, "spin.c", "spin_steps.c")}
-SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
+LAGGING = "lagging_slips.c"
 HEADERS = (
     "state.h", "outputs.h", "instance.h", "arrays.h", "tire.h", "resource_file.h", "road.h", "contact.h", "slips.h",
-    "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "changes.h", "tangents.h", "chain_rule.h",
+    "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "changes.h", "tangents.h", "chain_rule.h", "same_calls.h",
 )  # fmt: skip
 CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
 STI_HEADER, STI_TIRE = "sti.h", "sti_tire.h"
@@ -49,7 +49,7 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
-    ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
+    ('saved_state.c', 'slip_inputs.c', 'mf96.c', 'mf96_quantities.c')
     """
     road = (RESOURCE, ROAD) if shown.road else ()
     return (*WRAPPER[fmi], BUILT_IN, *road, *_common_files(shown))
@@ -57,9 +57,8 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
 
 def _common_files(shown: Interface) -> tuple[str, ...]:
     """Return the C files that do not depend on the FMI version."""
-    memory = ("memory.c",) if shown.memory else ()
-    files = (*COMMON, *CONTACT[shown.inputs], SLIPS[shown.lags], *memory)
-    return (*files, *model_files(shown.tire.model))
+    states = (*((LAGGING,) if shown.lags else ()), *(("memory.c",) if shown.memory else ()))
+    return (*COMMON, *CONTACT[shown.inputs], *states, *model_files(shown.tire.model))
 
 
 def sti_sources(shown: Interface, tire_header: str) -> dict[str, bytes]:

@@ -30,35 +30,26 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
                                     const unsigned knowns[], size_t n_knowns)
 {
     size_t i;
-    int kind;
 
     if (instance_expect_known(self, unknowns, n_unknowns) != STATUS_OK ||
         instance_expect_known(self, knowns, n_knowns) != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n_unknowns; i++) {
-        kind = value_kind(unknowns[i]);
-        if (kind != OUTPUT && !(unknowns[i] >= FIRST_DERIVATIVE && kind == LOCAL) &&
-            !(unknowns[i] < FIRST_OUTPUT && kind == STORED))
-            return instance_refuse(self, STATUS_ERROR, "%s is neither an output nor a derivative",
-                                   value_name(unknowns[i]));
+        const unsigned r = unknowns[i];
+        const int kind = value_kind(r);
+
+        if (kind != OUTPUT && !(r >= FIRST_DERIVATIVE && kind == LOCAL) && !(r < FIRST_OUTPUT && kind == STORED))
+            return instance_refuse(self, STATUS_ERROR, "%s is neither an output nor a derivative", value_name(r));
     }
     for (i = 0; i < n_knowns; i++) {
-        kind = value_kind(knowns[i]);
-        if (kind != INPUT && kind != PARAMETER && !is_state(knowns[i]))
-            return instance_refuse(self, STATUS_ERROR, "%s is not an input, a parameter or a state",
-                                   value_name(knowns[i]));
+        const unsigned r = knowns[i];
+
+        if (value_kind(r) != INPUT && value_kind(r) != PARAMETER && !is_state(r))
+            return instance_refuse(self, STATUS_ERROR, "%s is not an input, a parameter or a state", value_name(r));
     }
     if (n_unknowns > N_VALUES)
         return instance_refuse(self, STATUS_ERROR, "the FMU has fewer than %lu unknowns", (unsigned long) n_unknowns);
     return STATUS_OK;
-}
-
-static Status expect_arrays(const Instance *self, const double seed[], size_t n_seed, const double sensitivity[],
-                            size_t n_sensitivity)
-{
-    if (instance_expect_pointer(self, seed, n_seed, "the seed") != STATUS_OK)
-        return STATUS_ERROR;
-    return instance_expect_pointer(self, sensitivity, n_sensitivity, "the sensitivity");
 }
 
 static void move(State *state, unsigned known, double value)
@@ -104,43 +95,37 @@ static void find_column(State *state, unsigned known, const unsigned unknowns[],
         column[i] = change_of_value(&changes, unknowns[i]);
 }
 
-Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_unknowns, const unsigned knowns[],
-                           size_t n_knowns, const double seed[], double sensitivity[])
+/* Add products of seeds and derivatives to the sensitivities: of unknowns, or adjoint, of knowns. */
+static Status add_products(Instance *self, const unsigned unknowns[], size_t n_unknowns, const unsigned knowns[],
+                           size_t n_knowns, const double seed[], double sensitivity[], int adjoint)
 {
+    const size_t n_seed = adjoint ? n_unknowns : n_knowns, n_sensitivity = adjoint ? n_knowns : n_unknowns;
     double column[N_VALUES];
     size_t i, j;
 
-    if (expect_differentiable(self, unknowns, n_unknowns, knowns, n_knowns) != STATUS_OK)
-        return STATUS_ERROR;
-    if (expect_arrays(self, seed, n_knowns, sensitivity, n_unknowns) != STATUS_OK)
+    if (expect_differentiable(self, unknowns, n_unknowns, knowns, n_knowns) != STATUS_OK ||
+        instance_expect_pointer(self, seed, n_seed, "the seed") != STATUS_OK ||
+        instance_expect_pointer(self, sensitivity, n_sensitivity, "the sensitivity") != STATUS_OK)
         return STATUS_ERROR;
     state_compute_outputs(&self->state);
-    for (i = 0; i < n_unknowns; i++)
+    for (i = 0; i < n_sensitivity; i++)
         sensitivity[i] = 0.0;
     for (j = 0; j < n_knowns; j++) {
         find_column(&self->state, knowns[j], unknowns, n_unknowns, column);
         for (i = 0; i < n_unknowns; i++)
-            sensitivity[i] += seed[j] * column[i];
+            sensitivity[adjoint ? j : i] += seed[adjoint ? i : j] * column[i];
     }
-    return instance_expect_finite(self, sensitivity, n_unknowns, "a derivative");
+    return instance_expect_finite(self, sensitivity, n_sensitivity, "a derivative");
+}
+
+Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_unknowns, const unsigned knowns[],
+                           size_t n_knowns, const double seed[], double sensitivity[])
+{
+    return add_products(self, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity, 0);
 }
 
 Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unknowns, const unsigned knowns[],
                         size_t n_knowns, const double seed[], double sensitivity[])
 {
-    double column[N_VALUES];
-    size_t i, j;
-
-    if (expect_differentiable(self, unknowns, n_unknowns, knowns, n_knowns) != STATUS_OK)
-        return STATUS_ERROR;
-    if (expect_arrays(self, seed, n_unknowns, sensitivity, n_knowns) != STATUS_OK)
-        return STATUS_ERROR;
-    state_compute_outputs(&self->state);
-    for (j = 0; j < n_knowns; j++) {
-        find_column(&self->state, knowns[j], unknowns, n_unknowns, column);
-        sensitivity[j] = 0.0;
-        for (i = 0; i < n_unknowns; i++)
-            sensitivity[j] += seed[i] * column[i];
-    }
-    return instance_expect_finite(self, sensitivity, n_knowns, "a derivative");
+    return add_products(self, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity, 1);
 }

@@ -1,21 +1,10 @@
 /* FMI 2.0: every function of the standard, each translated to a call of instance.h. */
-#include "instance.h"
-
 #include "fmi2Functions.h"
 
-/* Arguments that the standard requires and this FMU does not need. */
-#if defined __GNUC__
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-#endif
+#define FMI(name) fmi2##name
+#define FMI_INSTANCE fmi2Component
+#include "same_calls.h"
 
-typedef char discards_agree[(int) STATUS_DISCARD == (int) fmi2Discard ? 1 : -1];
-typedef char errors_agree[(int) STATUS_ERROR == (int) fmi2Error ? 1 : -1];
-
-#define EXPECT(pointer, what)                                          \
-    do                                                                 \
-        if (instance_expect_pointer(c, pointer, 1, what) != STATUS_OK) \
-            return fmi2Error;                                          \
-    while (0)
 #define UNSUPPORTED(function) return (fmi2Status) instance_unsupported(c, #function)
 
 /* ---------------------------------------------------------------- instantiation */
@@ -43,37 +32,18 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 
 void fmi2FreeInstance(fmi2Component c) { instance_free(c); }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
-                               const fmi2String categories[])
-{
-    return (fmi2Status) instance_choose_log(c, loggingOn, nCategories, categories);
-}
-
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance,
                                fmi2Real startTime, fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
     return (fmi2Status) instance_set_experiment(c, startTime, stopTimeDefined, stopTime);
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return (fmi2Status) instance_enter_initialization(c); }
-
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return (fmi2Status) instance_exit_initialization(c); }
-
-fmi2Status fmi2Terminate(fmi2Component c) { return (fmi2Status) instance_terminate(c); }
-
-fmi2Status fmi2Reset(fmi2Component c) { return (fmi2Status) instance_reset(c); }
+SAME_0(EnterInitializationMode, instance_enter_initialization)
 
 /* ---------------------------------------------------------------- values */
 
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
-{
-    return (fmi2Status) instance_get(c, vr, nvr, value);
-}
-
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
-{
-    return (fmi2Status) instance_set(c, vr, nvr, value);
-}
+SAME_3(GetReal, instance_get, const fmi2ValueReference *, size_t, fmi2Real *)
+SAME_3(SetReal, instance_set, const fmi2ValueReference *, size_t, const fmi2Real *)
 
 #define LACKS_TYPE(Type)                                                                                      \
     fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]) \
@@ -99,36 +69,12 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 
 /* ---------------------------------------------------------------- saved states */
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
-{
-    return (fmi2Status) instance_save(c, FMUstate);
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
-{
-    return (fmi2Status) instance_restore(c, FMUstate);
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
-{
-    return (fmi2Status) instance_drop(c, FMUstate);
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
-{
-    return (fmi2Status) instance_serialized_size(c, FMUstate, size);
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
-{
-    return (fmi2Status) instance_serialize(c, FMUstate, serializedState, size);
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
-                                   fmi2FMUstate *FMUstate)
-{
-    return (fmi2Status) instance_deserialize(c, serializedState, size, FMUstate);
-}
+SAME_1(GetFMUstate, instance_save, fmi2FMUstate *)
+SAME_1(SetFMUstate, instance_restore, fmi2FMUstate)
+SAME_1(FreeFMUstate, instance_drop, fmi2FMUstate *)
+SAME_2(SerializedFMUstateSize, instance_serialized_size, fmi2FMUstate, size_t *)
+SAME_3(SerializeFMUstate, instance_serialize, fmi2FMUstate, fmi2Byte *, size_t)
+SAME_3(DeSerializeFMUstate, instance_deserialize, const fmi2Byte *, size_t, fmi2FMUstate *)
 
 /* ---------------------------------------------------------------- Co-Simulation */
 
@@ -152,7 +98,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 {
     if (s != fmi2Terminated || !c)
         UNSUPPORTED(fmi2GetBooleanStatus of this kind);
-    EXPECT(value, "the status");
+    EXPECT(c, value, "the status");
     *value = fmi2False;
     return fmi2OK;
 }
@@ -161,7 +107,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 {
     if (s != fmi2DoStepStatus || !c)
         UNSUPPORTED(fmi2GetStatus of this kind);
-    EXPECT(value, "the status");
+    EXPECT(c, value, "the status");
     *value = fmi2OK;
     return fmi2OK;
 }
@@ -178,11 +124,8 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
 
 fmi2Status fmi2CancelStep(fmi2Component c) { UNSUPPORTED(fmi2CancelStep); }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                       const fmi2Integer order[], const fmi2Real value[])
-{
-    return (fmi2Status) instance_set_slopes(c, vr, nvr, order, value);
-}
+SAME_4(SetRealInputDerivatives, instance_set_slopes, const fmi2ValueReference *, size_t, const fmi2Integer *,
+       const fmi2Real *)
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[])
@@ -192,14 +135,12 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 
 /* ---------------------------------------------------------------- Model Exchange */
 
-fmi2Status fmi2EnterEventMode(fmi2Component c) { return (fmi2Status) instance_enter_event(c); }
-
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
 {
     int changed = 0;
     Status status;
 
-    EXPECT(eventInfo, "the event information");
+    EXPECT(c, eventInfo, "the event information");
     status = instance_update_discrete(c, &changed);
     if (status != STATUS_OK)
         return (fmi2Status) status;
@@ -212,29 +153,4 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
     return fmi2OK;
 }
 
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return (fmi2Status) instance_enter_continuous(c); }
-
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
-{
-    EXPECT(enterEventMode, "the event information");
-    EXPECT(terminateSimulation, "the event information");
-    *enterEventMode = fmi2False;
-    *terminateSimulation = fmi2False;
-    return (fmi2Status) instance_complete_step(c);
-}
-
-fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) { return (fmi2Status) instance_set_time(c, time); }
-
-/* Functions of an array of states, derivatives or indicators. */
-#define ARRAY(Function, Number, call)                                     \
-    fmi2Status fmi2##Function(fmi2Component c, Number values[], size_t n) \
-    {                                                                     \
-        return (fmi2Status) call(c, values, n);                           \
-    }
-
-ARRAY(SetContinuousStates, const fmi2Real, instance_set_states)
-ARRAY(GetDerivatives, fmi2Real, instance_get_rates)
-ARRAY(GetEventIndicators, fmi2Real, instance_get_indicators)
-ARRAY(GetContinuousStates, fmi2Real, instance_get_states)
-ARRAY(GetNominalsOfContinuousStates, fmi2Real, instance_get_nominals)
+SAME_2(GetDerivatives, instance_get_rates, fmi2Real *, size_t)

@@ -1,21 +1,12 @@
 /* FMI 3.0: the supported functions, each translated to a call of instance.h. */
-#include "arrays.h"
-
 #include "fmi3Functions.h"
 
-/* Arguments that the standard requires and this FMU does not need. */
-#if defined __GNUC__
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-#endif
+#define FMI(name) fmi3##name
+#define FMI_INSTANCE fmi3Instance
+#include "same_calls.h"
 
-typedef char discards_agree[(int) STATUS_DISCARD == (int) fmi3Discard ? 1 : -1];
-typedef char errors_agree[(int) STATUS_ERROR == (int) fmi3Error ? 1 : -1];
+#include "arrays.h"
 
-#define EXPECT(pointer, what)                                                 \
-    do                                                                        \
-        if (instance_expect_pointer(instance, pointer, 1, what) != STATUS_OK) \
-            return fmi3Error;                                                 \
-    while (0)
 #define LACKS(type) return (fmi3Status) instance_lacks_type(instance, nValueReferences, type)
 
 /* ---------------------------------------------------------------- instantiation */
@@ -72,12 +63,6 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
 
 void fmi3FreeInstance(fmi3Instance instance) { instance_free(instance); }
 
-fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
-                               const fmi3String categories[])
-{
-    return (fmi3Status) instance_choose_log(instance, loggingOn, nCategories, categories);
-}
-
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined,
                                        fmi3Float64 tolerance, fmi3Float64 startTime,
                                        fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
@@ -86,15 +71,6 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
 
     return (fmi3Status) (status == STATUS_OK ? instance_enter_initialization(instance) : status);
 }
-
-fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
-{
-    return (fmi3Status) instance_exit_initialization(instance);
-}
-
-fmi3Status fmi3Terminate(fmi3Instance instance) { return (fmi3Status) instance_terminate(instance); }
-
-fmi3Status fmi3Reset(fmi3Instance instance) { return (fmi3Status) instance_reset(instance); }
 
 /* ---------------------------------------------------------------- values */
 
@@ -194,37 +170,12 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
 
 /* ---------------------------------------------------------------- saved states */
 
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
-{
-    return (fmi3Status) instance_save(instance, FMUState);
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState)
-{
-    return (fmi3Status) instance_restore(instance, FMUState);
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
-{
-    return (fmi3Status) instance_drop(instance, FMUState);
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size)
-{
-    return (fmi3Status) instance_serialized_size(instance, FMUState, size);
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
-                                 size_t size)
-{
-    return (fmi3Status) instance_serialize(instance, FMUState, serializedState, size);
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
-                                   fmi3FMUState *FMUState)
-{
-    return (fmi3Status) instance_deserialize(instance, serializedState, size, FMUState);
-}
+SAME_1(GetFMUState, instance_save, fmi3FMUState *)
+SAME_1(SetFMUState, instance_restore, fmi3FMUState)
+SAME_1(FreeFMUState, instance_drop, fmi3FMUState *)
+SAME_2(SerializedFMUStateSize, instance_serialized_size, fmi3FMUState, size_t *)
+SAME_3(SerializeFMUState, instance_serialize, fmi3FMUState, fmi3Byte *, size_t)
+SAME_3(DeserializeFMUState, instance_deserialize, const fmi3Byte *, size_t, fmi3FMUState *)
 
 /* ---------------------------------------------------------------- Co-Simulation */
 
@@ -250,9 +201,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
 
 /* ---------------------------------------------------------------- events */
 
-fmi3Status fmi3EnterEventMode(fmi3Instance instance) { return (fmi3Status) instance_enter_event(instance); }
-
-fmi3Status fmi3EnterStepMode(fmi3Instance instance) { return (fmi3Status) instance_enter_stepping(instance); }
+SAME_0(EnterStepMode, instance_enter_stepping)
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
                                     fmi3Boolean *terminateSimulation,
@@ -263,12 +212,12 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
     int changed = 0;
     Status status;
 
-    EXPECT(discreteStatesNeedUpdate, "the event information");
-    EXPECT(terminateSimulation, "the event information");
-    EXPECT(nominalsOfContinuousStatesChanged, "the event information");
-    EXPECT(valuesOfContinuousStatesChanged, "the event information");
-    EXPECT(nextEventTimeDefined, "the event information");
-    EXPECT(nextEventTime, "the event information");
+    EXPECT(instance, discreteStatesNeedUpdate, "the event information");
+    EXPECT(instance, terminateSimulation, "the event information");
+    EXPECT(instance, nominalsOfContinuousStatesChanged, "the event information");
+    EXPECT(instance, valuesOfContinuousStatesChanged, "the event information");
+    EXPECT(instance, nextEventTimeDefined, "the event information");
+    EXPECT(instance, nextEventTime, "the event information");
     status = instance_update_discrete(instance, &changed);
     if (status != STATUS_OK)
         return (fmi3Status) status;
@@ -283,49 +232,18 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
 
 /* ---------------------------------------------------------------- Model Exchange */
 
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
-{
-    return (fmi3Status) instance_enter_continuous(instance);
-}
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
-{
-    EXPECT(enterEventMode, "the event information");
-    EXPECT(terminateSimulation, "the event information");
-    *enterEventMode = fmi3False;
-    *terminateSimulation = fmi3False;
-    return (fmi3Status) instance_complete_step(instance);
-}
-
-fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
-{
-    return (fmi3Status) instance_set_time(instance, time);
-}
-
-/* Functions of an array of states, derivatives or indicators. */
-#define ARRAY(Function, Number, call)                                           \
-    fmi3Status fmi3##Function(fmi3Instance instance, Number values[], size_t n) \
-    {                                                                           \
-        return (fmi3Status) call(instance, values, n);                          \
-    }
-
-ARRAY(SetContinuousStates, const fmi3Float64, instance_set_states)
-ARRAY(GetContinuousStateDerivatives, fmi3Float64, instance_get_rates)
-ARRAY(GetEventIndicators, fmi3Float64, instance_get_indicators)
-ARRAY(GetContinuousStates, fmi3Float64, instance_get_states)
-ARRAY(GetNominalsOfContinuousStates, fmi3Float64, instance_get_nominals)
+SAME_2(GetContinuousStateDerivatives, instance_get_rates, fmi3Float64 *, size_t)
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
 {
-    EXPECT(nEventIndicators, "the number");
+    EXPECT(instance, nEventIndicators, "the number");
     *nEventIndicators = N_INDICATORS;
     return fmi3OK;
 }
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates)
 {
-    EXPECT(nContinuousStates, "the number");
+    EXPECT(instance, nContinuousStates, "the number");
     *nContinuousStates = N_CONTINUOUS;
     return fmi3OK;
 }

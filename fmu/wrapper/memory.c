@@ -4,8 +4,8 @@
  * that grow with the time since the inputs have changed: the drive is a parabola through start, middle and end of a
  * step, and the values there are found by iteration, as in tirefmu's evaluation of a table.  A step whose values are not
  * found is halved.  Temperatures change slowly: forces at the middle of the whole step, with the temperatures of its
- * start, heat the tire, and the nodes exchange heat exactly.  model_config.h has FIRST_STEP (as a share of the shortest time constant), GROWTH (the ratio of a step
- * to the one before) and the limits of the iteration.
+ * start, heat the tire, and the nodes exchange heat exactly.  model_config.h has FIRST_STEP (a share of the shortest
+ * time constant), GROWTH (the ratio of successive steps) and the limits of the iteration.
  */
 #include "memory.h"
 
@@ -33,21 +33,14 @@ typedef struct {
 static const Memory TABLE[N_MEMORY] = MEMORY_TABLE;
 
 int memory_is_path(size_t i) { return TABLE[i].law == PATH || TABLE[i].law == PLAY; }
-
 int memory_is_direct(size_t i) { return TABLE[i].direct || memory_is_path(i); }
-
 unsigned memory_derivative(size_t i) { return (unsigned) TABLE[i].derivative; }
-
 unsigned memory_event(size_t i) { return (unsigned) TABLE[i].event; }
 
-int memory_input(size_t i) { return TABLE[i].input; }
-
 static int is_driven(size_t i) { return !memory_is_direct(i) && TABLE[i].law != NODE; }
-
 static int settles(size_t i) { return TABLE[i].law != SUM && !memory_is_path(i); }
 
 static double target(const double lines[], size_t i) { return lines[TABLE[i].line]; }
-
 static double rate(const double lines[], size_t i) { return lines[TABLE[i].line + 1]; }
 
 static void find_lines(const State *state, const double inputs[], double lines[])
@@ -90,26 +83,35 @@ static void settle(const State *state, const double inputs[N_INPUTS], double mem
     }
 }
 
+static void find_states(const State *state, const double inputs[N_INPUTS], double memory[N_MEMORY])
+{
+    memcpy(memory, state->continuous.memory, N_MEMORY * sizeof *memory);
+    if (!state_has_begun(state))
+        settle(state, inputs, memory);
+}
+
 void memory_fill(const State *state, double inputs[N_INPUTS])
 {
     double memory[N_MEMORY];
 
-    memcpy(memory, state->continuous.memory, sizeof memory);
-    if (!state_has_begun(state))
-        settle(state, inputs, memory);
+    find_states(state, inputs, memory);
     put(memory, inputs);
 }
+
+void memory_show(const State *state, double memory[N_MEMORY]) { find_states(state, state->contact.inputs, memory); }
 
 void memory_begin(State *state) { settle(state, state->contact.inputs, state->continuous.memory); }
 
 /* ---------------------------------------------------------------- steps */
 
-/* A state along the path from (a, b) to (a_end, b_end), or from a to a_end if it has one lag. */
-static double follow_path(Law law, double x, double a, double b, double a_end, double b_end, int both, double width)
+/* A state along the path of its lag, or of both, from their values at the start to those at the end. */
+static double follow_path(size_t i, const double start[], const double end[], double width)
 {
-    if (law == PLAY)
-        return both ? state_play_size(x, a, b, a_end, b_end, width) : state_play(x, a, a_end, width);
-    return both ? state_dahl_size(x, a, b, a_end, b_end, width) : state_dahl(x, a, a_end, width);
+    const int a = TABLE[i].lags[0], b = TABLE[i].lags[1], plays = TABLE[i].law == PLAY;
+
+    if (b < 0)
+        return (plays ? state_play : state_dahl)(start[i], start[a], end[a], width);
+    return (plays ? state_play_size : state_dahl_size)(start[i], start[a], start[b], end[a], end[b], width);
 }
 
 /* The states that forces do not drive, h seconds after a change of the inputs. */
@@ -127,12 +129,9 @@ static void follow_inputs(const double lines[], const double start[N_MEMORY], do
             memory[i] = TABLE[i].law == SUM ? state_sum_linear(start[i], u, u, h)
                                             : state_lag(start[i], u, u, h > 0.0 ? rate(lines, i) * h : 0.0);
     }
-    for (i = 0; i < N_MEMORY; i++) {
-        const int a = TABLE[i].lags[0], b = TABLE[i].lags[1];
+    for (i = 0; i < N_MEMORY; i++)
         if (memory_is_path(i))
-            memory[i] = follow_path(TABLE[i].law, start[i], start[a], b < 0 ? 0.0 : start[b], memory[a],
-                                    b < 0 ? 0.0 : memory[b], b >= 0, 1.0 / rate(lines, i));
-    }
+            memory[i] = follow_path(i, start, memory, 1.0 / rate(lines, i));
 }
 
 /* A driven state at the middle and at the end of a step, from the lines at start, middle and end. */
@@ -220,10 +219,9 @@ static void advance_part(State *state, const double lines[], const double first[
         memcpy(state->continuous.lagging, lagging, sizeof lagging);
         advance_part(state, lines, first, begin, middle, halvings + 1, memory);
         advance_part(state, lines, first, middle, end, halvings + 1, memory);
-    } else {
+    } else
         for (i = 0; i < N_MEMORY; i++)
             memory[i] = NAN;
-    }
 }
 
 /* The shortest time constant of all that moves, as a rate. */
@@ -255,7 +253,7 @@ static void advance_others(State *state, const double lines[N_DRIVES], double h)
 }
 
 #if N_TEMPERATURES > 0
-enum { N_NODES = N_TEMPERATURES };
+#define N_NODES N_TEMPERATURES
 /* More heat than this is not exchanged in a step, as a multiple of the stored heat: the temperatures are NaN. */
 #define MAX_EXCHANGE 1e6
 #define REMAINDER 1e-17

@@ -18,6 +18,9 @@ static inline void memory_rates(const State *state, double rates[], double event
 /* Put the states into the model's inputs: their own values, or before the end of initialization their start values. */
 void memory_fill(const State *state, double inputs[N_INPUTS]);
 
+/* The states as the host reads them, with the given slips. */
+void memory_show(const State *state, double memory[N_MEMORY]);
+
 /* End of initialization: the states have their start values. */
 void memory_begin(State *state);
 
@@ -39,8 +42,6 @@ int memory_is_path(size_t i);
 /* Indices of named quantities: the derivative of a state, the event indicator of a state along a path. */
 unsigned memory_derivative(size_t i);
 unsigned memory_event(size_t i);
-/* Index of the model's input that is the state. */
-int memory_input(size_t i);
 #endif
 
 #endif

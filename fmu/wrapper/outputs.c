@@ -24,20 +24,6 @@ void state_find_contact(State *state)
     state->known = CONTACT_KNOWN;
 }
 
-#if N_MEMORY > 0
-/* Before the end of initialization a state is in equilibrium, or has its start value. */
-static void show_memory(State *state, double states[])
-{
-    double inputs[N_INPUTS];
-    size_t i;
-
-    memcpy(inputs, state->contact.inputs, sizeof inputs);
-    memory_fill(state, inputs);
-    for (i = 0; i < N_MEMORY; i++)
-        states[i] = inputs[memory_input(i)];
-}
-#endif
-
 /* Write the states and the derivatives of slips and distance to the values, in the host's signs. */
 static void show_states(State *state)
 {
@@ -47,7 +33,7 @@ static void show_states(State *state)
 
     slips_show(state, states, rates);
 #if N_MEMORY > 0
-    show_memory(state, states + FIRST_MEMORY - FIRST_STATE);
+    memory_show(state, states + FIRST_MEMORY - FIRST_STATE);
 #endif
 #ifdef DISTANCE
     states[N_STATES - 1] = state->continuous.distance;

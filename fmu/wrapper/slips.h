@@ -1,13 +1,18 @@
 /* The acting slips, which the force formulas use: the given slips, or slips with a first-order lag over distance.
  *
- * An FMU contains one of two files: direct_slips.c for a tire without relaxation, lagging_slips.c for a tire with
- * relaxation, where kappa and tan(alpha) lag.
+ * lagging_slips.c is part of an FMU whose tire has relaxation, where kappa and tan(alpha) lag.
  */
 #ifndef SLIPS_H
 #define SLIPS_H
 
 #include "contact.h"
 
+#include <string.h>
+
+/* The origin of a relaxation length: a constant, the parameter DEFAULT_SIGMA, or the model. */
+typedef enum { CONSTANT_LENGTH, DEFAULTED_LENGTH, MODEL_LENGTH } LengthOrigin;
+
+#if LAGS
 /* Compute the relaxation lengths for the contact, which all other functions need. */
 void slips_find_lengths(State *state);
 
@@ -26,9 +31,6 @@ int slips_settle(State *state);
 /* Integrate over h > 0 seconds with constant inputs. */
 void slips_advance(State *state, double h);
 
-/* The origin of a relaxation length: a constant, the parameter DEFAULT_SIGMA, or the model. */
-typedef enum { CONSTANT_LENGTH, DEFAULTED_LENGTH, MODEL_LENGTH } LengthOrigin;
-
 double slips_length(const State *state, size_t slip, LengthOrigin *origin);
 
 #if TWISTS
@@ -44,5 +46,32 @@ void slips_differentiate(const State *state, const double seeds[N_VALUES], Tange
 
 /* Compute the slips and their rates as the host reads them. */
 void slips_show(const State *state, double slips[], double rates[]);
+#else
+static inline void slips_find_lengths(State *state) { (void) state; }
+static inline void slips_acting(const State *state, double inputs[N_INPUTS])
+{
+    memcpy(inputs, state->contact.inputs, N_INPUTS * sizeof *inputs);
+}
+static inline int slips_lag(const State *state, size_t slip) { return (void) state, (void) slip, 0; }
+static inline void slips_begin(State *state) { (void) state; }
+static inline int slips_settle(State *state) { return (void) state, 0; }
+static inline void slips_advance(State *state, double h) { (void) state, (void) h; }
+static inline double slips_length(const State *state, size_t slip, LengthOrigin *origin)
+{
+    (void) state, (void) slip;
+    *origin = CONSTANT_LENGTH;
+    return 1.0;
+}
+static inline void slips_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent)
+{
+    (void) state, (void) seeds;
+    memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
+    memset(tangent->motion + LAGGING, 0, N_LAGGING * sizeof *tangent->motion);
+}
+static inline void slips_show(const State *state, double slips[], double rates[])
+{
+    (void) state, (void) slips, (void) rates;
+}
+#endif
 
 #endif

@@ -1,7 +1,7 @@
 /* The state of a tire instance: its values, what a step integrates, and what is computed from them.
  *
  * The files that compute have an order, in which each calls earlier ones only: values, contact (slip_inputs or
- * wheel_inputs), slips (direct_slips or lagging_slips), standstill, memory, hub, spin, outputs, spin_steps.  They know
+ * wheel_inputs), slips, standstill, memory, hub, spin, outputs, spin_steps.  They know
  * nothing of the instance and its log (instance.h).
  */
 #ifndef STATE_H

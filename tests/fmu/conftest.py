@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from tirefmu.fmu.packaging import prebuilt
+from tirefmu.fmu.packaging import binaries, prebuilt
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.models import MODELS
@@ -37,6 +37,28 @@ PHYSICAL = {
 }  # fmt: skip
 TIRES = ("first", "second", *GOLDEN)
 LAGGING = ("mf62", "rolling")
+#: Effects with states, and values with which each of them has an influence.
+EFFECTS = ("heat_friction", "slip_history", "hysteresis_force", "break_in", "load_lag", "carcass_2nd_order")
+VALUES = {
+    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0,
+    "SHMUX": 0.05, "SHMUY": 0.05, "SHKX": 0.08, "SHKY": 0.08, "HFPLAY": 0.02,
+    "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5, "LLDIR": 0.5, "CASIG": 0.3, "CAFREQ": 60.0, "CASAT": 4.0,
+}  # fmt: skip
+HEATED = {
+    "FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "SIGX": 0.1, "SIGY": 0.3, "TMU1": -0.002, "TMU2": -2e-5, "TREF": 60.0,
+    "THACT": 1.0, "THSTARTS": 295.0, "THSTARTC": 297.0, "THSTARTG": 299.0,
+}  # fmt: skip
+RELAXATION = {"relax_lat", "relax_lon"}
+#: Tires with effects that read a temperature and the distance, with states whose slips lag or act at once, and with
+#: temperatures, alone and beside other states: values, effects, and the FMI versions in which they are tested.
+STATEFUL = {
+    "warm": ({"TMU1": 0.004, "TMU2": -1e-4, "TREF": 60.0, "WMU1": -2e-4}, {"temp_friction", "wear_drift"}, (2, 3)),
+    "lagged": (VALUES, {*EFFECTS, *RELAXATION}, (3,)),
+    "direct": (VALUES, set(EFFECTS), (2,)),
+    "heated": (HEATED, {"temperature", "temp_friction", *RELAXATION}, (3,)),
+    "heated more": ({**HEATED, "BIMU": 0.1, "BIWORK": 5.0, "SHMUY": 0.05},
+                    {"temperature", "temp_friction", "break_in", "slip_history", *RELAXATION}, (3,)),
+}  # fmt: skip
 
 
 class Host:
@@ -88,8 +110,10 @@ class Host:
         assert self.set(**inputs) == OK
         return self.get(*self.outputs)
 
-    def start(self, time=0.0, stop=None):
+    def start(self, time=0.0, stop=None, **values):
+        """Initialize with values that are set while initializing."""
         self.initialize(time, stop)
+        assert self.set(**values) == OK
         assert self.call("ExitInitializationMode") == OK
         return self
 
@@ -143,12 +167,25 @@ class Host:
 
     def derivative(self, unknowns, knowns, seed):
         a, b = self.references(unknowns), self.references(knowns)
-        seeds, found = (ctypes.c_double * len(seed))(*seed), (ctypes.c_double * len(unknowns))()
+        seeds, slopes = (ctypes.c_double * len(seed))(*seed), (ctypes.c_double * len(unknowns))()
         if self.version == 3:
-            sizes = (a, len(a), b, len(b), seeds, len(seeds), found, len(found))
+            sizes = (a, len(a), b, len(b), seeds, len(seeds), slopes, len(slopes))
         else:
-            sizes = (a, len(a), b, len(b), seeds, found)
-        return self.call("GetDirectionalDerivative", *sizes), np.array(found)
+            sizes = (a, len(a), b, len(b), seeds, slopes)
+        return self.call("GetDirectionalDerivative", *sizes), np.array(slopes)
+
+    def differences(self, unknowns, name, step):
+        """Return central differences of unknowns by an input or a parameter, which has its value again afterwards."""
+        (middle,), sides = self.get(name), []
+        for value in (middle + step, middle - step, middle):
+            assert self.set(**{name: value}) == OK
+            sides.append(self.get(*unknowns))
+        return (sides[0] - sides[1]) / (2.0 * step)
+
+
+def distance(values, expected):
+    """Return the largest |value - expected| / (1 + |expected|)."""
+    return np.max(np.abs(values - expected) / (1.0 + np.abs(expected)))
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -170,31 +207,53 @@ def compiler():
 
 @pytest.fixture(scope="session")
 def tires(golden):
-    """Return tires in ISO signs: the published one, one with other values, those of `GOLDEN` and `PHYSICAL`."""
+    """Return tires in ISO signs: the published one, one with other values, those of the tables above.
+
+    Those of `STATEFUL` are made on first use, because their models are printed then.
+    """
     first = published("trento_hoosier").in_signs("iso")
     values = {name: 1.07 * value for name, value in first.values.items()}
     second = replace(first, values=values, name='a <wide> & "strange" tire, é')
+
+    class Tires(dict):
+        def __missing__(self, name):
+            values, effects, _ = STATEFUL[name]
+            if name == "warm":
+                plain = self["mf61"]
+                values, effects = {**plain.values, **values}, (plain.has | effects) - {"turn_slip"}
+            self[name] = Tire("mf61", values, effects=effects)
+            return self[name]
+
     others = {name: golden_tire(golden, name, *reported) for name, reported in GOLDEN.items()}
     others |= {name: Tire(name, values, name=name) for name, values in PHYSICAL.items()}
-    return {"first": first, "second": second, **others}
+    return Tires(first=first, second=second, **others)
 
 
 def golden_tire(folder, name, model, more, without, values):
     (path,) = folder.glob(f"{model}_*_params.json")
     reported, symbolic_model = json.loads(path.read_text(encoding="utf-8")), MODELS[model]
-    known = {key: value for key, value in reported.items() if key in symbolic_model.coefficients}
-    return Tire(model, {**known, **values}, effects=(symbolic_model.default_effects | more) - without, name=name)
+    given = {key: value for key, value in reported.items() if key in symbolic_model.coefficients}
+    return Tire(model, {**given, **values}, effects=(symbolic_model.default_effects | more) - without, name=name)
 
 
 @pytest.fixture(scope="session")
 def fmus(compiler, tires, tmp_path_factory):
-    """Return the paths of FMUs by tire, version and kind of inputs ("slip" if none); each is built on first use."""
+    """Return the paths of FMUs by tire, FMI version and, where they differ from those of `export`, its options.
+
+    The options are the kind of inputs, the axes, and whether quantities are outputs. Each is built on first use: those
+    of the first tire as for a user, the others without optimization, which takes half the time.
+    """
     folder = tmp_path_factory.mktemp("fmus")
 
     class Fmus(dict):
         def __missing__(self, key):
-            name, fmi, inputs = (*key, "slip")[:3]
-            self[key] = export(tires[name], folder / f"{'_'.join(map(str, key))}.fmu", fmi=fmi, inputs=inputs)
+            name, fmi, *options = key
+            options = dict(zip(("inputs", "axes", "quantities"), options, strict=False))
+            with pytest.MonkeyPatch.context() as patch:
+                if name != "first":
+                    patch.setattr(binaries, "FLAGS", (*binaries.FLAGS, "-O0"))
+                    patch.setattr(binaries, "SMALL", ())
+                self[key] = export(tires[name], folder / f"{'_'.join(map(str, key))}.fmu", fmi=fmi, **options)
             return self[key]
 
     return Fmus()

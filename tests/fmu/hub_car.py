@@ -21,10 +21,7 @@ class HubCar:
 
     def start(self, height, velocity=(0.0, 0.0, 0.0), **values):
         self.r, self.v = np.array([0.0, 0.0, height]), np.array(velocity, dtype=float)
-        self.host.initialize()
-        assert self.host.set(**values) == 0
-        self._set()
-        assert self.host.call("ExitInitializationMode") == 0
+        self.host.start(**values, **self._moved())
         return self
 
     def run(self, duration, size, *names, **values):
@@ -35,12 +32,11 @@ class HubCar:
             force = self.host.get(*FORCE)
             self.v = self.v + size * (force / self.mass + self.gravity)
             self.r = self.r + size * self.v
-            self._set()
+            assert self.host.set(**self._moved()) == 0
             assert self.host.step(self.time, size) == 0
             self.time += size
             rows.append([*self.r, *self.v, *force, *self.host.get(*names)])
         return np.array(rows).T
 
-    def _set(self):
-        moved = dict(zip(("r_x", "r_y", "r_z", "v_x", "v_y", "v_z"), [*self.r, *self.v], strict=True))
-        assert self.host.set(**moved) == 0
+    def _moved(self):
+        return dict(zip(("r_x", "r_y", "r_z", "v_x", "v_y", "v_z"), [*self.r, *self.v], strict=True))

@@ -81,8 +81,8 @@ def test_conventions_lead_to_the_same_result(fmu, table, signs, tmp_path):
     written.to_csv(tmp_path / "table.csv", index=False)
     given = [Recording(written, signs, "table"), tmp_path / "table.csv", str(tmp_path / "table.csv")]
     for recording, named in zip(given, (None, signs, signs), strict=True):
-        found = check(fmu, recording, signs=named).to_json()
-        assert found["channels"] == reference["channels"]
+        shown = check(fmu, recording, signs=named).to_json()
+        assert shown["channels"] == reference["channels"]
 
 
 def test_nan_in_an_output_is_not_measured(fmu, table):

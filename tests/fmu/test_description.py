@@ -115,8 +115,8 @@ def test_outputs_depend_on_the_inputs_that_reach_them(described):
     shown = {v.name for v in description.modelVariables if v.causality == "input"}
     for unknown in description.outputs:
         if unknown.variable.name in reached:
-            known = {variable.name for variable in unknown.dependencies}
-            assert known & shown == reached[unknown.variable.name] & shown
+            named = {variable.name for variable in unknown.dependencies}
+            assert named & shown == reached[unknown.variable.name] & shown
 
 
 @pytest.mark.parametrize("name", ["first", "mf52", "mf61", "mf62"])

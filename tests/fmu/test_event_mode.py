@@ -68,8 +68,8 @@ def make(fmus, tmp_path):
         return made[-1]
 
     yield wheel
-    for each in made:
-        each.fmu.freeInstance()
+    for instance in made:
+        instance.fmu.freeInstance()
 
 
 def test_a_step_ends_where_the_brake_locks(make):

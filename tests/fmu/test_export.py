@@ -40,8 +40,8 @@ def test_equal_tires_give_equal_bytes(fmus, fmi, tire, tmp_path, fresh_cache):
 def test_the_signs_of_a_tire_change_no_value(kind, fmi):
     tire = published("trento_hoosier")
     shown = []
-    for each in (tire, tire.in_signs("iso")):
-        files = contents(each, fmi, "hoosier", kind)
+    for turned in (tire, tire.in_signs("iso")):
+        files = contents(turned, fmi, "hoosier", kind)
         page = files["documentation/index.html"].replace(b", converted from adapted-sae signs", b"")
         shown.append((page, re.findall(rb' start="[^"]*"', files["modelDescription.xml"])))
     assert shown[0] == shown[1]

@@ -40,9 +40,9 @@ factor = "1 + OWN1*(Fz - FNOMIN)/FNOMIN"
 def tire_with(text, unit="1"):
     """Return a tire of which every text is the given one, including those of a user-defined effect."""
     texts = {"physics": f"x{text}", "source": f"x{text}", "description": text, "unit": unit}
-    own = read_effect(EFFECT.format(**{key: toml_string(value) for key, value in texts.items()}), "own.toml")
+    effect = read_effect(EFFECT.format(**{key: toml_string(value) for key, value in texts.items()}), "own.toml")
     first = published("trento_hoosier")
-    return replace(first, effects=[*first.effects, "own"], name=text, about={"about": text}, added=(own,))
+    return replace(first, effects=[*first.effects, "own"], name=text, about={"about": text}, added=(effect,))
 
 
 def files_of(tire):
@@ -60,15 +60,15 @@ def structure(xml):
 
 def elements(page):
     """Return the elements of a page with their attributes."""
-    found = []
+    listed = []
 
     class Parser(html.parser.HTMLParser):
         def handle_starttag(self, tag, attributes):
-            found.append((tag, attributes))
+            listed.append((tag, attributes))
 
     parser = Parser()
     parser.feed(page)
-    return found
+    return listed
 
 
 @pytest.fixture(scope="module")

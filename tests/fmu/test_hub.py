@@ -15,7 +15,8 @@ from tirefmu.fmu.packaging.export import export
 from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, ROAD, SPIN, WRENCH
 from tirefmu.tires.hub import hub_wrench, wheel_motion
 
-OK, DISCARD, ERROR = 0, 2, 3
+from .conftest import DISCARD, OK
+
 MOVED = tuple(quantity.name for quantity in (*CARRIER, *ROAD, SPIN))
 FORCES = tuple(quantity.name for quantity in CONTACT_FORCES)
 NAMES = ("first", "mf61")
@@ -63,9 +64,9 @@ def test_its_kinematics_is_that_of_python_and_its_tire_that_of_wheel_inputs(host
         np.testing.assert_allclose(hub.get(*motion), list(motion.values()), rtol=1e-12, atol=1e-13)
         assert wheel.set(omega=hub.get("wheel_speed")[0]) == OK
         assert wheel.set(**{shown: hub.get(shown)[0] for shown in same if shown in wheel.inputs}) == OK
-        found = wheel.get(*wheel.outputs)
-        np.testing.assert_allclose(hub.get(*wheel.outputs), found, rtol=1e-9, atol=1e-9)
-        contact = dict.fromkeys(FORCES, 0.0) | dict(zip(wheel.outputs, found, strict=True)) | {"Fz": hub.get("Fz")[0]}
+        forces = wheel.get(*wheel.outputs)
+        np.testing.assert_allclose(hub.get(*wheel.outputs), forces, rtol=1e-9, atol=1e-9)
+        contact = dict.fromkeys(FORCES, 0.0) | dict(zip(wheel.outputs, forces, strict=True)) | {"Fz": hub.get("Fz")[0]}
         moved = {key: value for key, value in given.items() if key.startswith(("R_", "road_n"))}
         wrench = hub_wrench(**contact, R_l=motion["R_l"], **moved)
         assert list(wrench) == [quantity.name for quantity in (*WRENCH, *GLOBAL_WRENCH)]
@@ -83,7 +84,7 @@ def test_its_kinematics_is_that_of_python_and_its_tire_that_of_wheel_inputs(host
 @pytest.mark.parametrize("name", ["mf52", "mf61", "mf62"])
 def test_load_and_forces_are_those_of_the_golden_files(host_of, tires, golden, name):
     """The loaded radius that the reference program computed for a load gives that load, and its forces."""
-    (path,) = (each for each in golden.glob(f"{name}_*.csv.xz") if "turnslip" not in each.name)
+    (path,) = (path for path in golden.glob(f"{name}_*.csv.xz") if "turnslip" not in path.name)
     table = pd.read_csv(path)
     # The reference has no loaded radius where the tire does not deflect, and corrects the slips of a slow wheel.
     table = table[(table.rho > 1e-6) & (table.V_in > 5.0) & (table.kappa_in > -0.9) & (table.Fz_in > 100.0)]
@@ -99,9 +100,9 @@ def test_load_and_forces_are_those_of_the_golden_files(host_of, tires, golden, n
         for _ in range(4):  # the reference stops its iteration of slip and rolling radius early
             kappa, omega = host.get("kappa", "omega")
             assert host.set(omega=omega * (1.0 + row.kappa_in) / (1.0 + kappa)) == OK
-        found = host.get("Fz", "Fx", "Fy", "Mz", "kappa")
+        shown = host.get("Fz", "Fx", "Fy", "Mz", "kappa")
         expected = [row.Fz_in, row.Fx, row.Fy, row.Mz, row.kappa_in]
-        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=reached)
+        np.testing.assert_allclose(shown, expected, rtol=1e-9, atol=reached)
 
 
 def test_damper_and_rim_add_to_the_spring_which_lifts_off(host_of, tires):
@@ -123,9 +124,9 @@ def test_damper_and_rim_add_to_the_spring_which_lifts_off(host_of, tires):
 def test_the_road_scales_friction(host_of, tires):
     """As the tire's own scaling factors do."""
     host, other = host_of("mf61"), host_of("mf61")
-    for each in (host, other):
-        each.initialize()
-        assert each.set(v_y=1.5) == OK
+    for wheel in (host, other):
+        wheel.initialize()
+        assert wheel.set(v_y=1.5) == OK
     assert host.set(road_mu=0.4) == OK
     assert other.set(LMUX=0.4, LMUY=0.4) == OK
     np.testing.assert_allclose(host.get(*host.outputs), other.get(*host.outputs), rtol=1e-12)
@@ -151,11 +152,11 @@ def test_an_entry_of_the_file_without_a_usable_number_is_the_default(tires, text
         shown = interface(replace(tires["first"], **changed), inputs="hub").variables
         return {variable.name: variable.start for variable in shown if variable.name in ("r_z", "VERTICAL_STIFFNESS")}
 
-    found, default = starts(other_entries=(("VERTICAL", "VERTICAL_STIFFNESS", text),)), starts(other_entries=())
+    given, default = starts(other_entries=(("VERTICAL", "VERTICAL_STIFFNESS", text),)), starts(other_entries=())
     stiffness = expected or default["VERTICAL_STIFFNESS"]
-    assert found["VERTICAL_STIFFNESS"] == stiffness
+    assert given["VERTICAL_STIFFNESS"] == stiffness
     values = tires["first"].values
-    assert found["r_z"] == pytest.approx(values["UNLOADED_RADIUS"] - values["FNOMIN"] / stiffness)
+    assert given["r_z"] == pytest.approx(values["UNLOADED_RADIUS"] - values["FNOMIN"] / stiffness)
 
 
 @pytest.mark.parametrize("name", ["UNLOADED_RADIUS", "FNOMIN"])

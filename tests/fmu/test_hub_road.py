@@ -13,9 +13,9 @@ from tirefmu.fmu.packaging.road_file import ROAD_FILE
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires.roads.opencrg import read_crg
 
+from .conftest import OK
 from .programs import unzipped, zipped
 
-OK, DISCARD = 0, 2
 PLANE = ("road_z", "road_nx", "road_ny", "road_nz")
 ROWS, COLUMNS = 150, 7
 
@@ -54,12 +54,12 @@ def test_heights_and_normals_are_those_of_the_reader(paths, crg, make_host):
     on_road = road.nodes[generator.integers(0, ROWS, 200)] + generator.normal(scale=1.5, size=(200, 2))
     far = generator.uniform(-300.0, 300.0, size=(60, 2))
     points = np.concatenate([on_road, far, road.nodes[:20], road.nodes[-5:]])
-    found = []
+    planes = []
     for x, y in points:
         assert host.set(r_x=x, r_y=y) == OK
-        found.append(host.get(*PLANE))
+        planes.append(host.get(*PLANE))
     expected = road.plane(*points.T)
-    np.testing.assert_allclose(np.transpose(found), np.stack([expected[name] for name in PLANE]), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(np.transpose(planes), np.stack([expected[name] for name in PLANE]), rtol=0, atol=1e-12)
     assert np.ptp(expected["road_z"]) > 0.1
 
 
@@ -67,8 +67,8 @@ def test_forces_are_those_of_the_same_road_from_the_host(paths, crg, make_host):
     road, host, plain = read_crg(crg), make_host(paths["road"]), make_host(paths["plain"])
     x, y = road.nodes[60] + [0.13, 0.4]
     height = float(road.height(x, y)) + 0.22
-    for each in (host, plain):
-        assert each.set(r_x=x, r_y=y, r_z=height, v_x=12.0, v_y=0.3, omega=50.0) == OK
+    for wheel in (host, plain):
+        assert wheel.set(r_x=x, r_y=y, r_z=height, v_x=12.0, v_y=0.3, omega=50.0) == OK
     assert plain.set(**{name: float(value) for name, value in road.plane(x, y).items()}) == OK
     host.start(), plain.start()
     names = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z", "c_x", "c_y", "c_z", "R_l_rate")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from .conftest import DISCARD, ERROR, OK
 from .hub_car import GRAVITY, HubCar
 
-OK, DISCARD, ERROR = 0, 2, 3
 MASS, INERTIA, DRIVE = 30.0, 0.1, 15.0
 
 
@@ -34,9 +34,7 @@ def car(host, radius):
 
 
 def test_in_the_air_the_spin_is_the_integral_of_the_torques(host, radius):
-    host.initialize()
-    assert host.set(r_z=2.0 * radius, omega=10.0, WHEEL_INERTIA=INERTIA, T_drive=4.0) == OK
-    assert host.call("ExitInitializationMode") == OK
+    host.start(r_z=2.0 * radius, omega=10.0, WHEEL_INERTIA=INERTIA, T_drive=4.0)
     assert host.step(0.0, 0.25) == OK
     assert host.get("omega", "M_y", "Fz") == pytest.approx([10.0 + 4.0 * 0.25 / INERTIA, 0.0, 0.0], rel=1e-12)
     assert host.set(T_drive=0.0, T_brake=5.0) == OK

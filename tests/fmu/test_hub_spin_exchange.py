@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from .solver import OK, Solver
+from .conftest import ERROR, OK
+from .solver import Solver
 
-ERROR = 3
 INERTIA = 0.8
 FIXED = {"v_x": 8.0, "WHEEL_INERTIA": INERTIA, "omega": 33.0}
 
@@ -54,14 +54,14 @@ class Wheel(Solver):
 
         crossing.terminal, self.events = True, 0
         while self.now < end:
-            found = solve_ivp(rates, (self.now, end), self.states(), "Radau", events=crossing, rtol=1e-7, atol=1e-9)
-            times += found.t.tolist()
-            spins += found.y[-1].tolist()
-            self.now = float(found.t[-1])
-            self.apply(self.now, found.y[:, -1])
-            if found.status == 1:  # hosts return behind the change of sign
+            piece = solve_ivp(rates, (self.now, end), self.states(), "Radau", events=crossing, rtol=1e-7, atol=1e-9)
+            times += piece.t.tolist()
+            spins += piece.y[-1].tolist()
+            self.now = float(piece.t[-1])
+            self.apply(self.now, piece.y[:, -1])
+            if piece.status == 1:  # hosts return behind the change of sign
                 self.now += 1e-7
-                self.apply(self.now, found.y[:, -1] + 1e-7 * self.rates())
+                self.apply(self.now, piece.y[:, -1] + 1e-7 * self.rates())
                 self.event()
                 self.events += 1
                 assert self.events < 10, "chatter"
@@ -127,24 +127,24 @@ def test_the_rate_is_the_sum_of_torques_and_derivatives_are_exact(wheel, state):
     assert rate * INERTIA == pytest.approx(drive + moment + brake, abs=1e-9)
     assert brake == {"driven": -1.0, "braked": -60.0, "held": -drive - moment}[state]
     states, names = wheel.states(), ("der(omega)", "brake_torque", "brake_event", "M_y", "Fz")
-    for known in ("T_drive", "T_brake", "r_z", "v_x", "omega", "kappa_lagged", "road_mu"):
+    for name in ("T_drive", "T_brake", "r_z", "v_x", "omega", "kappa_lagged", "road_mu"):
         values = []
-        (before,) = wheel.get(known)
+        (before,) = wheel.get(name)
         step = 1e-6 * max(1.0, abs(before))
         for change in (step, -step):
-            if known in ("omega", "kappa_lagged"):
-                place = -1 if known == "omega" else 0
+            if name in ("omega", "kappa_lagged"):
+                place = -1 if name == "omega" else 0
                 moved = states.copy()
                 moved[place] += change
                 assert wheel.set_states(*moved) == OK
             else:
-                assert wheel.set(known, before + change) == OK
+                assert wheel.set(name, before + change) == OK
             values.append(wheel.get(*names))
         assert wheel.set_states(*states) == OK
-        assert known in ("omega", "kappa_lagged") or wheel.set(known, before) == OK
-        unknowns, seed = [wheel.references[name] for name in names], [wheel.references[known]]
-        found = wheel.fmu.getDirectionalDerivative(unknowns, seed, [1.0])
-        np.testing.assert_allclose(found, (values[0] - values[1]) / (2.0 * step), rtol=1e-5, atol=1e-4)
+        assert name in ("omega", "kappa_lagged") or wheel.set(name, before) == OK
+        unknowns, seed = [wheel.references[shown] for shown in names], [wheel.references[name]]
+        slopes = wheel.fmu.getDirectionalDerivative(unknowns, seed, [1.0])
+        np.testing.assert_allclose(slopes, (values[0] - values[1]) / (2.0 * step), rtol=1e-5, atol=1e-4)
 
 
 def test_a_held_wheel_has_a_constant_spin_until_an_event(wheel):

@@ -7,7 +7,7 @@ import ctypes
 import numpy as np
 import pytest
 
-OK, DISCARD, ERROR = 0, 2, 3
+from .conftest import DISCARD, ERROR, OK
 
 
 @pytest.fixture

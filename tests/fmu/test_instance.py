@@ -16,11 +16,9 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 from hypothesis import given
 from hypothesis import strategies as st
 
-from .conftest import PHYSICAL, TIRES
+from .conftest import DISCARD, ERROR, OK, PHYSICAL, TIRES, distance
 
-OK, DISCARD, ERROR = 0, 2, 3
 NO_REFERENCE = 4_000_000_000
-OUTPUTS = ("Fx", "Fy", "Mz")
 #: A point of a combined sweep, for tests that need an arbitrary point.
 POINT = {"kappa": 0.05, "alpha": -0.08, "gamma": 0.03, "Fz": 900.0}
 #: The same for a model with more inputs.
@@ -30,10 +28,6 @@ FULL_POINT = POINT | {"p": 2.1e5, "V": 21.0}
 def direct(tire, **inputs):
     rows = {name: np.atleast_1d(value) for name, value in inputs.items()}  # as an array: no range is checked
     return np.array([force.item() for force in tire.forces(**rows).values()])
-
-
-def distance(found, expected):
-    return np.max(np.abs(found - expected) / (1.0 + np.abs(expected)))
 
 
 # ------------------------------------------------------------------ values
@@ -70,12 +64,7 @@ def test_starts_at_the_nominal_point(hosts, tires, name, fmi):
 
 @pytest.mark.parametrize(
     ("name", "coefficient"),
-    [
-        ("first", "FNOMIN"),
-        ("mf52", "PKY1"),
-        ("mf61", "PDXP1"),
-        ("mf62", "NOMPRES"),
-    ],
+    [("first", "FNOMIN"), ("mf52", "PKY1"), ("mf61", "PDXP1"), ("mf62", "NOMPRES")],
 )
 def test_coefficients_are_tunable_at_any_time(hosts, tires, fmi, name, coefficient):
     host, tire = hosts(name, fmi), tires[name]
@@ -122,16 +111,6 @@ def test_hidden_variables_are_not_accessible(hosts, tires, fmi):
     assert host.log[-1] == f"there is no value reference {hidden}"
 
 
-def test_two_instances_are_independent(hosts, tires, fmi):
-    first, second = hosts("first", fmi).start(), hosts("second", fmi).start()
-    for load in (300.0, 800.0, 1200.0):  # alternately
-        point = POINT | {"Fz": load}
-        found = [first.forces(**point), second.forces(**point)]
-        assert distance(found[0], direct(tires["first"], **point)) < 1e-9
-        assert distance(found[1], direct(tires["second"], **point)) < 1e-9
-        assert np.all(found[0] != found[1])
-
-
 # ------------------------------------------------------------------ invalid calls
 
 
@@ -144,12 +123,8 @@ def test_two_instances_are_independent(hosts, tires, fmi):
         (lambda host: host.step(0.1, -0.1), ERROR, "the step size must be positive and finite"),
         (lambda host: host.step(0.2, 0.1), ERROR, "the last one ended at"),
         (lambda host: host.step(0.1, 2.0), ERROR, "stop time"),
-        (
-            lambda host: host.set_references(["kappa", 4_000_000_000], [0.1, 1.0]),
-            ERROR,
-            "no value reference 4000000000",
-        ),
-        (lambda host: host.read([NO_REFERENCE])[0], ERROR, f"no value reference {NO_REFERENCE}"),
+        (lambda host: host.set_references(["kappa", NO_REFERENCE], [0.1, 1.0]), ERROR, f"reference {NO_REFERENCE}"),
+        (lambda host: host.read([NO_REFERENCE])[0], ERROR, f"reference {NO_REFERENCE}"),
         (lambda host: host.set_references(["kappa", "Fx"], [0.1, 1.0]), ERROR, "Fx cannot be set"),
         (lambda host: host.set_references(["kappa", 0], [0.1, 1.0]), ERROR, " cannot be set"),
         (lambda host: host.call("ExitInitializationMode"), ERROR, "not while stepping"),
@@ -184,11 +159,11 @@ def test_rounding_of_the_host_is_not_a_gap(running):
 
 def test_types_that_the_fmu_lacks(running):
     kind, extra = ("Int32", (1,)) if running.version == 3 else ("Integer", ())
-    one, value = running.references(["kappa"]), (ctypes.c_int * 1)(1)
+    reference, value = running.references(["kappa"]), (ctypes.c_int * 1)(1)
     for access in ("Get", "Set"):
-        assert running.call(f"{access}{kind}", one, 1, value, *extra) == ERROR
+        assert running.call(f"{access}{kind}", reference, 1, value, *extra) == ERROR
         assert running.log[-1] == f"this FMU has no variables of type {kind}"
-        assert running.call(f"{access}{kind}", one, 0, value, *[0 for _ in extra]) == OK
+        assert running.call(f"{access}{kind}", reference, 0, value, *[0 for _ in extra]) == OK
 
 
 def test_the_log_can_be_chosen(running):
@@ -240,14 +215,14 @@ def test_a_serialized_state_restores_everything_in_another_instance(hosts, fmi):
 @pytest.mark.parametrize("way", [-1.0, 1.0])
 def test_a_serialized_value_outside_its_limits_is_rejected(hosts, fmi, way):
     host = hosts("first", fmi)
-    known, start = host.variables["PCY1"], 1.2345678
+    variable, start = host.variables["PCY1"], 1.2345678
     assert host.set(PCY1=start) == OK
     content = host.start().serialized()
     position = content.index(struct.pack("d", start))
-    limit = float(known.max if way > 0 else known.min)
+    limit = float(variable.max if way > 0 else variable.min)
     for value, status in ((limit, OK), (limit + way * 1e-9, ERROR)):
-        found, state = host.deserialize(content[:position] + struct.pack("d", value) + content[position + 8 :])
-        assert found == status
+        answer, state = host.deserialize(content[:position] + struct.pack("d", value) + content[position + 8 :])
+        assert answer == status
         assert (state.value is None) == (status == ERROR)
         host.free(state)
 

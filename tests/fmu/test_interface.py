@@ -11,43 +11,21 @@ import pandas as pd
 import pytest
 from fmpy.validation import validate_fmu
 
-from tirefmu.fmu import check, export
+from tirefmu.fmu import check
 from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import contents
-from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires.signs import convert_signs
 
-from .conftest import Host
+from .conftest import ERROR, OK, distance
 
-OK, ERROR = 0, 3
 POINT = {"kappa": 0.05, "alpha": -0.08, "gamma": 0.03, "Fz": 4100.0, "p": 2.1e5, "V": 21.0}
-
-
-def distance(found, expected):
-    return np.max(np.abs(found - expected) / (1.0 + np.abs(expected)))
-
-
-@pytest.fixture(scope="module")
-def warm(tires):
-    """Return a tire with effects that read the temperature and the distance."""
-    tire = tires["mf61"]
-    effects = (tire.has | {"temp_friction", "wear_drift"}) - {"turn_slip"}
-    values = {**tire.values, "TMU1": 0.004, "TMU2": -1e-4, "TREF": 60.0, "WMU1": -2e-4}
-    return replace(tire, values=values, effects=effects)
-
-
-@pytest.fixture(scope="module")
-def warm_fmu(warm, compiler, tmp_path_factory):
-    return {
-        fmi: export(warm, tmp_path_factory.mktemp("warm") / f"warm_{fmi}.fmu", fmi=fmi, quantities=fmi == 3)
-        for fmi in (2, 3)
-    }
 
 
 # ------------------------------------------------------------------ effects beyond the book
 
 
-def test_inputs_of_effects_that_the_tire_has(warm, tires):
+def test_inputs_of_effects_that_the_tire_has(tires):
+    warm = tires["warm"]
     names = {name: [v.name for v in interface(tire).group("input")] for name, tire in
              (("warm", warm), ("plain", replace(warm, effects=warm.has - {"temp_friction"})))}  # fmt: skip
     assert names["warm"] == ["kappa", "alpha", "gamma", "Fz", "p", "V", "T"]
@@ -56,59 +34,31 @@ def test_inputs_of_effects_that_the_tire_has(warm, tires):
     assert interface(tires["mf61"]).group("state") == []
 
 
-def test_added_effects_are_the_evaluation_with_inputs_held(warm, warm_fmu, fmi):
-    assert validate_fmu(str(warm_fmu[fmi])) == []
-    rng = np.random.default_rng(8)
-    n = 200
-    table = pd.DataFrame(
-        {
-            "t": np.cumsum(rng.uniform(0.001, 0.2, n)),
-            "kappa": rng.uniform(-0.2, 0.2, n),
-            "alpha": rng.uniform(-0.2, 0.2, n),
-            "Fz": rng.uniform(500.0, 6000.0, n),
-            "V": rng.uniform(-30.0, 60.0, n),
-            "T": rng.uniform(20.0, 110.0, n),
-        }
-    )
-    forces = warm.evaluate(table, hold=True)[list(warm.outputs)]
-    result = check(warm_fmu[fmi], table.assign(**forces))
-    assert result.ok
-    assert result.evaluation_difference < 1e-9
-    other = warm.evaluate(table, hold=False)["Fy"]  # the distance between rows is another one
-    assert np.max(np.abs(other - forces["Fy"])) > 1.0
-
-
-def test_the_distance_is_stored_saved_and_reset(warm_fmu, fmi):
-    with loaded(warm_fmu[fmi]) as slave:
-        host = Host(slave)
-        assert host.set(distance=1000.0) == OK
-        host.start()
-        assert host.set(distance=0.0) == ERROR
-        assert host.set(V=-12.0) == OK
-        assert host.get("distance", "der(distance)").tolist() == [1000.0, 12.0]
-        state = host.save()
-        for k in range(4):
-            assert host.step(0.25 * k, 0.25) == OK
-        assert host.get("distance")[0] == 1012.0
-        assert host.restore(state) == OK
-        assert host.get("distance")[0] == 1000.0
-        host.free(state)
-        assert host.call("Reset") == OK
-        assert host.get("distance")[0] == 0.0
+def test_the_distance_is_stored_and_reset(hosts, fmi):
+    host = hosts("warm", fmi)
+    assert host.set(distance=1000.0) == OK
+    host.start()
+    assert host.set(distance=0.0) == ERROR
+    assert host.set(V=-12.0) == OK
+    assert host.get("distance", "der(distance)").tolist() == [1000.0, 12.0]
+    for k in range(4):
+        assert host.step(0.25 * k, 0.25) == OK
+    assert host.get("distance")[0] == 1012.0
+    assert host.call("Reset") == OK
+    assert host.get("distance")[0] == 0.0
 
 
 # ------------------------------------------------------------------ extra outputs
 
 
-def test_every_named_quantity_can_be_an_output(warm, warm_fmu):
+def test_every_named_quantity_can_be_an_output(tires, hosts):
+    warm, host = tires["warm"], hosts("warm", 3, "slip", "iso", True).start()
     row = warm.evaluate(pd.DataFrame([POINT | {"T": 80.0}]), hold=True).iloc[0]
-    with loaded(warm_fmu[3]) as slave:
-        host = Host(slave).start()
-        host.set(**POINT, T=80.0)
-        shown = [name for name in host.extras if name != "friction_use"]
-        assert set(shown) == set(row.index) - {*warm.inputs, *warm.outputs}
-        assert len(shown) > 50
-        assert distance(host.get(*shown), row[shown].to_numpy(dtype=float)) < 1e-9
+    host.set(**POINT, T=80.0)
+    shown = [name for name in host.extras if name != "friction_use"]
+    assert set(shown) == set(row.index) - {*warm.inputs, *warm.outputs}
+    assert len(shown) > 50
+    assert distance(host.get(*shown), row[shown].to_numpy(dtype=float)) < 1e-9
 
 
 def test_radii_and_friction_use(hosts, tires):
@@ -139,8 +89,8 @@ def test_exceeding_the_known_range_is_reported_once(hosts):
 
 
 @pytest.mark.parametrize("name", ["mf61", "rolling"])
-def test_sae_axes_are_the_evaluation_in_sae(tires, compiler, tmp_path, fmi, name):
-    path, tire = export(tires[name], tmp_path / "sae.fmu", fmi=fmi, axes="sae"), tires[name]
+def test_sae_axes_are_the_evaluation_in_sae(tires, fmus, hosts, fmi, name):
+    path, tire = fmus[name, fmi, "slip", "sae"], tires[name]
     assert validate_fmu(str(path)) == []
     rng, n = np.random.default_rng(6), 60
     slips = {key: rng.uniform(-size, size, n) for key, size in (("kappa", 0.2), ("alpha", 0.2), ("gamma", 0.1))}
@@ -150,8 +100,7 @@ def test_sae_axes_are_the_evaluation_in_sae(tires, compiler, tmp_path, fmi, name
         result = check(path, convert_signs(table.assign(**forces), "sae", signs), signs=signs)
         assert result.evaluation_difference < 1e-9
         assert max(channel.relative_rmse for channel in result.channels) < 1e-9
-    with loaded(path) as slave:
-        assert Host(slave).get("Fz")[0] == -tire.nominal("Fz")
+    assert hosts(name, fmi, "slip", "sae").get("Fz")[0] == -tire.nominal("Fz")
 
 
 def test_the_file_states_its_conventions(tires):

@@ -7,9 +7,9 @@ import ctypes
 import numpy as np
 import pytest
 
-from .test_model_exchange import Solver
+from .conftest import DISCARD, ERROR, OK
+from .solver import Solver
 
-OK, DISCARD, ERROR = 0, 2, 3
 SPEEDS = {"V_x": 14.0, "V_y": 0.4, "omega": 40.0}
 
 
@@ -27,15 +27,15 @@ def refused(host, before, *calls):
 
 def test_null_pointers_are_errors(hosts, fmi):
     host = hosts("rolling", fmi).start()
-    known, unknown, n, values = host.references(["kappa"]), host.references(["Fx"]), 1, (ctypes.c_double * 1)(0.1)
+    slip, force, n, values = host.references(["kappa"]), host.references(["Fx"]), 1, (ctypes.c_double * 1)(0.1)
     kind, size = ("Float64", (n,)) if fmi == 3 else ("Real", ())  # the number of values stands behind them in FMI 3
     either = ((None, values), (values, None))
-    calls = [(f"{verb}{kind}", known, n, None, *size) for verb in ("Get", "Set")]
+    calls = [(f"{verb}{kind}", slip, n, None, *size) for verb in ("Get", "Set")]
     calls += [(f"{verb}{kind}", None, n, values, *size) for verb in ("Get", "Set")]
-    calls += [("GetDirectionalDerivative", unknown, n, known, n, a, *size, b, *size) for a, b in either]
+    calls += [("GetDirectionalDerivative", force, n, slip, n, a, *size, b, *size) for a, b in either]
     if fmi == 3:
-        calls += [("GetAdjointDerivative", unknown, n, known, n, a, n, b, n) for a, b in either]
-        calls += [("GetDirectionalDerivative", None, n, known, n, values, n, values, n)]
+        calls += [("GetAdjointDerivative", force, n, slip, n, a, n, b, n) for a, b in either]
+        calls += [("GetDirectionalDerivative", None, n, slip, n, values, n, values, n)]
         calls += [("GetNumberOfContinuousStates", None), ("GetNumberOfEventIndicators", None)]
     else:
         calls += [("GetRealStatus", 2, None), ("GetBooleanStatus", 3, None), ("GetStatus", 0, None)]
@@ -78,16 +78,16 @@ def test_huge_inputs_have_finite_results_or_are_refused(hosts, wheels, fmi, huge
             for value in (huge, -huge):
                 assert host.set(**{name: value}) in (OK, DISCARD)
                 for shown in (*host.outputs, *host.extras):
-                    status, (found,) = host.read([shown])
-                    assert status == (OK if np.isfinite(found) else DISCARD), (name, shown)
+                    status, (value_shown,) = host.read([shown])
+                    assert status == (OK if np.isfinite(value_shown) else DISCARD), (name, shown)
                     refusals += status == DISCARD
                 status = host.step(time, 0.01)
                 assert status in (OK, DISCARD)
                 time += 0.01 if status == OK else 0.0
-                status, found = host.derivative(["Fx", "Fy"], [name], [1.0])
-                assert status == (OK if np.all(np.isfinite(found)) else DISCARD)
+                status, slopes = host.derivative(["Fx", "Fy"], [name], [1.0])
+                assert status == (OK if np.all(np.isfinite(slopes)) else DISCARD)
                 assert host.set(**sane) == OK
-                lagged = [each for each in ("kappa_lagged", "tan_alpha_lagged", "twist") if each in host.variables]
+                lagged = host.variables.keys() & {"kappa_lagged", "tan_alpha_lagged", "twist"}
                 assert np.all(np.isfinite(host.get(*lagged)))
         assert (refusals > 0) == any("would be" in line for line in host.log)
         assert refusals > 0 or huge < 1e150

@@ -109,15 +109,15 @@ def test_a_universal_binary_accepts_macos_only():
 
 
 def test_binaries_are_for_the_requested_machines(ziglang, tires, fmi, tmp_path):
-    found = packed(export(tires["first"], tmp_path / "tire.fmu", fmi=fmi, platforms=QUICK))
+    files = packed(export(tires["first"], tmp_path / "tire.fmu", fmi=fmi, platforms=QUICK))
     positions = {platform: binary_path(fmi, "tire", platform) for platform in QUICK}
     if fmi == 2:
         del positions["aarch64-darwin"]  # it is in the single folder for macOS
-    assert set(found) == set(positions.values())
+    assert set(files) == set(positions.values())
     for platform, (magic, at, processor) in FORMATS.items():
         if platform not in positions:
             continue
-        content = found[positions[platform]]
+        content = files[positions[platform]]
         if fmi == 2 and platform == "x86_64-darwin":
             assert content[:8] == struct.pack(">II", 0xCAFEBABE, 2)
             continue

@@ -142,10 +142,10 @@ def test_malformed_values_are_an_error_in_the_log(packed, fmi, tmp_path):
 
 @pytest.mark.skipif("TIREFMU_SANITIZE" not in os.environ, reason="runs by make sanitize")
 def test_mutated_values_under_sanitizers(compiler, tires, tmp_path):
-    found = generic(tires["rolling"])
+    structure = generic(tires["rolling"])
     (tmp_path / "resources of 100 %").mkdir()
-    (tmp_path / "values").write_bytes(values_file(found, "{1}", len(found.shown.variables)))
-    program = linked(compiler, tmp_path, "tire_file.c", found.sources, *SANITIZERS)
+    (tmp_path / "values").write_bytes(values_file(structure, "{1}", len(structure.shown.variables)))
+    program = linked(compiler, tmp_path, "tire_file.c", structure.sources, *SANITIZERS)
     done = subprocess.run([str(program), str(tmp_path)], capture_output=True, text=True, check=False)
     assert (done.stderr, done.returncode) == ("", 0)
     accepted, refused = map(int, re.findall(r"\d+", done.stdout))

@@ -16,9 +16,8 @@ from tirefmu.fmu.packaging.binaries import host_platform
 from tirefmu.measurements import Recording
 from tirefmu.tires import read_tir
 
+from .conftest import DISCARD, OK, TIRES
 from .programs import unzipped, zipped
-
-OK, DISCARD = 0, 2
 
 pytestmark = pytest.mark.skipif(
     host_platform() not in ("x86_64-linux", "x86_64-windows"), reason="pythonfmu brings no binary for this machine"
@@ -28,7 +27,7 @@ pytestmark = pytest.mark.skipif(
 @pytest.fixture(scope="module")
 def python_fmus(tires, tmp_path_factory):
     folder = tmp_path_factory.mktemp("python fmus")
-    return {name: export(tire, folder / f"{name}.fmu", kind="pythonfmu") for name, tire in tires.items()}
+    return {name: export(tires[name], folder / f"{name}.fmu", kind="pythonfmu") for name in TIRES}
 
 
 @pytest.fixture
@@ -122,8 +121,8 @@ def test_a_saved_state_restores_the_run(python_host, lagging):
 
 
 def test_two_tires_in_one_process_are_independent(python_host, tires):
-    one, other = python_host("first").start(), python_host("mf61").start()
-    for host, tire in ((one, tires["first"]), (other, tires["mf61"])):
+    first, other = python_host("first").start(), python_host("mf61").start()
+    for host, tire in ((first, tires["first"]), (other, tires["mf61"])):
         expected = tire.forces(alpha=0.1, Fz=800.0)["Fy"].item()
         host.set(alpha=0.1, Fz=800.0)
         assert host.get("Fy")[0] == pytest.approx(expected, rel=1e-12)

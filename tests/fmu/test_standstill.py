@@ -8,28 +8,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.fmu import export
 from tirefmu.fmu.description.interface import interface
-from tirefmu.fmu.simulation.simulate import loaded
 
-from .conftest import Host
+from .conftest import DISCARD, OK
 
-OK, DISCARD, ERROR = 0, 2, 3
 LOAD = 6752.0
 
 
 @pytest.fixture
 def standing(wheels):
     """Return a function that starts a wheel at rest."""
-
-    def start(name, **inputs):
-        host = wheels(name)
-        host.initialize()
-        assert host.set(**{"V_x": 0.0, "V_y": 0.0, "omega": 0.0, **inputs}) == OK
-        assert host.call("ExitInitializationMode") == OK
-        return host
-
-    return start
+    return lambda name, **values: wheels(name).start(**{"V_x": 0.0, "V_y": 0.0, "omega": 0.0, **values})
 
 
 def wheel_radius(host, tire):
@@ -144,7 +133,7 @@ def test_without_turn_slip_the_torque_is_that_of_a_patch_with_parabolic_pressure
 
 
 def test_the_moment_of_turning_does_not_depend_on_the_step(standing):
-    found = []
+    ends = []
     for n in (1, 40):
         host, time = standing("mf61", Fz=LOAD), 0.0
         for psi_dot, V_x in ((0.3, 0.0), (0.3, 0.05), (-0.8, 0.002), (0.0, 0.3)):
@@ -152,8 +141,8 @@ def test_the_moment_of_turning_does_not_depend_on_the_step(standing):
             for _ in range(n):
                 assert host.step(time, 0.1 / n) == OK
                 time += 0.1 / n
-        found.append(host.get("Mz", "twist"))
-    np.testing.assert_allclose(found[1], found[0], rtol=1e-9)
+        ends.append(host.get("Mz", "twist"))
+    np.testing.assert_allclose(ends[1], ends[0], rtol=1e-9)
 
 
 def test_rolling_removes_the_twist_and_turn_slip_takes_over(standing, tires):
@@ -179,8 +168,8 @@ def test_a_tire_at_rest_has_no_forces(standing, tires, name, share):
         assert host.step(time, 1.0) == OK
     # An inclined wheel at rest has an overturning moment: the load acts beside its plane.
     host.set(gamma=0.05)
-    found = dict(zip(host.outputs, host.get(*host.outputs), strict=True))
-    assert all(value == 0.0 for key, value in found.items() if key != "Mx")
+    shown = dict(zip(host.outputs, host.get(*host.outputs), strict=True))
+    assert all(value == 0.0 for key, value in shown.items() if key != "Mx")
 
 
 @pytest.mark.parametrize("name", ["first", "mf61"])
@@ -220,9 +209,9 @@ def test_a_locked_wheel_holds_a_car_on_a_slope_with_forces_of_the_last_step(stan
 
 def test_a_tire_without_relaxation_has_default_lengths(standing, tires):
     """The Magic Formula has its own; other tires have half the free radius."""
-    own = tires["mf61"].evaluate(pd.DataFrame({"kappa": [0.0], "Fz": [LOAD]}))[["sigma_x", "sigma_y"]].iloc[0]
+    formula = tires["mf61"].evaluate(pd.DataFrame({"kappa": [0.0], "Fz": [LOAD]}))[["sigma_x", "sigma_y"]].iloc[0]
     half = 0.5 * tires["first"].values["UNLOADED_RADIUS"]
-    for name, lengths, inputs in (("mf61", own, {"Fz": LOAD}), ("first", (half, half), {})):
+    for name, lengths, inputs in (("mf61", formula, {"Fz": LOAD}), ("first", (half, half), {})):
         host = standing(name, **inputs)
         assert host.get("DEFAULT_SIGMA")[0] == pytest.approx(0.5 * tires[name].values["UNLOADED_RADIUS"])
         host.set(V_x=1e-6, V_y=0.3, omega=2.0)
@@ -261,54 +250,41 @@ def test_derivatives_agree_across_standstill(standing, tires, name):
     host.set(omega=0.2)
     host.step(0.3, 0.1)
     unknowns = [*host.outputs, "friction_use", "der(kappa_lagged)", "der(tan_alpha_lagged)"]
-    found = {}
+    slopes = {}
     for V_x in (-1e-4, -1e-6, -0.0, 0.0, 1e-6, 1e-4):
         host.set(V_x=V_x)
-        status, found[V_x] = host.derivative(unknowns, ["V_x"], [1.0])
+        status, slopes[V_x] = host.derivative(unknowns, ["V_x"], [1.0])
         assert status == OK
-    assert abs(found[0.0][0]) > 1.0
-    for V_x, derivatives in found.items():  # continuous, at a rate of the speed below which directions are blended
-        scale = np.abs(found[0.0]) + 1.0
-        assert np.max(np.abs(derivatives - found[0.0]) / scale) < 3.0 * abs(V_x) / 0.01 + 1e-6, V_x
+    assert abs(slopes[0.0][0]) > 1.0
+    for V_x, derivatives in slopes.items():  # continuous, at a rate of the speed below which directions are blended
+        scale = np.abs(slopes[0.0]) + 1.0
+        assert np.max(np.abs(derivatives - slopes[0.0]) / scale) < 3.0 * abs(V_x) / 0.01 + 1e-6, V_x
 
 
 def test_derivatives_by_the_default_length_and_of_the_twist(wheels):
     host = wheels("first").start()
     host.set(V_x=12.0, V_y=0.5, omega=50.0)
-    _, (found,) = host.derivative(["der(tan_alpha_lagged)"], ["DEFAULT_SIGMA"], [1.0])
-    assert found == pytest.approx(-host.get("der(tan_alpha_lagged)")[0] / host.get("DEFAULT_SIGMA")[0], rel=1e-12)
+    _, (slope,) = host.derivative(["der(tan_alpha_lagged)"], ["DEFAULT_SIGMA"], [1.0])
+    assert slope == pytest.approx(-host.get("der(tan_alpha_lagged)")[0] / host.get("DEFAULT_SIGMA")[0], rel=1e-12)
     host = wheels("mf61").start()
     host.set(V_x=5.0, omega=5.0 / 0.385, psi_dot=-0.7)
     host.step(0.0, 0.05)
-    for known in ("psi_dot", "V_x", "twist"):
-        status, (found,) = host.derivative(["der(twist)"], [known], [1.0])
+    for name in ("psi_dot", "V_x"):
+        status, slopes = host.derivative(["der(twist)"], [name], [1.0])
         assert status == OK
-        if known == "twist":
-            assert found == pytest.approx(-(0.7 / 0.1 + 5.0 / 0.1), rel=1e-12)
-            continue
-        middle, rates = host.get(known)[0], []
-        for step in (1e-5, -1e-5):
-            host.set(**{known: middle + step})
-            rates.append(host.get("der(twist)")[0])
-        host.set(**{known: middle})
-        assert found == pytest.approx((rates[0] - rates[1]) / 2e-5, rel=1e-6)
+        assert slopes == pytest.approx(host.differences(["der(twist)"], name, 1e-5), rel=1e-6)
+    assert host.derivative(["der(twist)"], ["twist"], [1.0])[1] == pytest.approx([-(0.7 + 5.0) / 0.1], rel=1e-12)
 
 
 # ------------------------------------------------------------------ power
 
 
-def test_the_dissipated_power_is_never_negative(wheels, tires):
+def test_the_dissipated_power_is_never_negative(standing, tires):
     """P = F . (sliding - rate of deflection) + damper: of forces times velocities, without what the spring stores.
 
     A second wheel without damper follows the same slips: it has the force of the spring alone.
     """
-    host, spring = wheels("mf61"), wheels("mf61")
-    for each in (host, spring):
-        each.initialize()
-        each.set(V_x=0.0, V_y=0.0, omega=0.0, Fz=LOAD)
-    assert spring.set(LOW_SPEED_DAMPING=0.0) == OK
-    for each in (host, spring):
-        each.call("ExitInitializationMode")
+    host, spring = standing("mf61", Fz=LOAD), standing("mf61", Fz=LOAD, LOW_SPEED_DAMPING=0.0)
     sigma = tires["mf61"].evaluate(pd.DataFrame({"kappa": [0.0], "Fz": [LOAD]}))[["sigma_x", "sigma_y"]].iloc[0]
     radius = host.get("R_e")[0]
     rng, time, power = np.random.default_rng(5), 0.0, []
@@ -318,29 +294,23 @@ def test_the_dissipated_power_is_never_negative(wheels, tires):
         motion = {"V_x": V_x, "V_y": rng.normal() * rng.choice([0.0, 0.01, 0.3]),
                   "omega": (V_x + rng.normal() * rng.choice([0.0, 0.01, 0.5])) / radius}  # fmt: skip
         size = rng.choice([1e-3, 1e-2, 0.1])
-        for each in (host, spring):
-            assert each.set(**motion) == OK
-            rates = each.get("der(kappa_lagged)", "der(tan_alpha_lagged)")
+        for wheel in (host, spring):
+            assert wheel.set(**motion) == OK
+            rates = wheel.get("der(kappa_lagged)", "der(tan_alpha_lagged)")
         # The radius grows with the speed of the wheel: the slip shows the sliding velocity of the FMU.
         sliding = np.array([host.get("kappa")[0] * 0.5 * (V_x**2 / low + low), motion["V_y"]])
-        force, elastic = (each.get("Fx", "Fy") * (1.0, -1.0) for each in (host, spring))
+        force, elastic = (wheel.get("Fx", "Fy") * (1.0, -1.0) for wheel in (host, spring))
         power.append((force @ sliding) - elastic @ (rates * sigma.to_numpy()))
-        for each in (host, spring):
-            assert each.step(time, size) == OK
+        assert host.step(time, size) == spring.step(time, size) == OK
         time += size
     assert max(power) > 1000.0
     assert min(power) >= -1e-9 * max(power)
 
 
-def test_sae_axes_turn_the_same_way(tires, compiler, tmp_path):
-    path = export(tires["mf61"], tmp_path / "sae.fmu", inputs="wheel", axes="sae")
-    with loaded(path) as slave:
-        host = Host(slave)
-        host.initialize()
-        host.set(V_x=0.0, V_y=0.0, omega=0.0, psi_dot=0.5)
-        host.call("ExitInitializationMode")
-        assert host.step(0.0, 1.0) == OK
-        Fy, Mz, twist = host.get("Fy", "Mz", "twist")
-        assert Fy == 0.0
-        assert Mz < -100.0
-        assert twist > 0.05
+def test_sae_axes_turn_the_same_way(hosts):
+    host = hosts("mf61", 3, "wheel", "sae").start(V_x=0.0, V_y=0.0, omega=0.0, psi_dot=0.5)
+    assert host.step(0.0, 1.0) == OK
+    Fy, Mz, twist = host.get("Fy", "Mz", "twist")
+    assert Fy == 0.0
+    assert Mz < -100.0
+    assert twist > 0.05

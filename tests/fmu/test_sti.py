@@ -24,7 +24,7 @@ SOURCE = Path(__file__).with_name("sti_host.c")
 ENTRIES = {"tirefmu_sti_": "1,2", "tirefmu_sti": "1,2,11,6", "dtyre_": "1,2"}
 NAMES = ("mf61", "second", "fiala", "brush")
 STEP, ROWS = 0.002, 150
-WRENCH_NAMES, CARRIER_NAMES = ([quantity.name for quantity in each] for each in (WRENCH, CARRIER))
+WRENCH_NAMES, CARRIER_NAMES = ([quantity.name for quantity in kind] for kind in (WRENCH, CARRIER))
 WARNING, DO_NOT_USE, FATAL = 1, 2, 3
 
 
@@ -86,8 +86,8 @@ def plane(entry, radius, r, matrix):
     if entry == "dtyre_":  # the plane at the contact point
         named = {f"R_{i + 1}{j + 1}": matrix[i, j] for i in range(3) for j in range(3)}
         normal = {"road_nx": -slopes[0], "road_ny": -slopes[1], "road_nz": 1.0}
-        found = wheel_motion(r_x=r[0], r_y=r[1], r_z=r[2], road_z=z, **normal, **named)
-        place = np.array([found["c_x"], found["c_y"]])
+        motion_there = wheel_motion(r_x=r[0], r_y=r[1], r_z=r[2], road_z=z, **normal, **named)
+        place = np.array([motion_there["c_x"], motion_there["c_y"]])
         z, slopes, friction = at(*place)
         z += slopes @ (r[:2] - place)
     elif (r[2] - z) / np.sqrt(1.0 + slopes @ slopes) >= radius:  # no contact: a level road far below
@@ -124,24 +124,24 @@ def simulate(fmu, folder, entry, radius, r, turned, v, w, spin):
 def test_library_and_fmu_agree(programs, fmus, tires, tmp_path, name, entry, manoeuvre):
     radius = tires[name].values["UNLOADED_RADIUS"]
     given = motion(manoeuvre, radius)
-    found, report, status = run(programs[name], entry, *given)
+    rows, report, status = run(programs[name], entry, *given)
     assert status == 0, report
     expected = simulate(fmus[name, 3, "hub"], tmp_path, entry, radius, *given)
     size = 1.0 + np.abs(expected).max(axis=0)
     assert np.abs(expected[:, :6]).max() > 100.0
-    assert np.abs((found[:, : expected.shape[1]] - expected) / size).max() < 1e-9
+    assert np.abs((rows[:, : expected.shape[1]] - expected) / size).max() < 1e-9
     if manoeuvre == "landing":
-        assert np.all(found[0, :6] == 0.0)
-        assert found[-1, 2] > 100.0
+        assert np.all(rows[0, :6] == 0.0)
+        assert rows[-1, 2] > 100.0
 
 
 def test_results_have_their_positions(programs, tires):
     given = motion("slalom", tires["mf61"].values["UNLOADED_RADIUS"])
     by_entry = {}
     for entry in ("tirefmu_sti_", "dtyre_"):
-        found, report, _ = run(programs["mf61"], entry, *given)
+        rows, report, _ = run(programs["mf61"], entry, *given)
         assert "3 states, 16 parameters, 75 results" in report
-        by_entry[entry] = found[:, -75:]
+        by_entry[entry] = rows[:, -75:]
     results, tno = by_entry.values()
     radius = tires["mf61"].values["UNLOADED_RADIUS"]
     np.testing.assert_allclose(results[:, 43] + tno[:, 11], radius, atol=1e-4)  # the planes differ a little
@@ -162,10 +162,10 @@ def test_results_have_their_positions(programs, tires):
     ],
 )
 def test_errors_have_the_codes_of_the_standard(programs, tires, fault, status, line):
-    found, report, returned = run(programs["mf61"], "tirefmu_sti_", *motion("slalom", 0.3), fault)
+    rows, report, returned = run(programs["mf61"], "tirefmu_sti_", *motion("slalom", 0.3), fault)
     assert returned == status
     assert line in report
-    assert len(found) == 0
+    assert len(rows) == 0
 
 
 def test_a_wheel_outside_the_valid_range_is_one_warning(programs, tires):

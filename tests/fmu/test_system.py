@@ -46,11 +46,11 @@ def test_the_system_runs_in_fmpy(car, tires):
     loads = {"FL": 900.0, "FR": 600.0, "RL": 700.0, "RR": 400.0}
     given = {f"{name}_Fz": lambda _t, load=load: load for name, load in loads.items()}
     given |= {f"{name}_alpha": lambda _t: 0.05 for name in loads}
-    found = simulate_ssp(str(car), stop_time=0.05, step_size=0.01, input=given)[-1]
+    run = simulate_ssp(str(car), stop_time=0.05, step_size=0.01, input=given)[-1]
     for name, load in loads.items():
         tire = tires["first" if name.startswith("F") else "second"]
-        assert found[f"{name}.Fy"] == pytest.approx(tire.forces(kappa=0.0, alpha=0.05, Fz=load)["Fy"], rel=1e-12)
-        assert found[f"{name}_Fy"] == found[f"{name}.Fy"]
+        assert run[f"{name}.Fy"] == pytest.approx(tire.forces(kappa=0.0, alpha=0.05, Fz=load)["Fy"], rel=1e-12)
+        assert run[f"{name}_Fy"] == run[f"{name}.Fy"]
 
 
 def _mappings(car):
@@ -72,13 +72,13 @@ def test_a_parameter_set_replaces_the_tire(hosts, tires, tmp_path):
 
 @pytest.mark.parametrize("with_vehicle", [False, True], ids=["tires", "vehicle"])
 def test_valid_by_the_schemas(fmi, with_vehicle, tires, tmp_path, monkeypatch):
-    found = find_spec("pyssp_standard")
-    if not found:
+    package = find_spec("pyssp_standard")
+    if not package:
         pytest.skip("needs pyssp-standard")
     monkeypatch.setattr("tirefmu.fmu.packaging.system.export", lambda tire, path, **options: car_file(path))
     vehicle = {"vehicle": vehicle_file(tmp_path, fmi, *VEHICLE)} if with_vehicle else {}
     path = export_system([tires["first"]] * 4, tmp_path / "car.ssp", fmi=fmi, inputs="hub", **vehicle)
-    folder = Path(found.submodule_search_locations[0]) / "resources" / ("ssp2" if fmi == 3 else "")
+    folder = Path(package.submodule_search_locations[0]) / "resources" / ("ssp2" if fmi == 3 else "")
     with zipfile.ZipFile(path) as archive:
         for name in archive.namelist():
             kind = SCHEMAS.get(name.rpartition(".")[2])
@@ -134,7 +134,7 @@ def test_a_vehicle_is_connected_by_names(tires, tmp_path, monkeypatch):
         (
             2,
             [("speed", "output", "m/s")],
-            "no input or output of the vehicle is named as one of a tire, such as FL_r_x",
+            "no input or output of the vehicle is named as one of a tire, such as FL_r",
         ),
     ],
 )

@@ -23,10 +23,10 @@ PLATFORMS = ("x86_64-linux", "x86_64-windows")
 
 @pytest.fixture(scope="module")
 def wine():
-    found = shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine")
-    assert found, "wine64 is not installed"
+    wine = shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine")
+    assert wine, "wine64 is not installed"
     assert cross_compiler.has_ziglang(), "the extra cross is not installed"
-    return found
+    return wine
 
 
 def host(folder, platform, fmi):

@@ -23,8 +23,8 @@ from tirefmu.fmu.packaging.sources import c_files, sources
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires import Tire
 
+from .conftest import EFFECTS, VALUES
 from .programs import random_steps
-from .test_memory import EFFECTS, VALUES
 
 
 def compile_strictly(compiler, folder, names):
@@ -43,10 +43,10 @@ def test_no_source_file_calls_one_that_calls_it(compiler, tmp_path, fmi, inputs)
     shown = interface(tire, inputs=inputs)
     for file, content in sources(fmi, shown, "{1}").items():
         (tmp_path / file).write_bytes(content)
-    own = [file for file in c_files(fmi, shown) if not file.startswith("mf61")]
-    compile_strictly([*compiler, "-O0", "-isystem", str(fmi_headers())], tmp_path, own)
+    wrapper = [file for file in c_files(fmi, shown) if not file.startswith("mf61")]
+    compile_strictly([*compiler, "-O0", "-isystem", str(fmi_headers())], tmp_path, wrapper)
     defined, needed = {}, {}
-    for file in own:
+    for file in wrapper:
         listed = subprocess.run(["nm", "-P", file[:-1] + "o"], cwd=tmp_path, capture_output=True, text=True, check=True)
         for name, kind, *_ in map(str.split, listed.stdout.splitlines()):
             if kind == "U":
@@ -55,7 +55,7 @@ def test_no_source_file_calls_one_that_calls_it(compiler, tmp_path, fmi, inputs)
                 defined[name] = file
     calls = {file: {defined[name] for name in names & defined.keys()} for file, names in needed.items()}
     assert len(calls) > 5
-    assert set(TopologicalSorter(calls).static_order()) == set(own)
+    assert set(TopologicalSorter(calls).static_order()) == set(wrapper)
 
 
 @pytest.mark.parametrize("target", ["aarch64-linux-gnu", "arm-linux-gnueabihf"])
@@ -153,10 +153,10 @@ def test_a_host_without_python(compiler, fmus, fmi, tires, tmp_path):
         env={key: value for key, value in os.environ.items() if not key.startswith("PYTHON")},
     )
     assert done.returncode == 0, done.stderr
-    found = np.array([[float(number) for number in line.split()] for line in done.stdout.splitlines()])
+    shown = np.array([[float(number) for number in line.split()] for line in done.stdout.splitlines()])
     points = [(name, 0.05 * k) for k in range(3) for name in ("first", "second")]
     expected = [
         [float(f) for f in tires[name].forces(kappa=0.04, alpha=alpha, gamma=0.02, Fz=850.0).values()]
         for name, alpha in points
     ]
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(shown, expected, rtol=1e-9, atol=1e-9)

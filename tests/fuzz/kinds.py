@@ -31,7 +31,7 @@ from tirefmu.fmu.simulation.simulate import read_description
 from tirefmu.measurements import INPUTS, check_plausible, read_recording
 from tirefmu.project.project_file import read_project
 from tirefmu.project.steps import steps_of
-from tirefmu.symbolic.added import effect_text, read_effect
+from tirefmu.symbolic.added import effect_text, library, read_effect
 from tirefmu.tires import published, read_tir, write_tir
 from tirefmu.tires.property_file.units import unit_factor
 from tirefmu.tires.property_file.writing import tir_text
@@ -230,8 +230,8 @@ def recipe_seeds() -> list[bytes]:
 
 
 def effect_seeds() -> list[bytes]:
-    folders = (ROOT / "symbolic" / "added", ROOT / "docs" / "effects")
-    return [path.read_bytes() for folder in folders for path in sorted(folder.glob("*.toml"))]
+    examples = [path.read_bytes() for path in sorted((ROOT / "docs" / "effects").glob("*.toml"))]
+    return [*examples, *(effect_text(effect).encode() for effect in library().values())]
 
 
 def read_user_effect(path: Path) -> None:
@@ -324,7 +324,7 @@ def read_fmu(path: Path) -> None:
     """Read the parts of an FMU that a check reads before it loads the binary."""
     with unpacked(path) as folder:
         description = read_description(path, folder)
-        outputs = [one.name for one in description.modelVariables if one.causality == "output" and one.name == "Fy"]
+        outputs = [v.name for v in description.modelVariables if v.causality == "output" and v.name == "Fy"]
         assert axes_of_inputs(folder, path) in ("iso", "sae")
         embedded_tire(folder, path, outputs)
 

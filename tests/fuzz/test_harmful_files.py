@@ -34,16 +34,16 @@ from tirefmu.boundary.errors import TirefmuError
 kind, folder = KINDS[sys.argv[1]], Path(sys.argv[2])
 size = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + {MEMORY}, resource.RLIM_INFINITY))
-found = {{}}
+answers = {{}}
 for path in sorted(folder.iterdir()):
     try:
         kind.read(path)
-        found[path.name] = "{READ}"
+        answers[path.name] = "{READ}"
     except TirefmuError as error:
-        found[path.name] = str(error)
+        answers[path.name] = str(error)
 native_reader.close()
-found["memory of readers"] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-print(json.dumps(found))
+answers["memory of readers"] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+print(json.dumps(answers))
 """
 
 
@@ -61,10 +61,10 @@ def test_a_harmful_file_needs_little_memory(kind, tmp_path):
     run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr[-2000:]
     assert run.stdout.count("\n") == 1  # nothing was run
-    found = json.loads(run.stdout)
-    assert found.pop("memory of readers") < READER_MEMORY
+    answers = json.loads(run.stdout)
+    assert answers.pop("memory of readers") < READER_MEMORY
     for name, (_, message) in files.items():
-        answer = found[f"{name}{suffix}"]
+        answer = answers[f"{name}{suffix}"]
         assert message in answer, (name, answer)
         assert answer == READ or (answer.isprintable() and f"{name}{suffix}" in answer)
     assert sorted(tmp_path.iterdir()) == before
@@ -91,4 +91,4 @@ def test_a_link_with_the_name_of_a_part_is_not_followed(tmp_path, write):
     write(path)
     assert other.read_text() == "mine"
     assert not path.is_symlink()
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["other", path.name]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["other", path.name]

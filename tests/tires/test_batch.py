@@ -37,11 +37,13 @@ def model(request):
 
 @pytest.fixture
 def parameters(model):
-    symbolic_model = MODELS[model]
-    values = [
-        declaration.generic if declaration.generic else 0.01 for declaration in symbolic_model.coefficients.values()
-    ]
-    given = dict(zip(symbolic_model.coefficients, values, strict=True)) | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    return values_of(MODELS[model])
+
+
+def values_of(symbolic_model, **values):
+    """Return parameters of a generic tire, whose other coefficients are 0.01, with the default options."""
+    given = {name: declared.generic or 0.01 for name, declared in symbolic_model.coefficients.items()}
+    given |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, **values}
     return np.array([given.get(name, 0.0) for name in symbolic_model.parameters])
 
 
@@ -82,19 +84,16 @@ def test_forces_of_any_number_of_rows(model, parameters, n):
 @pytest.mark.parametrize("name", ["mf96", "mf61"])
 def test_inputs_in_any_memory_are_read_and_not_changed(name):
     """The address of an array is found in two ways: those that cannot be written have the slower one."""
-    model = MODELS[name]
-    coefficients = np.array([getattr(model.coefficients.get(p), "generic", 0.0) or 0.01 for p in model.parameters])
-    coefficients[len(model.coefficients) :] = 0.0
-    rows = rows_of(name, BLOCK + 3)
+    coefficients, rows = values_of(MODELS[name]), rows_of(name, BLOCK + 3)
     expected = code_for(name, "batch").forces(rows, coefficients)
     fixed = rows.copy()
     fixed.flags.writeable = False
     frozen = coefficients.copy()
     frozen.flags.writeable = False
     for given in (fixed, np.asfortranarray(rows), np.repeat(rows, 2, axis=1)[:, ::2], rows.astype(np.float32)):
-        found = code_for(name, "batch").forces(given, frozen)
+        answer = code_for(name, "batch").forces(given, frozen)
         tolerance = 1e-3 if given.dtype == np.float32 else 0.0
-        np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance * np.abs(expected).max())
+        np.testing.assert_allclose(answer, expected, rtol=tolerance, atol=tolerance * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("routine", ["jacobian_inputs", "jacobian_parameters"])
@@ -114,11 +113,7 @@ def test_jacobians(model, parameters, routine):
 
 def test_derivatives_by_inputs_do_not_depend_on_the_chunks(monkeypatch):
     model, symbolic_model = "mf61", MODELS["mf61"]
-    rows, values = (
-        rows_of(model, 300),
-        np.array([0.3 if name == "UNLOADED_RADIUS" else 0.5 for name in symbolic_model.parameters]),
-    )
-    values[len(symbolic_model.coefficients) :] = 0.0  # options
+    rows, values = rows_of(model, 300), values_of(symbolic_model)
     rows[row_of(model, "alpha"), [5, 150]] = np.nan, 1e9  # no result, and outside the range of the kernel
     whole = code_for(model, "batch").jacobian_inputs(rows, values)
     monkeypatch.setattr(import_module("tirefmu.tires.code.batch_code"), "ROWS_IN_CACHE", 64)
@@ -179,11 +174,11 @@ def test_normal_equations_are_sums_over_rows(model, parameters, n):
     rows[row_of(model, "alpha"), 6::90] = 2e7
     rows[row_of(model, "Fz"), 5::70] = residuals[:, 5::70] = np.nan
     entries = [np.flatnonzero(code.entries[0] == force)[1::2] for force in range(n_forces)]
-    found = normal_equations(code, WeightedRows(rows, entries, roots, residuals), parameters)
+    sums = normal_equations(code, WeightedRows(rows, entries, roots, residuals), parameters)
     jacobian = np.where(
         np.isnan(rows[row_of(model, "Fz")]), 0.0, code_for(model, "c").jacobian_entries(rows, parameters)
     )
-    for (gradient, matrix), chosen, root, residual in zip(found, entries, roots, residuals, strict=True):
+    for (gradient, matrix), chosen, root, residual in zip(sums, entries, roots, residuals, strict=True):
         weighted, r = jacobian[chosen] * root, np.where(root > 0, residual, 0.0)
         lengths = np.sqrt(np.sum(weighted**2, axis=1))
         error = ROUNDING * np.max(lengths, initial=0.0)  # of a derivative
@@ -206,9 +201,9 @@ def test_options_and_turn_slip_everywhere(name):
     model = MODELS[name]
     rows = rows_of(name, 100)
     given = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    known = {key: each.generic for key, each in model.coefficients.items()} | given
+    given = {key: declared.generic for key, declared in model.coefficients.items()} | given
     for option in model.options:
-        values = np.array([known.get(key, float(key == option.parameter)) for key in model.parameters])
+        values = np.array([given.get(key, float(key == option.parameter)) for key in model.parameters])
         assert_same(name, code_for(name, "batch").forces(rows, values), code_for(name, "numpy").forces(rows, values))
 
 
@@ -246,9 +241,7 @@ def test_flags_that_the_compiler_rejects_are_omitted(monkeypatch, tmp_path, para
 @pytest.mark.parametrize("factor", [3e6, 1e9, -1e9, 1e300])
 def test_rows_with_huge_angles_are_computed_one_by_one(factor):
     model = MODELS["mf61"]
-    given = {name: declared.generic or 0.01 for name, declared in model.coefficients.items()}
-    given |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "PCX1": factor, "RCY1": factor}
-    parameters = np.array([given.get(name, 0.0) for name in model.parameters])
+    parameters = values_of(model, PCX1=factor, RCY1=factor)
     rows = rows_of("mf61", 100)
     batch, one_by_one = (code_for(model, language).forces(rows, parameters) for language in ("batch", "c"))
     assert np.array_equal(batch, one_by_one, equal_nan=True) or abs(factor) < 1e7

@@ -23,17 +23,8 @@ MAGIC = ("mf96", "mf52", "mf61", "mf62")
 def asymmetric(name):
     """Return a tire with plysteer, conicity and every other asymmetry."""
     declarations = Tire(name, BODY).symbolic_model.coefficients
-    more = {
-        "QSX1": 0.01,
-        "QSX2": 0.5,
-        "QSX3": 0.05,
-        "QSY1": 0.01,
-        "PDXP1": 0.4,
-        "PDYP1": 0.5,
-        "PKY6": -1.0,
-        "PHYP2": 0.1,
-        "QCRP1": 0.2,
-    }
+    more = {"QSX1": 0.01, "QSX2": 0.5, "QSX3": 0.05, "QSY1": 0.01, "PDXP1": 0.4, "PDYP1": 0.5, "PKY6": -1.0,
+            "PHYP2": 0.1, "QCRP1": 0.2}  # fmt: skip
     return Tire(name, {**BODY, **ASYMMETRIC, **{key: value for key, value in more.items() if key in declarations}})
 
 

@@ -35,7 +35,7 @@ def test_the_chart_and_the_picture_have_the_values_and_the_look():
     (panel,) = charts(figure_of(PANEL))
     (ax,) = picture(figure_of(PANEL)).axes
     points, _, line = panel["series"]
-    assert [each["kind"] for each in panel["series"]] == ["points", "band", "line"]
+    assert [series["kind"] for series in panel["series"]] == ["points", "band", "line"]
     assert (line["color"], line["label"], line["dashes"]) == ("#123456", "tire", [4.0, 2.0])
     for series, drawn in zip((points, line), ax.get_lines(), strict=True):
         np.testing.assert_allclose([series["x"], series["y"]], drawn.get_data(), rtol=1e-6)

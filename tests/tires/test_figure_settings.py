@@ -58,15 +58,15 @@ def modules():
 
 
 def test_one_module_imports_matplotlib(modules):
-    found = {
+    importers = {
         path
         for path, tree in modules.items()
         for node in ast.walk(tree)
         if isinstance(node, (ast.Import, ast.ImportFrom))
-        for name in (getattr(node, "module", None), *(each.name for each in node.names))
+        for name in (getattr(node, "module", None), *(alias.name for alias in node.names))
         if name and name.split(".")[0] == "matplotlib"
     }
-    assert found == {OWN}
+    assert importers == {OWN}
 
 
 def test_every_function_that_makes_or_renders_a_figure_has_the_own_settings(modules):

@@ -57,7 +57,8 @@ factor = "exp(-TNMU*(tread - 50))"
 """
 #: One model for all tests: a printed model takes seconds.
 ADDED = (*library().values(), read_effect(TWO_NODES, "two_nodes.toml"))
-BODY = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4}
+SIZE = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+BODY = {**SIZE, "SIGX": 0.2, "SIGY": 0.4}
 
 
 def tire_with(*effects, lags=True, **values):
@@ -109,7 +110,7 @@ def test_a_state_without_a_value_is_not_a_number():
     text = '[states.late]\nkind = "accumulation"\ndrive = "OWNLEN*(Fy/100)**2"\n'
     text = HEAD.replace("{}", "{flips = true}") + text + '[[acts]]\non = "Fy"\nterm = "GAIN*FNOMIN*late"\n'
     effects = (read_effect(text, "own.toml"),)
-    tire = Tire("mf61", {**BODY, "GAIN": 1.0, "OWNLEN": 1.0}, effects=["own"], added=effects)
+    tire = Tire("mf96", {**SIZE, "GAIN": 1.0, "OWNLEN": 1.0}, effects=["own"], added=effects)
     missing = tire.evaluate(levels(4))["Fy"].isna()
     assert missing.any()
     assert missing.is_monotonic_increasing  # no value returns
@@ -135,12 +136,10 @@ def test_the_course_converges_to_the_differential_equations(name):
     fine = smooth(2401)
 
     def rates(t, x):
-        row = {each: np.interp(t, fine["t"], fine[each]) for each in fine if each != "t"} | dict(
-            zip(states, x, strict=True)
-        )
-        inputs = np.array([[row.get(each, tire.nominal(each))] for each in tire.inputs])
-        found = dict(zip(code.quantities_names, code.quantities(inputs, parameters)[:, 0], strict=True))
-        return [found[f"{each}_derivative"] for each in states]
+        row = {key: np.interp(t, fine["t"], fine[key]) for key in fine} | dict(zip(states, x, strict=True))
+        inputs = np.array([[row.get(key, tire.nominal(key))] for key in tire.inputs])
+        values = dict(zip(code.quantities_names, code.quantities(inputs, parameters)[:, 0], strict=True))
+        return [values[f"{state}_derivative"] for state in states]
 
     answer = tire.evaluate(fine)
     start = answer[list(states)].iloc[0].to_numpy(dtype=float)
@@ -170,17 +169,17 @@ def test_a_start_value_replaces_the_equilibrium():
 
 def test_slip_history_is_higher_while_slip_grows_whatever_the_rate():
     tire = tire_with("slip_history", lags=False)
-    found = {}
+    forces = {}
     for end in (4.0, 40.0):
         t = np.linspace(0.0, end, 801)
         alpha = 0.15 * np.sin(2.0 * np.pi * t / end)
         answer = tire.evaluate(pd.DataFrame({"t": t, "alpha": alpha, "Fz": 4000.0, "V": 15.0}))
         # The rising and the falling branch of each half wave at equal slip, in every second half wave.
-        found[end] = answer["Fy"].to_numpy()
+        forces[end] = answer["Fy"].to_numpy()
         out, back = np.abs(answer["Fy"].iloc[[100, 500]]), np.abs(answer["Fy"].iloc[[300, 700]])
         assert (out.to_numpy() > 1.02 * back.to_numpy()).all()
     # Ten times slower: the contact follows more closely, the loop is the same.
-    assert np.abs(found[4.0] - found[40.0]).max() < 0.03 * np.abs(found[40.0]).max()
+    assert np.abs(forces[4.0] - forces[40.0]).max() < 0.03 * np.abs(forces[40.0]).max()
 
 
 def test_the_follower_of_a_play_is_behind_the_slip_by_at_most_the_width():
@@ -190,8 +189,8 @@ def test_the_follower_of_a_play_is_behind_the_slip_by_at_most_the_width():
     table = pd.DataFrame({"t": 0.5 * np.arange(8), "alpha": alpha, "Fz": 4000.0, "V": 20.0})
     answer = tire.evaluate(pd.concat([table, table], ignore_index=True), hold=True)
     slip, follower = answer["carcass_slip"].to_numpy(), [0.0]
-    for one in slip[1:8]:
-        follower.append(min(max(follower[-1], one - 0.05), one + 0.05))
+    for value in slip[1:8]:
+        follower.append(min(max(follower[-1], value - 0.05), value + 0.05))
     np.testing.assert_allclose(slip[:8] - 0.05 * answer["inner_play"][:8], follower, atol=1e-12)
     np.testing.assert_array_equal(answer["inner_play"][8:], answer["inner_play"][:8])
 
@@ -225,8 +224,9 @@ def test_two_effects_share_a_state_that_they_declare_alike():
 
 
 def test_a_tire_file_contains_the_state(tmp_path):
-    tire = tire_with("two_nodes", "slip_history", TNMU=0.004)
-    path = tmp_path / "memory.tir"
+    names, path = ("two_nodes", "slip_history"), tmp_path / "memory.tir"
+    values, added = {**SIZE, **ACTIVE["slip_history"], "TNMU": 0.004}, [e for e in ADDED if e.name in names]
+    tire = Tire("mf96", values, effects=names, added=added)
     tire.save(path)
     again = read_tir(path)
     assert set(again.states) == set(tire.states)
@@ -280,13 +280,13 @@ def test_a_wrong_state_is_one_clear_line(message):
 def test_a_state_that_reads_an_unknown_quantity_is_an_error():
     effect = read_effect(HEAD + LAG.replace('"alpha"', '"K_yalfa"') + ACT, "own.toml")
     with pytest.raises(EffectError, match="state late reads 'K_yalfa', which mf96 has not"):
-        Tire("mf96", BODY, effects=["own"], added=(effect,))
+        Tire("mf96", SIZE, effects=["own"], added=(effect,))
 
 
 def test_an_oscillator_that_forces_drive_is_an_error():
     effect = read_effect(HEAD + SWING.replace('"alpha"', '"Fy"') + ACT, "own.toml")
     with pytest.raises(EffectError, match="state late: an oscillator reads inputs and coefficients only"):
-        Tire("mf96", BODY, effects=["own"], added=(effect,))
+        Tire("mf96", SIZE, effects=["own"], added=(effect,))
 
 
 def test_the_carcass_overshoots_and_without_mass_it_relaxes():

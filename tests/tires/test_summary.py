@@ -65,7 +65,3 @@ def test_a_tire_draws_itself(kind):
 def test_an_unknown_figure():
     with pytest.raises(UnknownName, match="kind of figure 'puer': did you mean pure"):
         published("unicamp_small_tire").plot("puer")
-
-
-def test_published_names_are_listed():
-    assert published() == tuple(PUBLISHED)

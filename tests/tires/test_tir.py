@@ -22,6 +22,7 @@ from tirefmu.tires.property_file.names import MAX_SEARCHED, not_given
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 from tirefmu.tires.property_file.writing import tir_text
 
+BASE = tir_text(published("trento_hoosier"))
 finite = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(1e-3, 1e6)
 words = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
@@ -121,9 +122,8 @@ def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
     ],
 )
 def test_a_broken_line_is_named(tmp_path, replaced, by, expected):
-    text = tir_text(published("trento_hoosier"))
-    before, found, after = text.partition(replaced)
-    assert found
+    before, middle, after = BASE.partition(replaced)
+    assert middle
     line = (before + by).count("\n") + 1
     path = tmp_path / "broken.tir"
     path.write_text(before + by + after, encoding="utf-8")
@@ -133,14 +133,6 @@ def test_a_broken_line_is_named(tmp_path, replaced, by, expected):
     assert message.startswith(f"{path}:{line}: ")
     assert expected in message
     assert "\n" not in message
-
-
-def test_a_missing_coefficient_is_named(tmp_path):
-    path = tmp_path / "light.tir"
-    path.write_text(tir_text(published("trento_hoosier")).replace("FNOMIN = 220.0", ""), encoding="utf-8")
-    with pytest.raises(TirError) as caught:
-        read_tir(path)
-    assert str(caught.value) == f"{path}: a tire needs FNOMIN (nominal load F_z0, N)"
 
 
 def test_a_missing_radius_may_be_given(tmp_path):
@@ -162,31 +154,26 @@ def test_a_missing_radius_may_be_given(tmp_path):
         tire_from("trento_hoosier", radius=0.5)
 
 
+SMALL = "[MODEL]\nOTHER = 1\n{}\n[VERTICAL]\nFNOMIN = 1000\n"
+NO_TIRE = "no line 'KEY = value' found: not a .tir file"
+
+
 @pytest.mark.parametrize(
-    ("model", "expected"),
+    ("content", "message"),
     [
-        (
-            "FITTYP = 97",
-            "FITTYP 97 is not a model of this version: known are 5 6 21 51 52 (mf52), 60 61 (mf61)",
-        ),
-        ("", "no FITTYP in [MODEL]: which model is it?"),
-        ("FITTYP = 'PAC'", "FITTYP = \"'PAC'\" is not a number"),
+        (SMALL.format("FITTYP = 97"), "FITTYP 97 is not a model of this version: known are 5 6 21 51 52 (mf52), 60 61"),
+        (SMALL.format(""), "no FITTYP in [MODEL]: which model is it?"),
+        (SMALL.format("FITTYP = 'PAC'"), "FITTYP = \"'PAC'\" is not a number"),
+        (BASE.replace("FNOMIN = 220.0", ""), "light.tir: a tire needs FNOMIN (nominal load F_z0, N)"),
+        *((text, f"light.tir: {NO_TIRE}") for text in ("", "\n\n", "a letter to a customer\n", "[MODEL]\n")),
     ],
 )
-def test_an_unsupported_model(tmp_path, model, expected):
-    path = tmp_path / "model.tir"
-    path.write_text(f"[MODEL]\nOTHER = 1\n{model}\n[VERTICAL]\nFNOMIN = 1000\n", encoding="utf-8")
+def test_a_file_that_is_not_a_whole_tire(tmp_path, content, message):
+    path = tmp_path / "light.tir"
+    path.write_text(content, encoding="utf-8")
     with pytest.raises(TirError) as caught:
         read_tir(path)
-    assert expected in str(caught.value)
-
-
-@pytest.mark.parametrize("content", ["", "\n\n", "a letter to a customer\n", "[MODEL]\n"])
-def test_a_file_that_is_not_a_tire(tmp_path, content):
-    path = tmp_path / "letter.tir"
-    path.write_text(content, encoding="utf-8")
-    with pytest.raises(TirError, match=r"letter\.tir: no line 'KEY = value' found: not a \.tir file"):
-        read_tir(path)
+    assert message in str(caught.value)
 
 
 def test_a_missing_file_and_a_folder(tmp_path):
@@ -221,8 +208,6 @@ def test_a_failed_write_preserves_the_old_file(tmp_path, monkeypatch):
 
 
 # ------------------------------------------------------------------ large files
-
-BASE = tir_text(published("trento_hoosier"))
 
 
 def refused(folder, text, message):

@@ -180,6 +180,6 @@ def test_evaluate_does_not_modify_the_table(hoosier, table):
 def test_published_tires_have_the_signs_of_their_source(name):
     tire = published(name)
     assert tire.signs == PUBLISHED[name]
-    assert "source" in tire.about
+    assert tire.about["source"]
     # The paper of the small tire gives Fx and Fy only: all other coefficients are neutral, and the file states it.
     assert tire.defaulted == () if name == "trento_hoosier" else "left_out" in tire.about

@@ -192,10 +192,10 @@ def test_each_effect_has_its_slip_and_its_length(name):
     table = recording()
     t, speed = table["t"].to_numpy(), table["V"].to_numpy()
     plain = lagging(name).evaluate(table)
-    own = {"relax_lat": (0 * t, 0 * t + 0.45), "relax_lon": (0 * t + 0.2, 0 * t),
+    lengths = {"relax_lat": (0 * t, 0 * t + 0.45), "relax_lon": (0 * t + 0.2, 0 * t),
            "relax_load": (0 * t, 0.45 * (1 + 0.4 * plain["dfz"].to_numpy())),
            "relax_mf": (plain["sigma_x"].to_numpy(), plain["sigma_y"].to_numpy())}  # fmt: skip
-    for effect, (long, side) in own.items():
+    for effect, (long, side) in lengths.items():
         answer = lagging(name, effect).evaluate(table)
         np.testing.assert_allclose(answer[["sigma_kappa", "sigma_alpha"]].to_numpy().T, [long, side], rtol=1e-12)
         kappa = lagged(t, table["kappa"].to_numpy(), speed, long, hold=False)
@@ -268,8 +268,8 @@ def test_a_time_that_is_not_finite_is_rejected():
 
 def test_a_recording_without_rows_is_rejected():
     assert lagging("mf61", "relax_lat").evaluate(recording().iloc[:0]).shape[0] == 0
-    one = lagging("mf61", "relax_lat").evaluate(recording().iloc[:1])
-    assert one["alpha_lagged"].iloc[0] == pytest.approx(one["alpha"].iloc[0], rel=1e-15)
+    row = lagging("mf61", "relax_lat").evaluate(recording().iloc[:1])
+    assert row["alpha_lagged"].iloc[0] == pytest.approx(row["alpha"].iloc[0], rel=1e-15)
 
 
 @pytest.mark.parametrize("name", SIX)
