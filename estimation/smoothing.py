@@ -11,9 +11,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from tirefmu.tires.arrays import FloatArray
 
 #: Half widths of the windows, in rows.
 HALF_WIDTHS = (2, 3, 4, 6, 9, 13, 18)

@@ -17,12 +17,12 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import fdtrc
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.symbolic.model import Model
 from tirefmu.tires import TireLike
+from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.tire_argument import tires_from
 
@@ -31,8 +31,6 @@ from .problem.prior import Prior
 from .results.records import FittedCoefficient
 from .uncertainty.sandwich import QUANTILE
 from .uncertainty.sensitivities import sensitivities
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Inputs of the linear function, coefficients by name.
 COVARIATES = ("UNLOADED_RADIUS", "FNOMIN", "NOMPRES")

@@ -26,15 +26,14 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.symbolic.contract import PhysicalConstraint
 from tirefmu.symbolic.models import model_named
+from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.tire import Tire
 
-FloatArray = npt.NDArray[np.float64]
 #: Tolerance within which a constraint is satisfied, in the unit of the quantity.
 TOLERANCE = 1e-6
 #: Tolerances by which the bounds of a solver are narrower than those that are verified. Judgement: half a tolerance

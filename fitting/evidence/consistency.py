@@ -12,17 +12,14 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.measurements.operating_conditions.levels import held_levels
+from tirefmu.tires.arrays import FloatArray, IntArray
 
 from ..problem.weights import OWN_SLIP
 from .residuals import Residuals
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: Fewest rows of each side of a comparison, and of each side in a cell.
 MIN_ROWS, MIN_IN_CELL = 50, 3

@@ -8,20 +8,17 @@ from functools import cached_property
 from math import degrees
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import CHANNELS
 from tirefmu.measurements.operating_conditions.levels import held_levels
+from tirefmu.tires.arrays import FloatArray, IntArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
 from ..problem.rows import BLOCK, Rows
 from ..problem.weights import OWN_SLIP
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: The held inputs that define an operating condition.
 NOMINAL_INPUTS = ("Fz", "gamma", "p", "V")

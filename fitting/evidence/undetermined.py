@@ -13,16 +13,14 @@ from functools import cached_property
 from itertools import combinations, product
 
 import numpy as np
-import numpy.typing as npt
 
+from tirefmu.tires.arrays import BoolArray, FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from ..problem.weights import MIN_NOISE, OWN_SLIP
 from ..uncertainty.sandwich import LARGEST_SD
 from .residuals import Residuals
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Number of measured rows that are evaluated as a sample; effective sample size of an additional program.
 SAMPLE, PROGRAM_ROWS = 2000, 300.0
@@ -159,11 +157,7 @@ class _Identifiability:
         return self.residuals.tire
 
     def _weighted_information(
-        self,
-        inputs: FloatArray,
-        present: Mapping[str, npt.NDArray[np.bool_]],
-        effective_rows: Mapping[str, float],
-        only: str = "",
+        self, inputs: FloatArray, present: Mapping[str, BoolArray], effective_rows: Mapping[str, float], only: str = ""
     ) -> FloatArray:
         """Return the information matrix of rows, for the measured channels or for one channel."""
         tire = self._tire

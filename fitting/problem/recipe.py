@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.bounded_file import toml_content, toml_file
@@ -27,6 +26,7 @@ from tirefmu.measurements.row_selection.expression import Selection, parse_range
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS, model_named
+from tirefmu.tires.arrays import FloatArray
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")
@@ -227,6 +227,6 @@ def _selection(expression: str, location: str) -> Selection:
     return selection
 
 
-def _values_of(table: pd.DataFrame, channel: str) -> npt.NDArray[np.float64]:
+def _values_of(table: pd.DataFrame, channel: str) -> FloatArray:
     """Return an input, or zeros if it was not recorded."""
     return table[channel].to_numpy(dtype=np.float64) if channel in table else np.zeros(len(table))

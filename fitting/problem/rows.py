@@ -6,12 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.tires.arrays import FloatArray, IntArray
 from tirefmu.tires.tire import Tire
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Rows of a block: what is computed from them needs 15 MB. A multiple of the rows that kernels and intervals take.
 BLOCK = 65_280
@@ -31,8 +29,8 @@ class Rows:
 
     inputs: FloatArray
     measured: FloatArray
-    group: npt.NDArray[np.int64]
-    segment: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    group: IntArray
+    segment: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     weight: FloatArray = field(default_factory=lambda: np.zeros(0))
     time: FloatArray = field(default_factory=lambda: np.zeros(0))
 
@@ -112,7 +110,7 @@ class Rows:
         rows = np.concatenate([np.flatnonzero(self.group == groups[i]) for i in order])
         return self.take(np.sort(np.random.default_rng(seed).choice(rows, n, replace=False)))
 
-    def take(self, chosen: npt.NDArray[np.int64] | slice) -> Rows:
+    def take(self, chosen: IntArray | slice) -> Rows:
         """Return some of the rows; a slice is no copy."""
         return Rows(
             self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen],

@@ -11,6 +11,7 @@ import pandas as pd
 from tirefmu.boundary.escaping import figure_text
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW
 from tirefmu.measurements import levels
+from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows
 from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
 from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
@@ -29,8 +30,6 @@ FRICTION_PARTS, FRICTION_ROWS = 25, 5
 STIFFNESS_LOADS, FRICTION_LOADS, FRICTION_SLIPS = 201, 41, 101
 #: The largest drawn load, as a multiple of the largest measured one.
 BEYOND = 1.25
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def data_text(comparison: MeasuredCurves, rows: pd.DataFrame) -> str:

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 from scipy.special import ndtri
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.measurements import TableLike, recording_from
+from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
@@ -21,7 +21,6 @@ from ..uncertainty.sensitivities import sensitivities
 if TYPE_CHECKING:
     from .fit_result import FitResult
 
-FloatArray = npt.NDArray[np.float64]
 
 #: Roles of the quantities over load, and the forces over their own slip.
 OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from math import nan
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from tirefmu.tires.arrays import FloatArray
 
 #: Change of a channel without a bound, as a share of its standard deviation, and reduction of its error, from which a
 #: bound has a consequence. Judgement.

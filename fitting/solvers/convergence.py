@@ -14,17 +14,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.estimation.correlation import effective_sample_size
 from tirefmu.estimation.gauss_newton import Damping, minimize, restore
+from tirefmu.tires.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
 from ..problem.weights import MIN_NOISE
 
-FloatArray = npt.NDArray[np.float64]
 #: Largest step of a converged fit, in standard errors.
 STEP_TOLERANCE = 0.1
 #: In scaled coefficients. Each step starts at the least damping for which the matrix is regular.

@@ -25,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.estimation.one_thread import one_blas_thread
+from tirefmu.tires.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint
@@ -32,7 +33,6 @@ from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
 from .convergence import continued, last_steps, refined
 
-FloatArray = npt.NDArray[np.float64]
 #: The cost decreases from about 1 to 0.001; IPOPT's barrier parameters are intended for larger values.
 OBJECTIVE_SCALE = 1e3
 #: Levenberg-Marquardt damping in scaled coefficients: first value, limits, and factors after a failure and a success.

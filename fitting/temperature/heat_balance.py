@@ -13,14 +13,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.measurements import Recording
+from tirefmu.tires.arrays import FloatArray, IndexArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import exchange, held_system, vector_recursion, with_pauses
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The effect whose states are temperatures.
 EFFECT = "temperature"
@@ -53,7 +51,7 @@ class HeatBalance:
     tire: Tire
     t: FloatArray
     rows: FloatArray
-    block: npt.NDArray[np.intp]
+    block: IndexArray
     inputs: FloatArray
     measured: FloatArray
     source: str

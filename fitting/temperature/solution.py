@@ -11,14 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.estimation.correlation import correlation_length
+from tirefmu.tires.arrays import BoolArray, FloatArray
 
 from .heat_balance import HeatBalance, integrated
 
-FloatArray = npt.NDArray[np.float64]
-Used = Sequence[npt.NDArray[np.bool_]]
+Used = Sequence[BoolArray]
 
 #: Standard deviations of the priors: of a logarithm, and of a start temperature about the first recorded one, K.
 SPREAD, START_SPREAD = 1.0, 10.0

@@ -18,11 +18,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.estimation.one_thread import one_blas_thread
+from tirefmu.tires.arrays import BoolArray, FloatArray, IntArray
 
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
@@ -30,8 +30,6 @@ from .correlated_noise import CorrelatedSums, NoiseCorrelation
 from .discrepancy import Discrepancy, discrepancies
 from .sample import samples_of
 from .sensor_errors import sensor_errors
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Standard normal quantile of a two-sided 95 % interval.
 QUANTILE = 1.959964
@@ -196,7 +194,7 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
 
 def _eigenvectors(
     curvature: FloatArray, middle: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, npt.NDArray[np.bool_]]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray]:
     """Return the covariance in the basis of the eigenvectors, deviations along them, the inverse of the eigenvalues.
 
     Further the eigenvectors, and which of them are not identifiable.
@@ -259,7 +257,7 @@ def _add_scores(
     middle: FloatArray, part: Problem, x: FloatArray, noise: Mapping[int, tuple[float, NoiseCorrelation]]
 ) -> None:
     """Add s^2 J^T W R W J of the channels of one recording to the middle of the sandwich."""
-    sums: dict[int, tuple[npt.NDArray[np.int64], CorrelatedSums]] = {}
+    sums: dict[int, tuple[IntArray, CorrelatedSums]] = {}
     for segments, root, outputs in part.jacobian_chunks(x, CHUNK):
         for channel, (free, jacobian) in outputs.items():
             weight, segment = root[channel] ** 2, segments
