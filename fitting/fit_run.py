@@ -260,6 +260,7 @@ class FitRun:
         solution = best_end(problem, first, solver.solve, lower, upper, stage.again, always=self._given)
         if self._options.method == "ipopt" and self._stage_type(stage) == "final":
             solution = best_root(problem, solution, solver.near, partial(solver.solve, continues=True), lower, upper)
+        solution = solution.accepted()
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})

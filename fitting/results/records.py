@@ -136,7 +136,8 @@ class BoundConsequence:
 class StageFit:
     """The result of a stage.
 
-    - `converged`: by the criterion of `tirefmu.fitting.solvers.convergence`.
+    - `converged`: by the criterion of `tirefmu.fitting.solvers.convergence`; without an optimum, if no coefficient
+      differs from it by more than a standard error.
     - `reason`: why it is an optimum or not, as a text for the user.
     - `cost`: half the weighted sum of squares.
     - `r2_uncentred`: of its rows and channels.
