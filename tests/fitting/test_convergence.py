@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -11,9 +10,7 @@ import pytest
 from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.constraints.physical import Constraint
 from tirefmu.fitting.problem.regularization import Ridge
-from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.convergence import GaussNewton
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, SolverResult, solve
 
@@ -22,20 +19,13 @@ LOAD = np.array([[0.0], [0.0], [0.0], [700.0]])
 
 
 @pytest.fixture(scope="module")
-def table(known, make):
-    return make.sideways(known).table
+def exact(known, make):
+    return make.problem(make.sideways(known).table, known, FREE)
 
 
 @pytest.fixture(scope="module")
-def exact(known, table):
-    rows = Rows.of(table, known, ["Fy"])
-    return Problem(known, rows, FREE, equal_weights(rows), np.array([max(abs(known.values[n]), 0.1) for n in FREE]))
-
-
-@pytest.fixture(scope="module")
-def noisy(exact):
-    noise = np.random.default_rng(3).normal(0.0, 20.0, exact.rows.measured.shape)
-    return replace(exact, rows=replace(exact.rows, measured=exact.rows.measured + noise))
+def noisy(known, make, noisy_table):
+    return make.problem(noisy_table, known, FREE)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.fitting import draw_figures, fit
+from tirefmu.fitting import draw_figures
 from tirefmu.fitting.reporting.report import report_page
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
@@ -20,7 +20,7 @@ TABLE = pd.DataFrame({"alpha": [-0.1, -0.02, 0.0, 0.05], "Fz": [300.0, 500.0, 80
 @pytest.fixture(scope="module")
 def noisy(known, make):
     """Return the fit of a noisy recording of the side force."""
-    return fit(make.sideways(known, noise=Noise()), "mf96", effects=make.effects, nominal=make.nominal)
+    return make.fit(make.sideways(known, noise=Noise()))
 
 
 @pytest.mark.parametrize("quantity", ["Fy", "K_yalpha", "mu_y"])
@@ -82,7 +82,7 @@ def test_true_curves_are_covered(known, make):
     for seed in range(6):
         program = alpha_sweeps((220.0, 500.0, 800.0, 1120.0), [0.0, 0.035, 0.07], sample_rate=5.0)
         table = VirtualBench(known, noise, seed=seed).run(program).table.drop(columns=["Fx", "Mz"])
-        result = fit(Recording(table, "adapted-sae", "bench"), "mf96", effects=make.effects, nominal=make.nominal)
+        result = make.fit(Recording(table, "adapted-sae", "bench"))
         for quantity in ("Fy", "K_yalpha"):
             found = result.interval(quantity, TABLE)
             inside += list((found["lower"] <= truth[quantity]) & (truth[quantity] <= found["upper"]))
