@@ -167,7 +167,7 @@ def _compared(
     worst = max(by_condition, key=lambda c: abs(by_condition[c]))
     typical = float(weight @ difference**2 - weight @ noise) / total
     sign = residuals.sign(channel)
-    unit = next(output.unit for output in residuals.tire.symbolic_model.outputs if output.name == channel)
+    unit = residuals.units[channel]
     return Disagreement(
         channel, unit, *names, sign * mean, max(typical, 0.0) ** 0.5, sign * mean / sd if sd > 0 else 0.0,
         min(len(side) for side in rows), residuals.at(int(worst)), sign * float(by_condition[worst]),

@@ -62,9 +62,9 @@ def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[
     periodic = once_per_revolution(t, speed, values, residuals.segment[rows], radius)
     if periodic is None:
         return
-    units = {output.name: output.unit for output in residuals.tire.symbolic_model.outputs}
     for i, channel in enumerate(channels):
         yield Ripple(
-            residuals.sources[number], channel, units[channel], float(periodic.amplitude[i]), float(periodic.share[i]),
+            residuals.sources[number], channel, residuals.units[channel],
+            float(periodic.amplitude[i]), float(periodic.share[i]),
             periodic.frequency, periodic.radius, bool(periodic.significant[i]),
         )  # fmt: skip

@@ -18,6 +18,7 @@ from tirefmu.tires.arrays import BoolArray, FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
+from ..problem.rows import inputs_of
 from ..problem.weights import MIN_NOISE, OWN_SLIP
 from ..uncertainty.sandwich import LARGEST_SD
 from .residuals import Residuals
@@ -136,12 +137,8 @@ class _Identifiability:
         """The information in the data, in the sizes of the coefficients."""
         rows = np.random.default_rng(0).permutation(len(self.residuals.table))[:SAMPLE]
         table = self.residuals.table.iloc[np.sort(rows)]
-        inputs = np.stack([
-            table[name].to_numpy(dtype=float) if name in table else np.full(len(table), self._tire.nominal(name))
-            for name in self._tire.inputs
-        ])  # fmt: skip
         present = {name: np.isfinite(table[name].to_numpy(dtype=float)) for name in self.residuals.channels}
-        return self._weighted_information(inputs, present, self.effective)
+        return self._weighted_information(inputs_of(table, self._tire), present, self.effective)
 
     @cached_property
     def _information(self) -> Mapping[tuple[str, ...], FloatArray]:

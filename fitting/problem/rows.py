@@ -15,6 +15,14 @@ from tirefmu.tires.tire import Tire
 BLOCK = 65_280
 
 
+def inputs_of(table: pd.DataFrame, tire: Tire) -> FloatArray:
+    """Return the inputs of a tire, shape (n_inputs, n), from a table; an absent input is nominal."""
+    return np.stack([
+        table[name].to_numpy(dtype=float) if name in table else np.full(len(table), tire.nominal(name))
+        for name in tire.inputs
+    ])  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Rows:
     """Measured rows.
@@ -46,12 +54,11 @@ class Rows:
     def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
         """Return the rows of a table; only the given channels are fitted."""
         absent = pd.Series(np.nan, table.index)
-        inputs = [table.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs]
         measured = [table.get(name, absent) if name in channels else absent for name in tire.outputs]
         group = table["recording"] if "recording" in table else pd.Series(0, table.index)
         segment, weight = table.get("segment", group), table.get("weight", pd.Series(1.0, table.index))
         return cls(
-            np.stack([column.to_numpy(dtype=float) for column in inputs]),
+            inputs_of(table, tire),
             np.stack([column.to_numpy(dtype=float) for column in measured]).T,
             np.asarray(group, dtype=np.int64),
             np.asarray(segment, dtype=np.int64),

@@ -16,6 +16,7 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
+from ..problem.rows import inputs_of
 from ..uncertainty.sensitivities import sensitivities
 
 if TYPE_CHECKING:
@@ -68,12 +69,10 @@ def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, leve
     formula = "iso" if signs == "iso" else "adapted-sae"
     tire = result.tire.in_signs(formula)
     rows = convert_signs(table, signs, formula)
-    inputs = np.stack(
-        [rows[n].to_numpy(dtype=float) if n in rows else np.full(len(rows), tire.nominal(n)) for n in tire.inputs]
-    )
     declarations = tire.symbolic_model.coefficients
     covariance = result.solution.covariance
     flips = np.array([-1.0 if formula != result.signs and declarations[n].flips else 1.0 for n in covariance.index])
+    inputs = inputs_of(rows, tire)
     value, slopes, names = sensitivities(tire, quantity, inputs)
     by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=covariance.index, fill_value=0.0)
     variance = np.einsum("ni,ij,nj->n", by_name, covariance * np.outer(flips, flips), by_name)

@@ -99,15 +99,13 @@ def uncertainty_of_stages(
     at_bound: Collection[str],
     shape: tuple[int, int],
     sensors: bool,
-) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame, tuple[Discrepancy, ...]]:
+) -> Uncertainty:
     """Return the uncertainty of a fit in stages: each value is that of the last stage that freed the coefficient.
 
     `ends`: name, problem and solution of each stage, in order. `last_stage`: the last stage that freed each fitted
-    coefficient. `shape`: number of recordings and of outputs. `sensors`: see `uncertainty`. Returns `intervals`: half
-    widths of 95 % intervals. Returns `directions`: directions that are not identifiable. Returns `effective`, shape
-    (n_recordings, n_outputs): effective sample sizes; NaN if not fitted. Returns `covariance`: of the fitted
-    coefficients; see `across_stages`. Returns `complete`: as `covariance`, 0 where it is not known; see
-    `Uncertainty.complete`. Returns `discrepancies`: of each stage, for the coefficients whose last stage it is.
+    coefficient. `shape`: number of recordings and of outputs; the effective sample size is NaN if one is not fitted.
+    `sensors`: see `uncertainty`. The discrepancies are those of each stage, for the coefficients whose last stage it
+    is; `complete` is 0 where nothing is known. See `across_stages`.
     """
     names = list(last_stage)
     intervals: dict[str, float] = {}
@@ -134,7 +132,7 @@ def uncertainty_of_stages(
         directions += tuple(d for d in earlier.directions if last.intersection(d.coefficients))
         rows = effective[: len(earlier.effective_rows)]
         rows[earlier.effective_rows > 0] = earlier.effective_rows[earlier.effective_rows > 0]
-    return intervals, directions, effective, across_stages(covariance), complete, tuple(discrepant)
+    return Uncertainty(intervals, directions, effective, across_stages(covariance), complete, tuple(discrepant))
 
 
 def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = (), *, sensors: bool = False) -> Uncertainty:
