@@ -295,7 +295,7 @@ def test_the_friction_read_from_data_is_that_of_the_tire(trento):
             assert _largest_friction(group, family) == pytest.approx(exact, rel=0.03)
 
 
-def test_measured_recordings(data_folder, tmp_path):
+def test_measured_recordings(data_folder, tmp_path, unrendered):
     recordings = [read_recording(data_folder / name) for name in ("cornering.mat", "drivebrake.mat")]
     comparison = compare(TIRE, recordings)
     assert comparison.signs == "sae"

@@ -12,7 +12,7 @@ from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 from tirefmu.symbolic.models import model_named
 
-BOOK = model_named("mf96")
+MODEL = model_named("mf96")
 
 
 def test_cornering_does_not_determine_drive_and_brake(known, make):
@@ -21,13 +21,13 @@ def test_cornering_does_not_determine_drive_and_brake(known, make):
     for name in ("RBY1", "RBY2", "RBY3", "RCY1", "RHY1"):
         assert not coefficients[name].determined, name
         assert not coefficients[name].at_bound
-        assert result.tire.values[name] == BOOK.coefficients[name].default
+        assert result.tire.values[name] == MODEL.coefficients[name].default
     assert any("Fx is not fitted, kappa does not vary" in note for note in result.notes)
     assert [channel.channel for channel in result.channels] == ["Fy", "Mz"]
     # Without variation of kappa, Mz depends on Fy only and contains no information on Fx.
     for name in ("PCX1", "PDX1", "PKX1", "RBX1"):
         assert name not in coefficients or not coefficients[name].determined
-        assert result.tire.values[name] == BOOK.coefficients[name].default
+        assert result.tire.values[name] == MODEL.coefficients[name].default
     named = next(note for note in result.notes if note.startswith("not determined"))
     for coefficient in coefficients.values():
         assert (coefficient.name in named.partition(": ")[2].split(", ")) == (not coefficient.determined)
@@ -77,7 +77,7 @@ def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, 
     assert coefficients["PDY1"].stage == "one load"
     for name, coefficient in coefficients.items():  # the guess is the initial value of the fit
         if coefficient.determined:
-            assert coefficient.guess == BOOK.coefficients[name].generic
+            assert coefficient.guess == MODEL.coefficients[name].generic
 
 
 # ------------------------------------------------------------------ bad input

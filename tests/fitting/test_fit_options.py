@@ -12,16 +12,16 @@ from tirefmu.fitting import fit
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, read_tir
 
-BOOK = model_named("mf96")
+MODEL = model_named("mf96")
 
 
 def test_the_coefficients_of_absent_effects_stay_neutral(known, make):
     result = fit([make.sideways(known)], "mf96", without=["camber_thrust", "plysteer"], nominal=make.nominal)
-    assert result.tire.has == frozenset(BOOK.effects) - {"camber_thrust", "plysteer"}
-    absent = BOOK.owned("camber_thrust", "plysteer")
+    assert result.tire.has == frozenset(MODEL.effects) - {"camber_thrust", "plysteer"}
+    absent = MODEL.owned("camber_thrust", "plysteer")
     assert {"PHY3", "PVY3", "PVY4", "PHY1", "PHY2"} <= absent
     for name in absent:
-        assert result.tire.values[name] == BOOK.coefficients[name].neutral
+        assert result.tire.values[name] == MODEL.coefficients[name].neutral
     assert not absent & set(make.coefficients(result))
 
 
