@@ -131,7 +131,6 @@ def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int 
 
 
 def _training(recordings: Sequence[Recording], parts: Sequence[IntArray], fold: int) -> tuple[Recording, ...]:
-    """Return the recordings without the rows of a fold."""
     return tuple(
         replace(recording, table=recording.table[part != fold])
         for recording, part in zip(recordings, parts, strict=True)

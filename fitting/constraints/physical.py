@@ -143,11 +143,7 @@ def operating_range(table: pd.DataFrame, tire: Tire) -> dict[str, tuple[float, f
 
 
 def grid(
-    constraint: Constraint,
-    ranges: Mapping[str, tuple[float, float]],
-    nominal: Mapping[str, float],
-    *,
-    density: int = 1,
+    constraint: Constraint, ranges: Mapping[str, tuple[float, float]], nominal: Mapping[str, float], *, density: int = 1
 ) -> FloatArray:
     """Return the points at which a constraint is imposed, or verified (density above 1).
 

@@ -9,14 +9,7 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, FitError, UnknownName
-from tirefmu.measurements import (
-    EXCLUSION_REASONS,
-    Finding,
-    Recording,
-    data_findings,
-    exclude_rows,
-    group_by_condition,
-)
+from tirefmu.measurements import EXCLUSION_REASONS, Finding, Recording, data_findings, exclude_rows, group_by_condition
 from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.measurements.quality.row_exclusion import check_inputs
 from tirefmu.measurements.row_selection.selected import matching

@@ -116,7 +116,6 @@ def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
 
 
 def _swept(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> bool:
-    """Return whether a recording sweeps a slip instead of holding it at levels."""
     if slip not in residuals.table:
         return False
     values = residuals.table[slip].iloc[rows_of_recording]
@@ -175,7 +174,6 @@ def _compared(
 
 
 def _shared_cells(cell: IntArray, sides: Sequence[IntArray]) -> IntArray:
-    """Return the cells in which both sides have enough rows."""
     (first, n1), (second, n2) = (np.unique(cell[side], return_counts=True) for side in sides)
     return np.intersect1d(first[n1 >= MIN_IN_CELL], second[n2 >= MIN_IN_CELL])
 

@@ -50,7 +50,6 @@ def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
 
 
 def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[Ripple]:
-    """Yield the ripple of each channel of a recording."""
     rows = residuals.recording == number
     channels = [name for name in residuals.channels if np.isfinite(residuals.measured_minus_computed[name][rows]).any()]
     if not channels:

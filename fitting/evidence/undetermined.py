@@ -215,7 +215,6 @@ class _Identifiability:
         return max(map(abs, self._ranges[slip]))
 
     def _lacking(self, program: tuple[str, ...], index: int) -> str:
-        """Return what the data lack as a text."""
         return " together with ".join(self._lack(name, index) for name in program)
 
     def _lack(self, name: str, index: int) -> str:

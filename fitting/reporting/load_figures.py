@@ -149,7 +149,6 @@ def _over_load(
 
 
 def _read(loads: npt.ArrayLike, values: npt.ArrayLike, label: str) -> Series:
-    """Return values that were read from the data."""
     return Series("points", loads, values, RED, label, marker="o", size=6.0)
 
 
@@ -171,7 +170,7 @@ def friction_over_load(comparison: MeasuredCurves, fitted: FitResult | None) -> 
 
 def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None) -> Panel:
     channel, slip = family.channel, family.slip
-    measured = [(abs(group.level), _largest_friction(group, family)) for group in family.groups]
+    measured = [(abs(group.level), largest_friction(group, family)) for group in family.groups]
     rows = pd.concat([group.rows for group in family.groups])
     sign = float(np.sign(family.groups[0].level))
     loads = _loads([load for load, _ in measured], FRICTION_LOADS)
@@ -194,7 +193,7 @@ def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fit
     )  # fmt: skip
 
 
-def _largest_friction(group: Group, family: CurveFamily) -> float:
+def largest_friction(group: Group, family: CurveFamily) -> float:
     """Return the largest median of |force| / load over parts of the slip range."""
     slip = group.rows[family.slip].to_numpy(dtype=float)
     friction = (group.rows[family.channel] / group.rows["Fz"]).abs().to_numpy(dtype=float)

@@ -159,7 +159,4 @@ def _linearized(
         residuals.append(weight * (now - balance.measured)[part])
         slopes.append(weight * columns)
     spreads = np.concatenate([np.full(p, SPREAD), np.full(k * m, START_SPREAD), [DELAY_SPREAD]])
-    return (
-        np.concatenate([*residuals, _prior(balances, solution)]),
-        np.concatenate([*slopes, np.diag(1.0 / spreads)]),
-    )
+    return (np.concatenate([*residuals, _prior(balances, solution)]), np.concatenate([*slopes, np.diag(1.0 / spreads)]))

@@ -57,7 +57,6 @@ def matlab_vectors(path: Path) -> dict[str, FloatArray]:
 
 
 def _load(path: Path) -> Mapping[str, Any]:
-    """Return the variables of the file."""
     try:
         loaded = native_reader.load("matlab", path)
     except native_reader.MissingPackage as content:

@@ -125,7 +125,6 @@ def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], BoolArray]:
 
 
 def _coverage(inspection: Inspection) -> Iterator[Figure]:
-    """Yield the visited combinations of inputs."""
     table = inspection.recording.table
     rows = some_of(table.assign(Fz=table["Fz"].abs()) if "Fz" in table else table)
     panels = [

@@ -122,12 +122,12 @@ def _density_peaks(numbers: FloatArray, tolerance: float) -> FloatArray:
     right_share = position - left
     counts = np.bincount(left, 1.0 - right_share, bins + 1) + np.bincount(left + 1, right_share, bins + 1)
     density = gaussian_filter1d(counts, sigma=4.0, mode="constant")
-    peaks = _peaks(density)
-    prominent = _prominences(density, peaks) >= MIN_LEVEL_PROMINENCE * density[peaks]
+    peaks = local_maxima(density)
+    prominent = prominences_of(density, peaks) >= MIN_LEVEL_PROMINENCE * density[peaks]
     return np.asarray(lowest + bin_width * peaks[prominent])
 
 
-def _peaks(density: FloatArray) -> IndexArray:
+def local_maxima(density: FloatArray) -> IndexArray:
     """Return the indices of the local maxima; of equal values the one in the middle, nothing at the ends.
 
     `scipy.signal.find_peaks` returns the same. Loading scipy.signal takes longer than reading a table.
@@ -139,7 +139,7 @@ def _peaks(density: FloatArray) -> IndexArray:
     return np.asarray((starts[1:-1] + ends[1:-1])[higher] // 2)
 
 
-def _prominences(density: FloatArray, peaks: IndexArray) -> FloatArray:
+def prominences_of(density: FloatArray, peaks: IndexArray) -> FloatArray:
     """Return the height of each peak above the higher one of the lowest points that separate it from higher peaks."""
     prominences = np.empty(len(peaks))
     for i, peak in enumerate(peaks):

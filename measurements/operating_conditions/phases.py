@@ -252,7 +252,6 @@ def _medians(columns: Mapping[str, FloatArray], inputs: Sequence[_Input], rows: 
 
 
 def _motions(channel: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
-    """Yield the motion of an input in each segment."""
     if not len(channel.held):
         for segment in series:
             yield _swept_motion(channel.smooth[segment.rows], channel.tolerance, segment.interval)

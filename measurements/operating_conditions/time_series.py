@@ -11,13 +11,7 @@ from tirefmu.tires.arrays import FloatArray
 
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording
-from ..thresholds import (
-    DEFAULT_SAMPLE_INTERVAL,
-    JUMP_TOLERANCES,
-    LONGEST_SAMPLE_INTERVAL,
-    MAX_JUMPS,
-    MIN_SERIES_ROWS,
-)
+from ..thresholds import DEFAULT_SAMPLE_INTERVAL, JUMP_TOLERANCES, LONGEST_SAMPLE_INTERVAL, MAX_JUMPS, MIN_SERIES_ROWS
 from .levels import level_tolerance
 
 

@@ -215,11 +215,7 @@ WRONG = (
     ("freed", {"<script>": BOUNDS}, "not those of this fit"),
     ("freed", {}, "not those of this fit"),
     ("freed", {"PDY1": {**BOUNDS, "bounds": {"guess": 1.0, "lower": 2.0, "upper": 1.0}}}, "2 to 1 are no bounds"),
-    (
-        "freed",
-        {"PDY1": {**BOUNDS, "bounds": {"guess": "inf", "lower": 1.0, "upper": 2.0}}},
-        "guess is 'inf'",
-    ),
+    ("freed", {"PDY1": {**BOUNDS, "bounds": {"guess": "inf", "lower": 1.0, "upper": 2.0}}}, "guess is 'inf'"),
     ("violated", [["no such", [[1.0]]]], "not those of this fit"),
     ("violated", [3], "is 3: expected a list"),
     ("stages", [{}], r"name is missing in stages\[1\]"),
