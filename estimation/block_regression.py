@@ -15,7 +15,7 @@ import numpy.typing as npt
 from scipy import fft
 from scipy.special import chdtrc, fdtrc
 
-from tirefmu.tires.arrays import BoolArray, FloatArray, IntArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

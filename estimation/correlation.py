@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import BoolArray, FloatArray, IndexArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IndexArray
 
 #: Batch sizes: numbers of rows that are summed before autocovariances are computed; fewest sums for a batch size.
 STRETCHES, MIN_SUMS = (1, 4, 16, 64), 200

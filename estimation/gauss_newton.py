@@ -18,7 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from .one_thread import one_blas_thread
 from .quadratic_step import best_step

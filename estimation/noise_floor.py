@@ -17,7 +17,7 @@ import pandas as pd
 from scipy.linalg.lapack import dposv
 from scipy.ndimage import uniform_filter1d
 
-from tirefmu.tires.arrays import FloatArray, IntArray
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 from .smoothing import noise_of
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import fft, optimize
 
-from tirefmu.tires.arrays import BoolArray, FloatArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 
 #: Initial correlation times of drift for the fit to a periodogram, and their bounds, s.
 DRIFT_TIMES = (0.5, 2.0, 8.0)

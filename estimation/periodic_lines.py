@@ -14,7 +14,7 @@ import numpy as np
 from scipy import fft
 from scipy.ndimage import median_filter
 
-from tirefmu.tires.arrays import BoolArray, FloatArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 
 #: Largest number of lines of a recording.
 MAX_LINES = 4

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 #: Tolerance of a satisfied row, relative to its length times the length of the step.
 ROUNDING = 1e-12

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv, dtbtrs
 from scipy.optimize import brentq
 
-from tirefmu.tires.arrays import BoolArray, FloatArray, IntArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
 
 from .correlation import correlation_length
 

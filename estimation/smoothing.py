@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 #: Half widths of the windows, in rows.
 HALF_WIDTHS = (2, 3, 4, 6, 9, 13, 18)

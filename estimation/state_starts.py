@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from tirefmu.measurements.arrays import FloatArray, IndexArray
 from tirefmu.measurements.recording import Recording
-from tirefmu.tires.arrays import FloatArray, IndexArray
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import segment_starts
 

@@ -14,7 +14,7 @@ from math import tau
 import numpy as np
 from scipy.special import chdtri
 
-from tirefmu.tires.arrays import BoolArray, FloatArray, IntArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
 
 #: Length of an interval, s, and largest number of intervals of a recording that are evaluated.
 STRETCH, MAX_STRETCHES = 2.5, 60

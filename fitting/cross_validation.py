@@ -15,8 +15,8 @@ import numpy as np
 from tirefmu.boundary.errors import FitError
 from tirefmu.estimation.nominal_values import NOMINAL
 from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
-from tirefmu.tires.arrays import FloatArray, IntArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 

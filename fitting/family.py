@@ -20,9 +20,9 @@ import numpy as np
 from scipy.special import fdtrc
 
 from tirefmu.boundary.errors import FitError
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.model import Model
 from tirefmu.tires import TireLike
-from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.tire_argument import tires_from
 

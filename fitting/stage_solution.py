@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from .constraints.verification import APPROACHED, VERIFIED, ConstraintPoints, VerifiedConstraints
 from .problem.weighted_residuals import Problem

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tirefmu.boundary.errors import DataError, nearest
-from tirefmu.tires.arrays import FloatArray
 
+from .arrays import FloatArray
 from .channels import CHANNELS, channel
 from .recording import Recording
 from .units import Unit, to_si, unit_of

@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
+from .arrays import FloatArray
 from .channels import CHANNELS, INPUTS
 from .column_meaning.limits import check_plausible
 from .column_names import check_names

@@ -13,10 +13,10 @@ import pandas as pd
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.boundary.escaping import excerpt
-from tirefmu.tires.arrays import IntArray
 from tirefmu.tires.notebook import html_summary, html_table
 from tirefmu.tires.signs import convert_signs, reversed_columns
 
+from .arrays import IntArray
 from .channels import CHANNELS, OUTPUTS
 from .column_names import check_names
 from .thresholds import LOGGING_GAP

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 
 class BufferedFunction:

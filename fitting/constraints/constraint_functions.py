@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.symbolic.model import Model
-from tirefmu.tires.arrays import BoolArray, FloatArray
 from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.code.modules import numpy_module
 

@@ -29,9 +29,9 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.contract import PhysicalConstraint
 from tirefmu.symbolic.models import model_named
-from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.tire import Tire
 
 #: Tolerance within which a constraint is satisfied, in the unit of the quantity.

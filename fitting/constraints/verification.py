@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 

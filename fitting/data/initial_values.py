@@ -16,8 +16,8 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from tirefmu.measurements import levels
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.contract import Role
-from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 

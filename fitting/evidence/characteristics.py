@@ -13,7 +13,7 @@ import numpy as np
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW
-from tirefmu.tires.arrays import IntArray
+from tirefmu.measurements.arrays import IntArray
 
 from .residuals import Residuals
 from .slip_stiffness import FORCES, Compared, ReadStiffness, read_stiffnesses

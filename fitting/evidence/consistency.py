@@ -15,8 +15,8 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.estimation.correlation import correlation_length
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.operating_conditions.levels import held_levels
-from tirefmu.tires.arrays import FloatArray, IntArray
 
 from ..problem.weights import OWN_SLIP
 from .residuals import Residuals

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 
 from .residuals import Residuals

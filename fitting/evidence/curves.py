@@ -11,10 +11,10 @@ import pandas as pd
 from tirefmu.boundary.errors import FitError
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW, read_slope
 from tirefmu.measurements import OUTPUTS, Recording, TableLike, level_tolerance, levels, recordings_from
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.measurements.recording import distinct
 from tirefmu.tires import TireLike, tire_from
-from tirefmu.tires.arrays import BoolArray, FloatArray
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 

@@ -33,7 +33,7 @@ from tirefmu.estimation.noise_floor import (
     slip_history,
     varying_inputs,
 )
-from tirefmu.tires.arrays import FloatArray, IntArray
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 #: Length of a piece of time that a cubic describes, s, its least number of rows, and its number of coefficients.
 PIECE, MIN_PIECE, CUBIC = 0.25, 8, 4

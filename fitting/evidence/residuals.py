@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.measurements import CHANNELS
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.operating_conditions.levels import held_levels
-from tirefmu.tires.arrays import FloatArray, IntArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire

@@ -9,7 +9,7 @@ from math import nan
 import numpy as np
 
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW, Slope, read_slope
-from tirefmu.tires.arrays import FloatArray, IntArray
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 from ..problem.rows import Rows
 from ..problem.slope_targets import SlopeTarget

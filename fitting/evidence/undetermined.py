@@ -14,7 +14,7 @@ from itertools import combinations, product
 
 import numpy as np
 
-from tirefmu.tires.arrays import BoolArray, FloatArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 

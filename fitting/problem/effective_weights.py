@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tirefmu.estimation.correlation import correlation_length
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from .weighted_residuals import Problem
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tirefmu.boundary.errors import UnknownName
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 #: Standard deviation of normal noise divided by the median of its magnitude.
 PER_MEDIAN = 1.482602

@@ -21,12 +21,12 @@ from tirefmu.boundary.bounded_file import toml_content, toml_file
 from tirefmu.boundary.errors import DataError, FitError, UnknownName
 from tirefmu.boundary.json_schema import document, object_schema, one_of
 from tirefmu.boundary.schema_check import check_content
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.measurements.channels import CHANNELS
 from tirefmu.measurements.row_selection.expression import Selection, parse_range, parse_selection
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS, model_named
-from tirefmu.tires.arrays import FloatArray
 
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling", "family")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from .weighted_residuals import Problem
 

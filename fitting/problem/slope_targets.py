@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray, IntArray
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.tires.code import CHUNK, Code
 
 

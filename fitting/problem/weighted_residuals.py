@@ -16,8 +16,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.symbolic.model import Model
-from tirefmu.tires.arrays import FloatArray, IntArray
 from tirefmu.tires.code import CHUNK, Code, WeightedRows, fastest_code, forces_of_each, normal_equations
 from tirefmu.tires.tire import Tire
 

@@ -11,7 +11,7 @@ import pandas as pd
 from tirefmu.boundary.escaping import figure_text
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW
 from tirefmu.measurements import levels
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows
 from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
 from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles

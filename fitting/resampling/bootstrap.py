@@ -21,8 +21,8 @@ import numpy as np
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.measurements import Recording, group_by_condition, phases
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
-from tirefmu.tires.arrays import FloatArray, IntArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.slope_targets import SlopeTarget

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 
 from ..constraints.constraint_functions import ConstraintFunctions

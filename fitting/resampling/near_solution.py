@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tirefmu.estimation.gauss_newton import minimize, restore
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..results.fit_result import FitResult

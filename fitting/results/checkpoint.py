@@ -17,7 +17,7 @@ from tirefmu.boundary.errors import FitError, writing
 from tirefmu.boundary.json_schema import json_value, schema_of
 from tirefmu.boundary.schema_check import check_content
 from tirefmu.boundary.whole_file import write_whole
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from ..problem.recipe import Freed
 from .records import StageFit

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 

@@ -11,7 +11,7 @@ from scipy.special import ndtri
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.measurements import TableLike, recording_from
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire

@@ -17,7 +17,7 @@ import numpy as np
 
 from tirefmu.estimation.correlation import effective_sample_size
 from tirefmu.estimation.gauss_newton import Damping, minimize, restore
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge

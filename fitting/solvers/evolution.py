@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tirefmu.boundary.errors import FitError
-from tirefmu.tires.arrays import BoolArray, FloatArray, IndexArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IndexArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import TOLERANCE, Constraint

@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from ..problem.weighted_residuals import Problem
 from .ipopt import SolverResult

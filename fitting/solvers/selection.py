@@ -7,7 +7,7 @@ from functools import partial
 from typing import Protocol
 
 from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.physical import Constraint
 from ..problem.weighted_residuals import Problem

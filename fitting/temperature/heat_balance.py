@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from tirefmu.measurements import Recording
-from tirefmu.tires.arrays import FloatArray, IndexArray
+from tirefmu.measurements.arrays import FloatArray, IndexArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import exchange, held_system, vector_recursion, with_pauses

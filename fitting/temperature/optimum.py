@@ -16,7 +16,7 @@ import pandas as pd
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.measurements import Recording
-from tirefmu.tires.arrays import FloatArray
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.tire import Tire
 
 from .solution import DELAY, DELAY_SPREAD

@@ -11,8 +11,8 @@ import pandas as pd
 
 from tirefmu.boundary.errors import DataError, nearest, no_single_text
 from tirefmu.measurements import Recording
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.measurements.channels import channel
-from tirefmu.tires.arrays import FloatArray
 
 from ..options import FitOptions
 from .heat_balance import EFFECT, ZERO_CELSIUS

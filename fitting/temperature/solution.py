@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tirefmu.estimation.correlation import correlation_length
-from tirefmu.tires.arrays import BoolArray, FloatArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 
 from .heat_balance import HeatBalance, integrated
 

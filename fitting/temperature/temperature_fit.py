@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from tirefmu.measurements import Recording
-from tirefmu.tires.arrays import BoolArray, FloatArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.tires.tire import Tire
 
 from .fitted_temperature import FittedTemperature

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dtbtrs
 
-from tirefmu.tires.arrays import FloatArray, IntArray
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 #: Largest correlation phi of neighboring rows: a memory of 500 rows. Chunks of rows are much longer.
 MAX_CORRELATED = 0.998

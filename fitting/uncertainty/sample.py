@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tirefmu.estimation.smoothing import noise_of
-from tirefmu.tires.arrays import FloatArray, IntArray
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem

@@ -22,7 +22,7 @@ import pandas as pd
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.estimation.one_thread import one_blas_thread
-from tirefmu.tires.arrays import BoolArray, FloatArray, IntArray
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
 
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem

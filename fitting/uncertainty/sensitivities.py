@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.model import Model
-from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.code.modules import numpy_module
 from tirefmu.tires.tire import Tire

@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from tirefmu.measurements import ChannelNoise, Noise
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.virtual_bench.bench_errors import (
     CROSS_TALK_PRIOR_SHARE,
     DRIFT_WAVES,
@@ -24,7 +25,6 @@ from tirefmu.measurements.virtual_bench.bench_errors import (
     cross_talk,
     half_waves,
 )
-from tirefmu.tires.arrays import FloatArray, IntArray
 
 from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import FloatArray
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS
 from ..recording import Recording
 from ..thresholds import (

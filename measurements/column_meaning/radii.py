@@ -6,8 +6,7 @@ import re
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray
-
+from ..arrays import FloatArray
 from ..recording import Recording
 from ..units import FOOT
 

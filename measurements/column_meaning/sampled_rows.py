@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from tirefmu.tires.arrays import BoolArray, FloatArray
-
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..recording import Recording
 from ..thresholds import (

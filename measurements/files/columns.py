@@ -13,8 +13,8 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, TirefmuError
-from tirefmu.tires.arrays import FloatArray
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS, INPUTS, channel
 from ..column_names import check_names
 from ..interpretation import Interpretation

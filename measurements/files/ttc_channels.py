@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, TirefmuError, nearest
-from tirefmu.tires.arrays import FloatArray
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS, OUTPUTS, Channel
 from ..column_meaning.radii import median_radius
 from ..column_names import intended_channel

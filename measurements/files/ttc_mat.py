@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import FloatArray
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS
 from ..interpretation import Interpretation
 from ..recording import Recording

@@ -7,8 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from tirefmu.tires.arrays import FloatArray, IndexArray
-
+from ..arrays import FloatArray, IndexArray
 from ..channels import CHANNELS, CONTROLLED_INPUTS
 from ..operating_conditions.levels import held_levels
 from ..operating_conditions.phases import SLIP_INPUTS

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from tirefmu.tires.arrays import FloatArray
-
+from ..arrays import FloatArray
 from ..channels import OUTPUTS
 from ..operating_conditions.time_series import segments_of
 from ..recording import Recording

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.tires.arrays import BoolArray, FloatArray, IndexArray
-
+from ..arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CHANNELS
 from ..column_meaning.meanings import ColumnMeaning, column_meanings
 from ..findings.data_findings import data_findings

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tirefmu.tires.arrays import BoolArray, FloatArray, IndexArray
-
+from ..arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import OVERSAMPLED

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from scipy.ndimage import gaussian_filter1d
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import FloatArray, IndexArray
 
+from ..arrays import FloatArray, IndexArray
 from ..channels import CHANNELS
 from ..thresholds import LOAD_TOLERANCE, MIN_LEVEL_PROMINENCE, MIN_LEVEL_SHARE, MIN_ROWS_AT_LEVELS
 

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
-from tirefmu.tires.arrays import BoolArray, FloatArray, IndexArray
-
+from ..arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import (

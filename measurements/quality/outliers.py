@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import median_filter
 
-from tirefmu.tires.arrays import BoolArray, FloatArray
-
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..operating_conditions.time_series import Segment, segments_of
 from ..recording import Recording

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import BoolArray, FloatArray
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import INPUTS
 from ..operating_conditions.phases import transitions
 from ..recording import Recording

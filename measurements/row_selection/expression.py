@@ -20,8 +20,8 @@ import numpy as np
 
 from tirefmu.boundary.errors import DataError, TirefmuError, nearest
 from tirefmu.boundary.escaping import excerpt
-from tirefmu.tires.arrays import BoolArray, FloatArray
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..column_names import intended_channel
 from ..units import to_si

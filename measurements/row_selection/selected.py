@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import BoolArray, FloatArray
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..operating_conditions.phases import phases
 from ..recording import Recording

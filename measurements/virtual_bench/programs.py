@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import FloatArray
 from tirefmu.tires.signs import reversed_columns
 
+from ..arrays import FloatArray
 from ..channels import INPUTS
 from ..units import PSI
 

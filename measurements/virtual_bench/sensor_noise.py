@@ -9,8 +9,8 @@ from math import pi, radians
 import numpy as np
 
 from tirefmu.boundary.errors import DataError
-from tirefmu.tires.arrays import FloatArray
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS, channel
 
 

@@ -115,6 +115,14 @@ def test_a_fit_that_does_not_converge_is_a_result(known, make):
     assert np.isfinite(list(result.tire.values.values())).all()
 
 
+def test_a_fit_that_ends_within_the_noise_of_the_optimum_has_converged(known, make):
+    result = make.fit(make.sideways(known), iterations=1)
+    assert result.ok
+    assert result.channels[0].r2 > 0.99999
+    assert result.stages[-1].reason.startswith("iteration limit: predicted reduction")
+    assert result.stages[-1].reason.endswith("standard errors of the optimum")
+
+
 def test_the_operating_range_is_stored_in_the_tire(side_fit):
     result, recording = side_fit
     ranges = result.tire.ranges
