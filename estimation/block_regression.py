@@ -15,8 +15,7 @@ import numpy.typing as npt
 from scipy import fft
 from scipy.special import chdtrc, fdtrc
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +125,7 @@ def limited(gains: FloatArray, share: float) -> FloatArray:
     return np.zeros_like(gains)
 
 
-def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: int) -> FloatArray:
+def autocovariance(residual: FloatArray, present: BoolArray, lags: int) -> FloatArray:
     """Return covariances of channels over time, tapered, shape (n_channels, n_channels, lags + 1).
 
     `residual`, shape (n_channels, n): weighted, 0 if not present. `present`, shape (n_channels, n). `lags`: the largest

@@ -21,9 +21,8 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.errors import DataError
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IndexArray
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
 #: Batch sizes: numbers of rows that are summed before autocovariances are computed; fewest sums for a batch size.
 STRETCHES, MIN_SUMS = (1, 4, 16, 64), 200
 #: Numbers, with zeros appended to segments, that are transformed at a time.
@@ -84,7 +83,7 @@ def effective_sample_size(residual: npt.ArrayLike, segment: npt.ArrayLike | None
     return float(np.isfinite(values).sum() / correlation_length(values, segment))
 
 
-def _summed(values: FloatArray, edges: IntArray, stretch: int) -> tuple[FloatArray, IntArray]:
+def _summed(values: FloatArray, edges: IndexArray, stretch: int) -> tuple[FloatArray, IndexArray]:
     """Return sums over batches of rows, without the incomplete batch of each segment; and their number by segment."""
     lengths, incomplete = np.diff(edges) // stretch, np.diff(edges) % stretch
     whole = np.ones(len(values), dtype=np.bool_)
@@ -93,7 +92,7 @@ def _summed(values: FloatArray, edges: IntArray, stretch: int) -> tuple[FloatArr
     return np.asarray(values[whole].reshape(-1, stretch).sum(axis=1)), lengths
 
 
-def _geyer(values: FloatArray, finite: npt.NDArray[np.bool_], lengths: IntArray) -> float:
+def _geyer(values: FloatArray, finite: BoolArray, lengths: IndexArray) -> float:
     """Return the initial monotone sequence estimate over segments with 0 for unknown values."""
     if not lengths.any():
         return 1.0
@@ -112,7 +111,7 @@ def _geyer(values: FloatArray, finite: npt.NDArray[np.bool_], lengths: IntArray)
     return max(1.0, float(2.0 * falling.sum() - 1.0))
 
 
-def _autocorrelation(values: FloatArray, lengths: IntArray) -> FloatArray:
+def _autocorrelation(values: FloatArray, lengths: IndexArray) -> FloatArray:
     """Return sum over i of v_i v_(i+k) for each lag k within segments, by fast transforms of equal size."""
     starts, sums = np.cumsum(lengths) - lengths, np.zeros(lengths.max())
     sizes = 2 ** np.ceil(np.log2(2 * np.maximum(lengths, 1))).astype(np.intp)

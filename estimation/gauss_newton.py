@@ -17,12 +17,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
+
+from tirefmu.measurements.arrays import FloatArray
 
 from .one_thread import one_blas_thread
 from .quadratic_step import best_step
 
-FloatArray = npt.NDArray[np.float64]
 #: Upper limit of corrections of a step that violates constraints because they are nonlinear.
 CORRECTIONS = 2
 #: Upper limit of steps towards the constraints from a point that violates them slightly.

@@ -13,14 +13,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 from scipy.linalg.lapack import dposv
 from scipy.ndimage import uniform_filter1d
 
-from .smoothing import noise_of
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
-FloatArray = npt.NDArray[np.float64]
+from .smoothing import noise_of
 
 #: Length scales of the smooth function, as shares of half an input's range: of the slips, which a program sweeps
 #: through the whole curve, and of all other inputs, on which forces depend weakly.
@@ -139,7 +138,7 @@ def random_features(columns: Sequence[FloatArray], scales: Sequence[float]) -> F
     return np.concatenate([turned, np.ones((n, 1))], axis=1)
 
 
-def _cross_validated(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
+def _cross_validated(features: FloatArray, targets: FloatArray, part: IntArray) -> FloatArray:
     """Return the root mean square error of each target in parts that the regression did not use, the best penalty."""
     errors = targets - out_of_sample(features, targets, part)
     finite = np.isfinite(errors)
@@ -147,7 +146,7 @@ def _cross_validated(features: FloatArray, targets: FloatArray, part: npt.NDArra
     return np.where(counts > 0, np.sqrt(squares / np.maximum(counts, 1)), np.nan)
 
 
-def out_of_sample(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
+def out_of_sample(features: FloatArray, targets: FloatArray, part: IntArray) -> FloatArray:
     """Return a ridge regression of each target in parts that it did not use, with the best penalty.
 
     `features`, shape (n, n_features). `targets`, shape (n_targets, n): NaN in rows that are not used. `part`, shape
@@ -164,7 +163,7 @@ def out_of_sample(features: FloatArray, targets: FloatArray, part: npt.NDArray[n
     return predicted
 
 
-def _predicted(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
+def _predicted(features: FloatArray, targets: FloatArray, part: IntArray) -> FloatArray:
     pieces = [(features[part == k], targets[part == k]) for k in range(PARTS)]
     matrices, products = [x.T @ x for x, _ in pieces], [x.T @ y for x, y in pieces]
     matrix, product = np.sum(matrices, axis=0), np.sum(products, axis=0)

@@ -12,11 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy import fft, optimize
 
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 
 #: Initial correlation times of drift for the fit to a periodogram, and their bounds, s.
 DRIFT_TIMES = (0.5, 2.0, 8.0)

@@ -11,11 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy import fft
 from scipy.ndimage import median_filter
 
-FloatArray = npt.NDArray[np.float64]
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 
 #: Largest number of lines of a recording.
 MAX_LINES = 4
@@ -54,7 +53,7 @@ class PeriodicLine:
 
 
 def periodic_lines(
-    axes: dict[str, FloatArray], residual: FloatArray, present: npt.NDArray[np.bool_], simulated: FloatArray
+    axes: dict[str, FloatArray], residual: FloatArray, present: BoolArray, simulated: FloatArray
 ) -> list[PeriodicLine]:
     """Return the lines of residuals, the largest first.
 

@@ -8,11 +8,11 @@ Problems, 1974, chapter 23).
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
-FloatArray = npt.NDArray[np.float64]
+from tirefmu.measurements.arrays import FloatArray
+
 #: Tolerance of a satisfied row, relative to its length times the length of the step.
 ROUNDING = 1e-12
 

@@ -6,14 +6,12 @@ from dataclasses import dataclass, field
 from math import nan, radians
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg.lapack import dposv, dtbtrs
 from scipy.optimize import brentq
 
-from .correlation import correlation_length
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from .correlation import correlation_length
 
 #: Half the width of the window in which a slope at zero slip is read: wide enough to average ripple and noise of the
 #: slip, narrow enough for a cubic.
@@ -123,7 +121,7 @@ def _autoregressive_variance(residual: FloatArray, powers: FloatArray, solve: Fl
     return power / plain * variance
 
 
-def _autoregressive(columns: FloatArray, rho: float, together: npt.NDArray[np.bool_]) -> FloatArray:
+def _autoregressive(columns: FloatArray, rho: float, together: BoolArray) -> FloatArray:
     """Return the product of the correlation matrix and columns, shape (n, m): rho^|i - j| within each pass, else 0.
 
     `together` states for each row but the last whether the next one is of the same pass.

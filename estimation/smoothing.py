@@ -11,9 +11,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from tirefmu.measurements.arrays import FloatArray
 
 #: Half widths of the windows, in rows.
 HALF_WIDTHS = (2, 3, 4, 6, 9, 13, 18)
@@ -49,7 +48,7 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     deviation, correlation = noise_of(values)
     if deviation == 0.0 or deviation > COARSE * noise_of(values, NARROW_WINDOW)[0]:
         return values, 0.0
-    values = _without_spikes(values, deviation)
+    values = without_spikes(values, deviation)
     lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row next to a step is not changed
     best, widening = values.copy(), np.ones(n, dtype=bool)
     for half in HALF_WIDTHS:
@@ -62,7 +61,7 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     return best, deviation
 
 
-def _without_spikes(values: FloatArray, deviation: float) -> FloatArray:
+def without_spikes(values: FloatArray, deviation: float) -> FloatArray:
     """Return values with each isolated spike replaced by the mean of its four neighbors, which lie on a line."""
     neighbors = np.stack([values[:-4], values[1:-3], values[3:-1], values[4:]])
     mean, places = neighbors.mean(axis=0), np.array([-2.0, -1.0, 1.0, 2.0])[:, None]

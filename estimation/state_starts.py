@@ -12,14 +12,11 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from tirefmu.measurements.arrays import FloatArray, IndexArray
 from tirefmu.measurements.recording import Recording
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import segment_starts
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.intp]
 
 #: Gauss-Newton steps; step of a difference, as a share of the size of a state; prior standard deviation of a start
 #: value, in sizes of the state.
@@ -30,7 +27,7 @@ AMPLITUDE = 0.125
 
 def estimated_starts(
     residual: Callable[[FloatArray, FloatArray], FloatArray],
-    segment: IntArray,
+    segment: IndexArray,
     first: FloatArray,
     size: FloatArray,
     coefficients: FloatArray | None = None,

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from math import tau
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import chdtri
 
-FloatArray = npt.NDArray[np.float64]
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
 
 #: Length of an interval, s, and largest number of intervals of a recording that are evaluated.
 STRETCH, MAX_STRETCHES = 2.5, 60
@@ -45,11 +44,11 @@ class Periodicity:
     frequency: float
     amplitude: FloatArray
     share: FloatArray
-    significant: npt.NDArray[np.bool_]
+    significant: BoolArray
 
 
 def once_per_revolution(
-    t: FloatArray, speed: FloatArray, residual: FloatArray, segment: npt.NDArray[np.int64], radius: float
+    t: FloatArray, speed: FloatArray, residual: FloatArray, segment: IntArray, radius: float
 ) -> Periodicity | None:
     """Estimate the periodic part of residuals with the wheel revolution.
 
@@ -90,7 +89,7 @@ def _threshold(stretches: int) -> float:
 
 
 def _stretches(
-    speed: FloatArray, residual: FloatArray, segment: npt.NDArray[np.int64], step: float
+    speed: FloatArray, residual: FloatArray, segment: IntArray, step: float
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Yield the rolled distance, shape (n,), and the residuals, shape (n, n_channels), of each interval."""
     length = int(STRETCH / step) if step > 0 else 0

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.estimation.nominal_values import NOMINAL
 from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
@@ -25,8 +25,6 @@ from .problem.rows import Rows
 from .results.fit_result import FitResult
 from .results.records import HeldOut
 from .temperature.selection import settings_of_forces
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -104,7 +102,7 @@ def cross_validate(
     )
 
 
-def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
+def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> list[IntArray]:
     """Return the fold of each row of each recording.
 
     Parameters
@@ -132,10 +130,7 @@ def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int 
     return parts
 
 
-def _training(
-    recordings: Sequence[Recording], parts: Sequence[npt.NDArray[np.int64]], fold: int
-) -> tuple[Recording, ...]:
-    """Return the recordings without the rows of a fold."""
+def _training(recordings: Sequence[Recording], parts: Sequence[IntArray], fold: int) -> tuple[Recording, ...]:
     return tuple(
         replace(recording, table=recording.table[part != fold])
         for recording, part in zip(recordings, parts, strict=True)
@@ -143,7 +138,7 @@ def _training(
     )
 
 
-def _folds(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:
+def _folds(recording: Recording, folds: int, random: np.random.Generator) -> IntArray:
     """Return the fold of each row: operating conditions in random order, distributed evenly over the folds."""
     conditions = group_by_condition(recording, most_levels=MAX_LEVELS).labels
     indices = random.permutation(int(conditions.max(initial=0)) + 1)

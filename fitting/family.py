@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import fdtrc
 
 from tirefmu.boundary.errors import FitError
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.model import Model
 from tirefmu.tires import TireLike
 from tirefmu.tires.tire import Tire
@@ -32,8 +32,6 @@ from .results.records import FittedCoefficient
 from .uncertainty.sandwich import QUANTILE
 from .uncertainty.sensitivities import sensitivities
 
-FloatArray = npt.NDArray[np.float64]
-
 #: Inputs of the linear function, coefficients by name.
 COVARIATES = ("UNLOADED_RADIUS", "FNOMIN", "NOMPRES")
 #: Assumed spread of a coefficient: share of its mean magnitude, and of its typical size. Judgement: tires of a kind
@@ -41,6 +39,9 @@ COVARIATES = ("UNLOADED_RADIUS", "FNOMIN", "NOMPRES")
 SHARE, SIZE_SHARE = 0.25, 0.02
 #: Tires that the assumed spread counts for.
 ASSUMED_TIRES = 4
+#: Deviations of the tires below this share of the assumed spread are rounding: they show no correlations, which would
+#: be 1 between all coefficients in which the tires are equal.
+ROUNDING = 1e-6
 #: A family says nothing about tires whose load or radius is beyond its own by more than this factor.
 MAX_RATIO = 2.0
 #: Probability of a tire of the family below which a tire is said to be outside of it.
@@ -94,6 +95,7 @@ class Family:
         hat = places.T @ places + np.eye(places.shape[1])  # slopes have the spread of the tires as a prior
         slopes = np.linalg.solve(hat, places.T @ (values - values.mean(axis=0)))
         residual = values - values.mean(axis=0) - places @ slopes
+        residual[:, np.abs(residual).max(axis=0) < ROUNDING * np.sqrt(assumed)] = 0.0
         freedom, squares = ASSUMED_TIRES + len(tires) - 1, np.sum(residual**2, axis=0)
         varied = squares[squares > 0.0] / assumed[squares > 0.0]
         assumed *= (ASSUMED_TIRES + (np.median(varied) if varied.size else 0.0)) / freedom

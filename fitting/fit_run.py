@@ -260,6 +260,7 @@ class FitRun:
         solution = best_end(problem, first, solver.solve, lower, upper, stage.again, always=self._given)
         if self._options.method == "ipopt" and self._stage_type(stage) == "final":
             solution = best_root(problem, solution, solver.near, partial(solver.solve, continues=True), lower, upper)
+        solution = solution.accepted()
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
@@ -342,14 +343,14 @@ class FitRun:
         tire = replace(self._tire, values=values, ranges=ranges, about=about, other_entries=entries)  # inputs in ISO
         fitted = {name: self._fitted_coefficient(name) for name in self._model.coefficients if name in self._freed}
         ends = [(self._plan.stages[end.stage].name, problem, end.x) for end, problem in self._ends]
-        intervals, directions, effective, covariance, complete, errors = uncertainty_of_stages(
+        uncertainty = uncertainty_of_stages(
             ends,
             {name: coefficient.stage for name, coefficient in fitted.items()},
             {name for name, coefficient in fitted.items() if coefficient.at_bound},
             (int(self._data["recording"].max()) + 1, len(self._tire.outputs)),
             self._options.sensor_errors,
         )
-        coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
+        coefficients = tuple(replace(c, interval=uncertainty.intervals.get(name, nan)) for name, c in fitted.items())
         if self._family:
             coefficients, tire, notes = self._family.marked(coefficients, tire)
             self._notes += notes
@@ -358,13 +359,14 @@ class FitRun:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
         sources = distinct(recordings)
         residuals, solved = Residuals.of(self._data, sources, self._tire), [self._solved(*end) for end in self._ends]
-        channels = channel_fits(self._fit_data, residuals, effective)
+        channels = channel_fits(self._fit_data, residuals, uncertainty.effective_rows)
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             FitRecord(tuple(self._stages), self._plan.name, self._options.method, seconds, self._interrupted()),
             self._constraints.margins(self._fitted, self._tire.parameters()),
-            tuple(self._notes), self._fit_data.findings, directions, self._fit_data.excluded_rows,
-            covariance=covariance, solution=FitSolution(residuals, complete, tuple(solved), errors),
+            tuple(self._notes), self._fit_data.findings, uncertainty.directions, self._fit_data.excluded_rows,
+            covariance=uncertainty.covariance,
+            solution=FitSolution(residuals, uncertainty.complete, tuple(solved), uncertainty.discrepancies),
         )  # fmt: skip
 
     def _solved(self, end: Ended, problem: Problem) -> SolvedStage:

@@ -11,8 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
-import numpy.typing as npt
+from tirefmu.measurements.arrays import FloatArray
 
 from .constraints.verification import APPROACHED, VERIFIED, ConstraintPoints, VerifiedConstraints
 from .problem.weighted_residuals import Problem
@@ -20,7 +19,6 @@ from .solvers.ipopt import Progress, SolverResult
 from .solvers.selection import Solver
 from .stiffness_targets import solve_with_targets
 
-FloatArray = npt.NDArray[np.float64]
 #: Upper limit of the rounds in which points that violate a constraint are added.
 ROUNDS = 12
 #: Rows of the sample, and least number of rows from which one is taken. At the optimum of a sample the cost of all rows

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-import numpy.typing as npt
 import pandas as pd
+
+from tirefmu.measurements.arrays import FloatArray
 
 from .evidence.residuals import Residuals
 from .evidence.slip_stiffness import slope_targets
@@ -15,8 +15,6 @@ from .problem.slope_targets import SlopeTarget
 from .problem.weighted_residuals import Problem
 from .solvers.convergence import noise_of
 from .solvers.ipopt import SolverResult
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class StiffnessTargets:

@@ -102,7 +102,6 @@ def check_names(names: Iterable[str], source: str, required: Collection[str] = I
 
 
 def _suggestion(name: str, intended: str) -> str:
-    """Return the correct spelling of a header."""
     suffixed = unit_in_name(name)
     if suffixed is not None:
         return f"'{intended} [{suffixed[1]}]'"

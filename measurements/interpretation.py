@@ -10,10 +10,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError, nearest
 
+from .arrays import FloatArray
 from .channels import CHANNELS, channel
 from .recording import Recording
 from .units import Unit, to_si, unit_of
@@ -133,7 +133,7 @@ class Interpretation:
         )
 
 
-def in_unit(values: NDArray[np.float64], name: str, read_as: str, unit: str) -> NDArray[np.float64]:
+def in_unit(values: FloatArray, name: str, read_as: str, unit: str) -> FloatArray:
     """Return the SI values of a channel whose numbers were read in one unit and are in another one.
 
     `read_as`: the unit that the file declares; empty for SI.

@@ -12,13 +12,13 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
+from .arrays import FloatArray
 from .channels import CHANNELS, INPUTS
 from .column_meaning.limits import check_plausible
 from .column_names import check_names
@@ -116,7 +116,7 @@ def _update_extremes(
     extremes: dict[tuple[str, float], tuple[float, pd.DataFrame]], table: pd.DataFrame, name: str
 ) -> None:
     """Replace the rows with the smallest and the largest value of a channel if a part exceeds them."""
-    values: npt.NDArray[np.float64] = table[name].to_numpy()
+    values: FloatArray = table[name].to_numpy()
     for sign, row in ((-1.0, int(np.nanargmin(values))), (1.0, int(np.nanargmax(values)))):
         value = sign * float(values[row])
         if (name, sign) not in extremes or value > extremes[name, sign][0]:

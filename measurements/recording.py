@@ -9,7 +9,6 @@ from itertools import pairwise
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError
@@ -17,6 +16,7 @@ from tirefmu.boundary.escaping import excerpt
 from tirefmu.tires.notebook import html_summary, html_table
 from tirefmu.tires.signs import convert_signs, reversed_columns
 
+from .arrays import IntArray
 from .channels import CHANNELS, OUTPUTS
 from .column_names import check_names
 from .thresholds import LOGGING_GAP
@@ -189,7 +189,7 @@ class Recording:
         edges = [0, *cuts.tolist(), len(self)]
         return [slice(start, stop) for start, stop in pairwise(edges)]
 
-    def segment_numbers(self) -> npt.NDArray[np.int64]:
+    def segment_numbers(self) -> IntArray:
         """Return the number of the segment (`segments`) of each row, counted from 0.
 
         Returns

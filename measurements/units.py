@@ -6,9 +6,11 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tirefmu.boundary.errors import DataError, UnknownName
+
+from .arrays import FloatArray
 
 PSI = 6894.757293168361  # Pa, from the pound-force and the inch
 POUND = 4.4482216152605  # N, exact
@@ -122,7 +124,7 @@ def unit_of(spelling: str, quantity: str) -> Unit:
     return unit
 
 
-def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDArray[np.float64]:
+def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> FloatArray:
     """Return values in SI units (temperatures in deg C, absolute temperatures in K).
 
     Parameters

@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.code.modules import numpy_module
@@ -22,7 +23,6 @@ from ..problem.weighted_residuals import Problem
 from .buffered_function import BufferedFunction
 from .physical import TOLERANCE, Constraint
 
-FloatArray = npt.NDArray[np.float64]
 #: Number of random points near the initial values at which the influence of a coefficient is tested.
 PROBES = 3
 
@@ -152,7 +152,7 @@ class _Block:
         within = np.array([i for i, _ in picked], dtype=int)
         self.entries = np.add.outer(self.width * np.arange(points.shape[1]), within).ravel()
 
-    def _influential(self, problem: Problem, sought: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    def _influential(self, problem: Problem, sought: BoolArray) -> BoolArray:
         """Return which of the sought derivatives are nonzero at any tested point.
 
         If PDX2 is fixed at 0, no free coefficient changes the decrease of friction with load. Such rows of zeros are

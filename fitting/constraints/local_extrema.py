@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import minimize
 
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.model import Model
 
 from .buffered_function import BufferedFunction
 from .constraint_functions import value_with_slopes
 from .physical import Constraint
 
-FloatArray = npt.NDArray[np.float64]
 #: Number of grid points from which the minimization starts, and their least distance as a share of the range of an
 #: input. A quantity has few extrema, and one on each side of a jump at zero slip.
 STARTS, APART = 4, 0.15

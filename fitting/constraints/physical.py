@@ -26,15 +26,14 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.contract import PhysicalConstraint
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires.tire import Tire
 
-FloatArray = npt.NDArray[np.float64]
 #: Tolerance within which a constraint is satisfied, in the unit of the quantity.
 TOLERANCE = 1e-6
 #: Tolerances by which the bounds of a solver are narrower than those that are verified. Judgement: half a tolerance
@@ -144,11 +143,7 @@ def operating_range(table: pd.DataFrame, tire: Tire) -> dict[str, tuple[float, f
 
 
 def grid(
-    constraint: Constraint,
-    ranges: Mapping[str, tuple[float, float]],
-    nominal: Mapping[str, float],
-    *,
-    density: int = 1,
+    constraint: Constraint, ranges: Mapping[str, tuple[float, float]], nominal: Mapping[str, float], *, density: int = 1
 ) -> FloatArray:
     """Return the points at which a constraint is imposed, or verified (density above 1).
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-import numpy.typing as npt
 
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
@@ -16,7 +16,6 @@ from .constraint_functions import measured_values
 from .local_extrema import local_extrema
 from .physical import TOLERANCE, Constraint, grid
 
-FloatArray = npt.NDArray[np.float64]
 #: Densities of the grid for verification in final and intermediate stages; largest number of points that are added at
 #: a time for a violated constraint.
 VERIFIED, APPROACHED, MAX_ADDED = 4, 2, 12
@@ -57,10 +56,7 @@ class VerifiedConstraints:
     """
 
     def __init__(
-        self,
-        tire: Tire,
-        by_output: Mapping[str, Sequence[Constraint]],
-        ranges: Mapping[str, tuple[float, float]],
+        self, tire: Tire, by_output: Mapping[str, Sequence[Constraint]], ranges: Mapping[str, tuple[float, float]]
     ) -> None:
         self.violated: list[ConstraintPoints] = []
         self._model, self._inputs, self._ranges = tire.symbolic_model, tire.inputs, dict(ranges)

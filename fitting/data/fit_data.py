@@ -6,18 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, FitError, UnknownName
-from tirefmu.measurements import (
-    EXCLUSION_REASONS,
-    Finding,
-    Recording,
-    data_findings,
-    exclude_rows,
-    group_by_condition,
-)
+from tirefmu.measurements import EXCLUSION_REASONS, Finding, Recording, data_findings, exclude_rows, group_by_condition
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.measurements.quality.row_exclusion import check_inputs
 from tirefmu.measurements.row_selection.selected import matching
@@ -125,7 +118,7 @@ def prepare(
     return FitData(data, tuple(excluded_rows), tuple(unfitted), tuple(data_findings(recordings)))
 
 
-def _weights(recording: Recording, included: npt.NDArray[np.bool_], rows: str) -> npt.NDArray[np.float64]:
+def _weights(recording: Recording, included: BoolArray, rows: str) -> FloatArray:
     """Return the weights of rows by the name of a weighting, with mean 1 over the included rows."""
     if rows == "equal":
         return np.ones(len(recording))
@@ -137,7 +130,7 @@ def _weights(recording: Recording, included: npt.NDArray[np.bool_], rows: str) -
     return weight
 
 
-def _levelled(column: pd.Series) -> npt.NDArray[np.float64]:
+def _levelled(column: pd.Series) -> FloatArray:
     """Return each value's nearest level, because noise of the load must not weight rows; a swept channel as it is."""
     values, levels = column.to_numpy(dtype=np.float64), np.array(held_levels(column))
     if not levels.size:
@@ -145,7 +138,7 @@ def _levelled(column: pd.Series) -> npt.NDArray[np.float64]:
     return np.asarray(levels[np.searchsorted(0.5 * (levels[1:] + levels[:-1]), values)])
 
 
-def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:
+def _screened(recording: Recording) -> tuple[BoolArray, tuple[ExcludedRows, ...]]:
     """Return which rows are included, and the excluded rows by reason."""
     exclusions = exclude_rows(recording)
     return exclusions.included, tuple(
@@ -157,9 +150,7 @@ def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[Exclud
     )  # fmt: skip
 
 
-def _without_information(
-    table: pd.DataFrame, included: npt.NDArray[np.bool_], model: Model
-) -> tuple[pd.DataFrame, list[str]]:
+def _without_information(table: pd.DataFrame, included: BoolArray, model: Model) -> tuple[pd.DataFrame, list[str]]:
     """Set channels to NaN that have no information in a recording: the slip or the channel does not vary.
 
     A channel of zeros has no scale for its noise, and no Magic Formula has a constant force over a varying slip.

@@ -12,16 +12,14 @@ from dataclasses import dataclass
 from math import pi, radians
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 from scipy.optimize import least_squares
 
 from tirefmu.measurements import levels
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.contract import Role
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Largest magnitude of the other slip and of the inclination that counts as zero.
 PURE = {"kappa": 0.01, "alpha": radians(1.0), "gamma": radians(1.0)}

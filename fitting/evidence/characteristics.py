@@ -10,16 +10,13 @@ from dataclasses import dataclass, field
 from math import hypot, nan
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW
+from tirefmu.measurements.arrays import IntArray
 
 from .residuals import Residuals
 from .slip_stiffness import FORCES, Compared, ReadStiffness, read_stiffnesses
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: Most parts of the range of a slip in which forces are averaged, the fewest rows of a part, and of these parts.
 PARTS, MIN_ROWS, MIN_PARTS = 25, 3, 8

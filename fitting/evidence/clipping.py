@@ -35,7 +35,6 @@ class Clipped:
 
 def clipped_channels(residuals: Residuals) -> tuple[Clipped, ...]:
     """Return the fitted channels of each recording of which many rows have the same extreme value."""
-    units = {output.name: output.unit for output in residuals.tire.symbolic_model.outputs}
     clipped = []
     for number, source in enumerate(residuals.sources):
         for channel in residuals.channels:
@@ -49,5 +48,5 @@ def clipped_channels(residuals: Residuals) -> tuple[Clipped, ...]:
             enough = max(MIN_SHARE, MIN_ROWS / len(values))
             if max(shares) >= enough:
                 low, high = (end if share >= enough else nan for end, share in zip(ends, shares, strict=True))
-                clipped.append(Clipped(source, channel, units[channel], low, high, sum(shares)))
+                clipped.append(Clipped(source, channel, residuals.units[channel], low, high, sum(shares)))
     return tuple(clipped)

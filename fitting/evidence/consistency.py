@@ -12,17 +12,14 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.estimation.correlation import correlation_length
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.operating_conditions.levels import held_levels
 
 from ..problem.weights import OWN_SLIP
 from .residuals import Residuals
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: Fewest rows of each side of a comparison, and of each side in a cell.
 MIN_ROWS, MIN_IN_CELL = 50, 3
@@ -119,7 +116,6 @@ def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
 
 
 def _swept(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> bool:
-    """Return whether a recording sweeps a slip instead of holding it at levels."""
     if slip not in residuals.table:
         return False
     values = residuals.table[slip].iloc[rows_of_recording]
@@ -170,7 +166,7 @@ def _compared(
     worst = max(by_condition, key=lambda c: abs(by_condition[c]))
     typical = float(weight @ difference**2 - weight @ noise) / total
     sign = residuals.sign(channel)
-    unit = next(output.unit for output in residuals.tire.symbolic_model.outputs if output.name == channel)
+    unit = residuals.units[channel]
     return Disagreement(
         channel, unit, *names, sign * mean, max(typical, 0.0) ** 0.5, sign * mean / sd if sd > 0 else 0.0,
         min(len(side) for side in rows), residuals.at(int(worst)), sign * float(by_condition[worst]),
@@ -178,7 +174,6 @@ def _compared(
 
 
 def _shared_cells(cell: IntArray, sides: Sequence[IntArray]) -> IntArray:
-    """Return the cells in which both sides have enough rows."""
     (first, n1), (second, n2) = (np.unique(cell[side], return_counts=True) for side in sides)
     return np.intersect1d(first[n1 >= MIN_IN_CELL], second[n2 >= MIN_IN_CELL])
 

@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import numpy.typing as npt
 
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 
 from .residuals import Residuals
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Steps of a line over the range of a slip, and lengths of a part of it, in steps.
 STEPS, PARTS = 1000, (1, 4, 16)

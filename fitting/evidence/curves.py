@@ -6,19 +6,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW, read_slope
 from tirefmu.measurements import OUTPUTS, Recording, TableLike, level_tolerance, levels, recordings_from
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.measurements.recording import distinct
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
-
-FloatArray = npt.NDArray[np.float64]
 
 _POINTS = 301  # of a curve
 #: Inputs that a program may set to several levels in addition to load and inclination: one panel has one level of each.
@@ -255,7 +253,7 @@ def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: 
     return MeasuredCurves(tire, signs, tuple(distinct([recording.source for recording in given])), data.assign(**fits))
 
 
-def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[np.bool_]]:
+def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, BoolArray]:
     """Return for each row whether alpha is swept and whether kappa is swept."""
     swept = {name: np.zeros(len(table), dtype=np.bool_) for name in ("alpha", "kappa")}
     for rows in recording.segments():

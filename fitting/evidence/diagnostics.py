@@ -113,7 +113,6 @@ def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
     """
     if not residuals.levels:
         return ()
-    units = {output.name: output.unit for output in residuals.tire.symbolic_model.outputs}
     records = []
     for number, source in enumerate(residuals.sources):
         for channel in residuals.channels:
@@ -127,5 +126,5 @@ def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
             for k in np.flatnonzero(rows >= MIN_ROWS):
                 rmse, mean = float(np.sqrt(squares[k] / rows[k])), residuals.sign(channel) * float(sums[k] / rows[k])
                 at = residuals.at(int(conditions[k]))
-                records.append(ConditionFit(source, channel, units[channel], at, int(rows[k]), rmse, mean))
+                records.append(ConditionFit(source, channel, residuals.units[channel], at, int(rows[k]), rmse, mean))
     return tuple(records)

@@ -20,7 +20,6 @@ from itertools import pairwise
 from math import nan
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.estimation.noise_floor import (
@@ -34,9 +33,7 @@ from tirefmu.estimation.noise_floor import (
     slip_history,
     varying_inputs,
 )
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 #: Length of a piece of time that a cubic describes, s, its least number of rows, and its number of coefficients.
 PIECE, MIN_PIECE, CUBIC = 0.25, 8, 4

@@ -8,20 +8,17 @@ from functools import cached_property
 from math import degrees
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import CHANNELS
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.operating_conditions.levels import held_levels
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
-from ..problem.rows import BLOCK, Rows
+from ..problem.rows import BLOCK, inputs_of
 from ..problem.weights import OWN_SLIP
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: The held inputs that define an operating condition.
 NOMINAL_INPUTS = ("Fz", "gamma", "p", "V")
@@ -57,6 +54,11 @@ class Residuals:
         """The outputs that were fitted."""
         return tuple(name for name in self.tire.outputs if name in self.table and self.table[name].notna().any())
 
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each output."""
+        return {output.name: output.unit for output in self.tire.symbolic_model.outputs}
+
     @cached_property
     def computed(self) -> Mapping[str, FloatArray]:
         """The tire's channels at every row, each of shape (n,)."""
@@ -64,7 +66,7 @@ class Residuals:
         code, parameters = fastest_code(self.tire.symbolic_model), self.tire.parameters()
         for start in range(0, len(self.table), BLOCK):  # few rows at a time: all inputs and outputs are much memory
             rows = slice(start, start + BLOCK)
-            inputs = Rows.of(self.table.iloc[rows], self.tire, ()).inputs
+            inputs = inputs_of(self.table.iloc[rows], self.tire)
             forces = code.forces(self.tire.effective_inputs(inputs), parameters)
             for name, values in outputs.items():
                 values[rows] = forces[self.tire.outputs.index(name)]

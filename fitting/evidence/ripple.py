@@ -50,7 +50,6 @@ def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
 
 
 def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[Ripple]:
-    """Yield the ripple of each channel of a recording."""
     rows = residuals.recording == number
     channels = [name for name in residuals.channels if np.isfinite(residuals.measured_minus_computed[name][rows]).any()]
     if not channels:
@@ -62,9 +61,9 @@ def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[
     periodic = once_per_revolution(t, speed, values, residuals.segment[rows], radius)
     if periodic is None:
         return
-    units = {output.name: output.unit for output in residuals.tire.symbolic_model.outputs}
     for i, channel in enumerate(channels):
         yield Ripple(
-            residuals.sources[number], channel, units[channel], float(periodic.amplitude[i]), float(periodic.share[i]),
+            residuals.sources[number], channel, residuals.units[channel],
+            float(periodic.amplitude[i]), float(periodic.share[i]),
             periodic.frequency, periodic.radius, bool(periodic.significant[i]),
         )  # fmt: skip

@@ -7,16 +7,13 @@ from dataclasses import dataclass, replace
 from math import nan
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW, Slope, read_slope
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 from ..problem.rows import Rows
 from ..problem.slope_targets import SlopeTarget
 from .residuals import Residuals
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: The force of each slip.
 FORCES = {"kappa": "Fx", "alpha": "Fy"}

@@ -13,16 +13,15 @@ from functools import cached_property
 from itertools import combinations, product
 
 import numpy as np
-import numpy.typing as npt
 
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
+from ..problem.rows import inputs_of
 from ..problem.weights import MIN_NOISE, OWN_SLIP
 from ..uncertainty.sandwich import LARGEST_SD
 from .residuals import Residuals
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Number of measured rows that are evaluated as a sample; effective sample size of an additional program.
 SAMPLE, PROGRAM_ROWS = 2000, 300.0
@@ -138,12 +137,8 @@ class _Identifiability:
         """The information in the data, in the sizes of the coefficients."""
         rows = np.random.default_rng(0).permutation(len(self.residuals.table))[:SAMPLE]
         table = self.residuals.table.iloc[np.sort(rows)]
-        inputs = np.stack([
-            table[name].to_numpy(dtype=float) if name in table else np.full(len(table), self._tire.nominal(name))
-            for name in self._tire.inputs
-        ])  # fmt: skip
         present = {name: np.isfinite(table[name].to_numpy(dtype=float)) for name in self.residuals.channels}
-        return self._weighted_information(inputs, present, self.effective)
+        return self._weighted_information(inputs_of(table, self._tire), present, self.effective)
 
     @cached_property
     def _information(self) -> Mapping[tuple[str, ...], FloatArray]:
@@ -159,11 +154,7 @@ class _Identifiability:
         return self.residuals.tire
 
     def _weighted_information(
-        self,
-        inputs: FloatArray,
-        present: Mapping[str, npt.NDArray[np.bool_]],
-        effective_rows: Mapping[str, float],
-        only: str = "",
+        self, inputs: FloatArray, present: Mapping[str, BoolArray], effective_rows: Mapping[str, float], only: str = ""
     ) -> FloatArray:
         """Return the information matrix of rows, for the measured channels or for one channel."""
         tire = self._tire
@@ -224,7 +215,6 @@ class _Identifiability:
         return max(map(abs, self._ranges[slip]))
 
     def _lacking(self, program: tuple[str, ...], index: int) -> str:
-        """Return what the data lack as a text."""
         return " together with ".join(self._lack(name, index) for name in program)
 
     def _lack(self, name: str, index: int) -> str:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.estimation.correlation import correlation_length
+from tirefmu.measurements.arrays import FloatArray
 
 from .weighted_residuals import Problem
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:

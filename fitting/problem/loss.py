@@ -11,11 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.measurements.arrays import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 #: Standard deviation of normal noise divided by the median of its magnitude.
 PER_MEDIAN = 1.482602
 

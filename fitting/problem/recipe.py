@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.bounded_file import toml_content, toml_file
 from tirefmu.boundary.errors import DataError, FitError, UnknownName
 from tirefmu.boundary.json_schema import document, object_schema, one_of
 from tirefmu.boundary.schema_check import check_content
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.measurements.channels import CHANNELS
 from tirefmu.measurements.row_selection.expression import Selection, parse_range, parse_selection
 from tirefmu.symbolic.effects import EFFECTS
@@ -227,6 +227,6 @@ def _selection(expression: str, location: str) -> Selection:
     return selection
 
 
-def _values_of(table: pd.DataFrame, channel: str) -> npt.NDArray[np.float64]:
+def _values_of(table: pd.DataFrame, channel: str) -> FloatArray:
     """Return an input, or zeros if it was not recorded."""
     return table[channel].to_numpy(dtype=np.float64) if channel in table else np.zeros(len(table))

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
+
+from tirefmu.measurements.arrays import FloatArray
 
 from .weighted_residuals import Problem
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class Ridge:

@@ -6,15 +6,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.tires.tire import Tire
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Rows of a block: what is computed from them needs 15 MB. A multiple of the rows that kernels and intervals take.
 BLOCK = 65_280
+
+
+def inputs_of(table: pd.DataFrame, tire: Tire) -> FloatArray:
+    """Return the inputs of a tire, shape (n_inputs, n), from a table; an absent input is nominal."""
+    return np.stack([
+        table[name].to_numpy(dtype=float) if name in table else np.full(len(table), tire.nominal(name))
+        for name in tire.inputs
+    ])  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -31,8 +37,8 @@ class Rows:
 
     inputs: FloatArray
     measured: FloatArray
-    group: npt.NDArray[np.int64]
-    segment: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    group: IntArray
+    segment: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     weight: FloatArray = field(default_factory=lambda: np.zeros(0))
     time: FloatArray = field(default_factory=lambda: np.zeros(0))
 
@@ -48,12 +54,11 @@ class Rows:
     def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
         """Return the rows of a table; only the given channels are fitted."""
         absent = pd.Series(np.nan, table.index)
-        inputs = [table.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs]
         measured = [table.get(name, absent) if name in channels else absent for name in tire.outputs]
         group = table["recording"] if "recording" in table else pd.Series(0, table.index)
         segment, weight = table.get("segment", group), table.get("weight", pd.Series(1.0, table.index))
         return cls(
-            np.stack([column.to_numpy(dtype=float) for column in inputs]),
+            inputs_of(table, tire),
             np.stack([column.to_numpy(dtype=float) for column in measured]).T,
             np.asarray(group, dtype=np.int64),
             np.asarray(segment, dtype=np.int64),
@@ -112,7 +117,7 @@ class Rows:
         rows = np.concatenate([np.flatnonzero(self.group == groups[i]) for i in order])
         return self.take(np.sort(np.random.default_rng(seed).choice(rows, n, replace=False)))
 
-    def take(self, chosen: npt.NDArray[np.int64] | slice) -> Rows:
+    def take(self, chosen: IntArray | slice) -> Rows:
         """Return some of the rows; a slice is no copy."""
         return Rows(
             self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen],

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.tires.code import CHUNK, Code
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +34,7 @@ class SlopeTarget:
     inputs: FloatArray
     influence: FloatArray
     force: FloatArray
-    rows: npt.NDArray[np.int64]
+    rows: IntArray
     slope: float
     error: float
     deviation: float
@@ -57,9 +55,7 @@ def slope_residuals(targets: Sequence[SlopeTarget], code: Code, parameters: Floa
     return np.asarray(computed - np.array([target.slope for target in targets]))
 
 
-def slope_jacobian(
-    targets: Sequence[SlopeTarget], code: Code, parameters: FloatArray, columns: npt.NDArray[np.int64]
-) -> FloatArray:
+def slope_jacobian(targets: Sequence[SlopeTarget], code: Code, parameters: FloatArray, columns: IntArray) -> FloatArray:
     """Return the derivatives of the slopes by the parameters in some columns, shape (n_targets, n_columns)."""
     force, coefficient = code.entries
     index = {int(column): i for i, column in enumerate(columns)}

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.code import CHUNK, Code, WeightedRows, fastest_code, forces_of_each, normal_equations
 from tirefmu.tires.tire import Tire
@@ -26,8 +26,6 @@ from .prior import Prior
 from .rows import BLOCK, Rows
 from .slope_targets import SlopeTarget, slope_jacobian, slope_residuals
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 #: The contribution of an output: its index, its free coefficients, gradient and Gauss-Newton matrix.
 Part = tuple[int, IntArray, FloatArray, FloatArray]
 
@@ -76,7 +74,7 @@ class Problem:
     targets: tuple[SlopeTarget, ...] = ()
     target_weight: float = 0.0
     prior: Prior | None = None
-    columns: npt.NDArray[np.int64] = field(init=False)
+    columns: IntArray = field(init=False)
     reach: FloatArray = field(init=False)
     _code: Code = field(init=False)
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.measurements.operating_conditions.levels import held_levels
 
 from .loss import robust_scale
 from .rows import Rows
 from .weighted_residuals import Problem
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Least noise of a channel, relative to its root mean square.
 MIN_NOISE = 1e-4

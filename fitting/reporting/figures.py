@@ -14,16 +14,7 @@ from tirefmu.boundary.escaping import figure_text
 from tirefmu.measurements import TableLike, recordings_from
 from tirefmu.tires import TireLike
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows, measured
-from tirefmu.tires.drawing.labels import (
-    LEVEL,
-    axis_label,
-    drawn_unit,
-    held_text,
-    letter,
-    level_text,
-    note,
-    per_si,
-)
+from tirefmu.tires.drawing.labels import LEVEL, axis_label, drawn_unit, held_text, letter, level_text, note, per_si
 from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
 from tirefmu.tires.drawing.style import BLUE, level_styles, some_of
 from tirefmu.tires.tire import Tire
@@ -115,7 +106,7 @@ def figures_of(
     ]
     drawn = [
         *(_families(comparison, family, name, title, fitted) for name, title, family in families if family),
-        _weighting(comparison),
+        weighting_figure(comparison),
         stiffness_over_load(comparison, truth, fitted),
         friction_over_load(comparison, fitted),
         residuals_over_inputs(
@@ -162,7 +153,7 @@ def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitRe
     )  # fmt: skip
 
 
-def _weighting(comparison: MeasuredCurves) -> Figure | None:
+def weighting_figure(comparison: MeasuredCurves) -> Figure | None:
     """Weighting functions of combined slip over each slip, for levels of the other: figures 13 and 15 of the report."""
     model = comparison.tire.symbolic_model
     names = {"Fx": (model.quantity("weighting_x"), "Gxα"), "Fy": (model.quantity("weighting_y"), "Gyκ")}

@@ -11,6 +11,7 @@ import pandas as pd
 from tirefmu.boundary.escaping import figure_text
 from tirefmu.estimation.slip_slope import SLOPE_WINDOW
 from tirefmu.measurements import levels
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, band, curve, in_rows
 from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si, stiffness_unit
 from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
@@ -29,8 +30,6 @@ FRICTION_PARTS, FRICTION_ROWS = 25, 5
 STIFFNESS_LOADS, FRICTION_LOADS, FRICTION_SLIPS = 201, 41, 101
 #: The largest drawn load, as a multiple of the largest measured one.
 BEYOND = 1.25
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def data_text(comparison: MeasuredCurves, rows: pd.DataFrame) -> str:
@@ -150,7 +149,6 @@ def _over_load(
 
 
 def _read(loads: npt.ArrayLike, values: npt.ArrayLike, label: str) -> Series:
-    """Return values that were read from the data."""
     return Series("points", loads, values, RED, label, marker="o", size=6.0)
 
 
@@ -172,7 +170,7 @@ def friction_over_load(comparison: MeasuredCurves, fitted: FitResult | None) -> 
 
 def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None) -> Panel:
     channel, slip = family.channel, family.slip
-    measured = [(abs(group.level), _largest_friction(group, family)) for group in family.groups]
+    measured = [(abs(group.level), largest_friction(group, family)) for group in family.groups]
     rows = pd.concat([group.rows for group in family.groups])
     sign = float(np.sign(family.groups[0].level))
     loads = _loads([load for load, _ in measured], FRICTION_LOADS)
@@ -195,7 +193,7 @@ def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: Fit
     )  # fmt: skip
 
 
-def _largest_friction(group: Group, family: CurveFamily) -> float:
+def largest_friction(group: Group, family: CurveFamily) -> float:
     """Return the largest median of |force| / load over parts of the slip range."""
     slip = group.rows[family.slip].to_numpy(dtype=float)
     friction = (group.rows[family.channel] / group.rows["Fz"]).abs().to_numpy(dtype=float)

@@ -18,10 +18,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.measurements import Recording, group_by_condition, phases
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.operating_conditions.levels import MAX_LEVELS
 
 from ..constraints.constraint_functions import ConstraintFunctions
@@ -33,8 +33,6 @@ from ..solvers.convergence import STEP_TOLERANCE
 from .leverage import Correction, corrections
 from .near_solution import cost_of_a_row, solve_near
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 #: Fewest sweeps, and fewest replicates: with fewer, percentiles 2.5 and 97.5 are the extremes or beyond.
 MIN_SWEEPS, MIN_REPLICATES = 10, 40
 #: Replicates of a task: starting it takes less time than they do.

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 
 from ..constraints.constraint_functions import ConstraintFunctions
@@ -20,8 +20,6 @@ from ..results.fit_result import FitResult
 from ..results.records import BoundConsequence
 from ..results.solved_stage import SolvedStage
 from .near_solution import cost_of_a_row, sampled, solve_near
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Largest number of rows with which a stage is solved again.
 MAX_ROWS = 3000

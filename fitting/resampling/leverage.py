@@ -21,15 +21,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import stdtrit
+
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 from ..problem.regularization import Ridge
 from ..results.solved_stage import SolvedStage
 from ..uncertainty.sandwich import MIN_CURVATURE, QUANTILE
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-import numpy.typing as npt
-
 from tirefmu.estimation.gauss_newton import minimize, restore
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
@@ -18,8 +16,6 @@ from ..problem.weighted_residuals import Problem
 from ..results.solved_stage import SolvedStage
 from ..solvers.convergence import DAMPING, RESTORING_DAMPING, noise_of
 from ..solvers.ipopt import LAST_STEPS, solve
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def cost_of_a_row(stage: SolvedStage) -> float:

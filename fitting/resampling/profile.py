@@ -16,10 +16,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 
 from tirefmu.boundary.errors import FitError, UnknownName
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..results.fit_result import FitResult
@@ -28,7 +28,6 @@ from ..results.solved_stage import SolvedStage
 from ..uncertainty.sandwich import QUANTILE, sandwich
 from .near_solution import solve_near
 
-FloatArray = npt.NDArray[np.float64]
 #: Distance between two points of a curve and its end, in standard errors; upper limit of the solutions of a side.
 STEP, END = 0.5, 2.5
 MAX_POINTS = 16

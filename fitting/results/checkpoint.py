@@ -11,18 +11,17 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.boundary.bounded_file import read_bounded
 from tirefmu.boundary.errors import FitError, writing
 from tirefmu.boundary.json_schema import json_value, schema_of
 from tirefmu.boundary.schema_check import check_content
 from tirefmu.boundary.whole_file import write_whole
+from tirefmu.measurements.arrays import FloatArray
 
 from ..problem.recipe import Freed
 from .records import StageFit
 
-FloatArray = npt.NDArray[np.float64]
 Count = Annotated[int, {"minimum": 0}]
 
 #: Upper limit of its size, bytes; with 1,000 violated points of each constraint it has 2 MB.

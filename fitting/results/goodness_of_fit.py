@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
@@ -16,8 +16,6 @@ from ..evidence.error_split import ErrorSplit, error_split
 from ..evidence.residuals import Residuals
 from ..problem.rows import BLOCK, Rows
 from .records import ChannelFit, Moments
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def channel_fits(data: FitData, residuals: Residuals, effective: FloatArray) -> tuple[ChannelFit, ...]:

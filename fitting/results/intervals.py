@@ -6,22 +6,22 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 from scipy.special import ndtri
 
 from tirefmu.boundary.errors import FitError
 from tirefmu.measurements import TableLike, recording_from
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
+from ..problem.rows import inputs_of
 from ..uncertainty.sensitivities import sensitivities
 
 if TYPE_CHECKING:
     from .fit_result import FitResult
 
-FloatArray = npt.NDArray[np.float64]
 
 #: Roles of the quantities over load, and the forces over their own slip.
 OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
@@ -69,12 +69,10 @@ def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, leve
     formula = "iso" if signs == "iso" else "adapted-sae"
     tire = result.tire.in_signs(formula)
     rows = convert_signs(table, signs, formula)
-    inputs = np.stack(
-        [rows[n].to_numpy(dtype=float) if n in rows else np.full(len(rows), tire.nominal(n)) for n in tire.inputs]
-    )
     declarations = tire.symbolic_model.coefficients
     covariance = result.solution.covariance
     flips = np.array([-1.0 if formula != result.signs and declarations[n].flips else 1.0 for n in covariance.index])
+    inputs = inputs_of(rows, tire)
     value, slopes, names = sensitivities(tire, quantity, inputs)
     by_name = pd.DataFrame(slopes.T, columns=names).reindex(columns=covariance.index, fill_value=0.0)
     variance = np.einsum("ni,ij,nj->n", by_name, covariance * np.outer(flips, flips), by_name)

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from math import nan
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from tirefmu.measurements.arrays import FloatArray
 
 #: Change of a channel without a bound, as a share of its standard deviation, and reduction of its error, from which a
 #: bound has a consequence. Judgement.
@@ -137,7 +136,8 @@ class BoundConsequence:
 class StageFit:
     """The result of a stage.
 
-    - `converged`: by the criterion of `tirefmu.fitting.solvers.convergence`.
+    - `converged`: by the criterion of `tirefmu.fitting.solvers.convergence`; without an optimum, if no coefficient
+      differs from it by more than a standard error.
     - `reason`: why it is an optimum or not, as a text for the user.
     - `cost`: half the weighted sum of squares.
     - `r2_uncentred`: of its rows and channels.

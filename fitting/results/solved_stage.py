@@ -9,13 +9,13 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.measurements.arrays import FloatArray, IntArray
+
 from ..constraints.verification import ConstraintPoints
 from ..evidence.residuals import Residuals
 from ..problem.weighted_residuals import Problem
 from ..uncertainty.discrepancy import Discrepancy
 from .checkpoint import Ended
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class SolvedStage:
     upper: FloatArray
     constraints: tuple[ConstraintPoints, ...]
     ridge: float
-    rows: npt.NDArray[np.int64]
+    rows: IntArray
     determined: frozenset[str]
 
     @classmethod

@@ -14,17 +14,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.estimation.correlation import effective_sample_size
 from tirefmu.estimation.gauss_newton import Damping, minimize, restore
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
 from ..problem.weights import MIN_NOISE
 
-FloatArray = npt.NDArray[np.float64]
 #: Largest step of a converged fit, in standard errors.
 STEP_TOLERANCE = 0.1
 #: In scaled coefficients. Each step starts at the least damping for which the matrix is regular.
@@ -46,12 +45,14 @@ class LastSteps:
     - `x`, shape (n_free,).
     - `steps`: number of steps, without the last one.
     - `reason`: a text for the user.
+    - `errors`: most standard errors by which a coefficient differs from its optimum; infinite if it is not known.
     """
 
     x: FloatArray
     steps: int
     converged: bool
     reason: str
+    errors: float
 
 
 def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
@@ -74,7 +75,7 @@ class _Criterion:
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
-        self._whole, self._size = "cost", 1.0
+        self._whole, self._size, self._row = "cost", 1.0, 1.0
         self._noise: tuple[float, float, float] = (np.nan, 0.0, 0.0)  # for which cost, and the result of `noise_of`
 
     def __call__(self, x: FloatArray, cost: float) -> float:
@@ -82,80 +83,62 @@ class _Criterion:
             self._noise = cost, *noise_of(self._problem, x)
         _, noise, rows = self._noise
         self._whole, self._size = "cost" if cost >= noise else "least noise", max(cost, noise)
-        return STEP_TOLERANCE**2 * self._size * min(len(x) / max(rows, 1.0), 1.0)
+        self._row = self._size / max(rows, 1.0)
+        return STEP_TOLERANCE**2 * min(len(x) * self._row, self._size)
 
     def share(self, reduction: float) -> str:
         """Return a reduction relative to the cost, or to the least noise if the cost is smaller."""
         return f"{reduction / self._size:.0e} of the {self._whole}"
 
+    def standard_errors(self, reduction: float) -> float:
+        """Return the most standard errors by which a coefficient changes with a reduction: one costs that of a row."""
+        return float(np.sqrt(max(reduction, 0.0) / self._row))
 
-def last_steps(
-    cost: Ridge,
-    x: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    imposed: ConstraintFunctions,
-    *,
-    steps: int,
-    stop: Callable[[], bool] = lambda: False,
-) -> LastSteps:
-    """Take Gauss-Newton steps until the criterion of this module is met or no step is possible.
 
-    `x`, `lower`, `upper`, shape (n_free,): scaled free values and their bounds. `imposed`: the physical constraints.
-    `steps`: upper limit; with 0 the criterion is only evaluated at x. `stop`: called after every step; True ends the
-    loop.
+@dataclass(frozen=True, eq=False)
+class GaussNewton:
+    """Gauss-Newton steps of a problem with bounds and physical constraints.
+
+    - `lower`, `upper`, shape (n_free,): bounds of the scaled free values.
+    - `stop`: called after every step; True ends the loop.
+
+    Its methods take x, shape (n_free,), the scaled free values of the start, and the upper limit of the steps.
     """
-    return _steps_until(_Criterion(cost.problem), DAMPING, cost, x, lower, upper, imposed, steps, stop)
 
+    cost: Ridge
+    lower: FloatArray
+    upper: FloatArray
+    imposed: ConstraintFunctions
+    stop: Callable[[], bool] = lambda: False
 
-def _steps_until(
-    enough: _Criterion, damping: Damping, cost: Ridge, x: FloatArray, lower: FloatArray, upper: FloatArray,
-    imposed: ConstraintFunctions, steps: int, stop: Callable[[], bool],
-) -> LastSteps:  # fmt: skip
-    """Take Gauss-Newton steps until a criterion is met, and return why they ended."""
-    end = minimize(cost, x, lower, upper, enough, damping, steps=steps, constraints=imposed, stop=stop)
-    reason = end.reason
-    if np.isfinite(end.predicted):
-        reason = f"predicted reduction {enough.share(end.predicted)}" + f", {reason}" * bool(reason)
-    return LastSteps(end.x, end.steps, end.converged, reason)
+    def last(self, x: FloatArray, steps: int) -> LastSteps:
+        """Take steps until the criterion of this module is met or no step is possible; with 0 it is only evaluated."""
+        return self._steps(_Criterion(self.cost.problem), DAMPING, x, steps)
 
+    def refined(self, x: FloatArray, steps: int) -> LastSteps:
+        """Move a solution onto constraints that it violates slightly, and take the `last` steps from there.
 
-def refined(
-    cost: Ridge,
-    x: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    imposed: ConstraintFunctions,
-    *,
-    steps: int,
-    stop: Callable[[], bool] = lambda: False,
-) -> LastSteps:
-    """Move a solution onto constraints that it violates slightly, and take the `last_steps` from there.
+        The result has not converged if the constraints cannot be satisfied near x.
+        """
+        feasible = restore(self.cost, x, self.lower, self.upper, RESTORING_DAMPING, self.imposed)
+        return self.last(x if feasible is None else feasible, steps)
 
-    The arguments are those of `last_steps`. The result has not converged if the constraints cannot be
-    satisfied near x.
-    """
-    feasible = restore(cost, x, lower, upper, RESTORING_DAMPING, imposed)
-    return last_steps(cost, x if feasible is None else feasible, lower, upper, imposed, steps=steps, stop=stop)
+    def continued(self, x: FloatArray, steps: int) -> LastSteps:
+        """Take steps from the solution for fewer rows; undamped ones decide whether the point is the optimum."""
+        enough = _Criterion(self.cost.problem)
+        first = self._steps(enough, APPROACH, x, steps)
+        if self.stop():
+            return replace(first, converged=False)
+        last = self._steps(enough, DAMPING, first.x, steps - first.steps)
+        return replace(last, steps=first.steps + last.steps)
 
-
-def continued(
-    cost: Ridge,
-    x: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    imposed: ConstraintFunctions,
-    *,
-    steps: int,
-    stop: Callable[[], bool] = lambda: False,
-) -> LastSteps:
-    """Take Gauss-Newton steps from the solution for fewer rows.
-
-    The arguments are those of `last_steps`, which decides whether the point is the optimum: less damping predicts more.
-    """
-    enough = _Criterion(cost.problem)
-    first = _steps_until(enough, APPROACH, cost, x, lower, upper, imposed, steps, stop)
-    if stop():
-        return replace(first, converged=False)
-    last = _steps_until(enough, DAMPING, cost, first.x, lower, upper, imposed, steps - first.steps, stop)
-    return replace(last, steps=first.steps + last.steps)
+    def _steps(self, enough: _Criterion, damping: Damping, x: FloatArray, steps: int) -> LastSteps:
+        end = minimize(
+            self.cost, x, self.lower, self.upper, enough, damping,
+            steps=steps, constraints=self.imposed, stop=self.stop,
+        )  # fmt: skip
+        reason, errors = end.reason, np.inf
+        if np.isfinite(end.predicted):
+            reason = f"predicted reduction {enough.share(end.predicted)}" + f", {reason}" * bool(reason)
+            errors = enough.standard_errors(end.predicted)
+        return LastSteps(end.x, end.steps, end.converged, reason, errors)

@@ -11,17 +11,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.boundary.errors import FitError
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IndexArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import TOLERANCE, Constraint
 from ..problem.weighted_residuals import Problem
 from .ipopt import INTERRUPTED, LIMIT, MIN_GAIN, Progress, SolverResult
 
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 #: Iteration limit of the paper, and its share for an intermediate stage or a continued fit.
 ITERATIONS, SHORTER = 10_000, 0.1
 #: Stopping window: its share of the iteration limit, and its least number of generations.
@@ -212,7 +210,7 @@ class _Search:
         self.generation += 1
 
     def _crossed(
-        self, genes: FloatArray, best: int, first: npt.NDArray[np.intp], second: npt.NDArray[np.intp],
+        self, genes: FloatArray, best: int, first: IndexArray, second: IndexArray,
         controls: FloatArray, span: FloatArray,
     ) -> FloatArray:  # fmt: skip
         """Return genes after crossover with best + F (first - second) and mutation, by the given control genes."""

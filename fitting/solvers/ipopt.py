@@ -17,7 +17,8 @@ These settings were found by experience:
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 import casadi as ca
@@ -25,14 +26,14 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.estimation.one_thread import one_blas_thread
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
-from .convergence import continued, last_steps, refined
+from .convergence import GaussNewton
 
-FloatArray = npt.NDArray[np.float64]
 #: The cost decreases from about 1 to 0.001; IPOPT's barrier parameters are intended for larger values.
 OBJECTIVE_SCALE = 1e3
 #: Levenberg-Marquardt damping in scaled coefficients: first value, limits, and factors after a failure and a success.
@@ -51,6 +52,9 @@ ATTEMPTS: tuple[tuple[dict[str, str | float], float], ...] = (
     ({"mu_strategy": "adaptive"}, MAX_DAMPING),
     ({"mu_init": 1e-2, "linear_system_scaling": "none"}, MAX_DAMPING),
 )
+#: Standard errors by which a coefficient of a stage that ends without an optimum may differ from it. The tire is then
+#: within the noise of the optimum; profiles and bootstraps, which compare costs, need a converged solution.
+MAX_ERRORS = 1.0
 #: Reasons: a stop was requested, the iteration limit was reached, or a later stage continues and needs no optimum.
 INTERRUPTED, LIMIT, CONTINUED = "interrupted", "iteration limit", "little further gain before the next stage"
 SUPERSEDED = "a later stage continues"
@@ -67,6 +71,7 @@ class SolverResult:
       with the same coefficients, also if further gains are small.
     - `reason`: why x is an optimum or not, as a text for the user.
     - `detail`: return status of the solver.
+    - `errors`: most standard errors by which a coefficient differs from its optimum; infinite if it is not known.
     """
 
     x: FloatArray
@@ -75,6 +80,15 @@ class SolverResult:
     converged: bool
     reason: str
     detail: str = ""
+    errors: float = inf
+
+    def accepted(self) -> SolverResult:
+        """Return the same as converged if the noise does not distinguish it from the optimum (`MAX_ERRORS`)."""
+        if self.converged or self.reason == INTERRUPTED or not self.errors <= MAX_ERRORS:
+            return self
+        return replace(
+            self, converged=True, reason=f"{self.reason}, within {self.errors:.1g} standard errors of the optimum"
+        )
 
 
 class _Numeric(ca.Callback):  # type: ignore[misc]
@@ -197,13 +211,15 @@ def solve(
     """
     imposed = ConstraintFunctions(problem, constraints)
     cached = _CachedCost(problem, start, ridge, progress)
+    gauss_newton = GaussNewton(cached, lower, upper, imposed, stop)
     x, iterations, statuses = start, 0, list[str]()
     if local:
         steps = min(LAST_STEPS, max_iterations)
-        end = continued(cached, start, lower, upper, imposed, steps=steps, stop=stop)
-        return SolverResult(end.x, problem.cost(end.x), end.steps, end.converged, INTERRUPTED if stop() else end.reason)
+        end = gauss_newton.continued(start, steps)
+        reason = INTERRUPTED if stop() else end.reason
+        return SolverResult(end.x, problem.cost(end.x), end.steps, end.converged, reason, errors=end.errors)
     if refine:
-        end = refined(cached, start, lower, upper, imposed, steps=LAST_STEPS, stop=stop)
+        end = gauss_newton.refined(start, LAST_STEPS)
         if end.converged:
             return SolverResult(end.x, problem.cost(end.x), end.steps, True, end.reason, "")
     for options, damping in ATTEMPTS:
@@ -221,7 +237,7 @@ def solve(
         if monitor.no_gain and stage_type != "final":
             return SolverResult(x, problem.cost(x), iterations, True, CONTINUED, ", ".join(statuses))
         steps = min(LAST_STEPS, max_iterations - iterations)
-        last_point = last_steps(cached, x, lower, upper, imposed, steps=steps, stop=stop)
+        last_point = gauss_newton.last(x, steps)
         x, iterations = last_point.x, iterations + last_point.steps
         if last_point.converged or iterations >= max_iterations or stop():
             break
@@ -230,7 +246,7 @@ def solve(
         reason = INTERRUPTED if stop() else f"{LIMIT}: {reason}"
     if not converged and stage_type != "final" and not stop():
         converged, reason = True, f"{reason}, {SUPERSEDED}"
-    return SolverResult(x, problem.cost(x), iterations, converged, reason, ", ".join(statuses))
+    return SolverResult(x, problem.cost(x), iterations, converged, reason, ", ".join(statuses), last_point.errors)
 
 
 def _ipopt(

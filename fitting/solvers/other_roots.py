@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
+
+from tirefmu.measurements.arrays import FloatArray
 
 from ..problem.weighted_residuals import Problem
 from .convergence import noise_of
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Largest number of rows with which roots are searched for.
 MAX_ROWS = 2000

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
+
+from tirefmu.measurements.arrays import FloatArray
 
 from ..problem.weighted_residuals import Problem
 from .ipopt import SolverResult
 from .other_roots import other_roots
 
-FloatArray = npt.NDArray[np.float64]
 #: Largest distance of a scaled value at a bound; least relative reduction of the cost for which a restart is accepted.
 NEAR_BOUND, MIN_BETTER = 1e-3, 1e-5
 

@@ -6,17 +6,14 @@ from collections.abc import Callable
 from functools import partial
 from typing import Protocol
 
-import numpy as np
-import numpy.typing as npt
-
 from tirefmu.boundary.errors import FitError, UnknownName
+from tirefmu.measurements.arrays import FloatArray
 
 from ..constraints.physical import Constraint
 from ..problem.weighted_residuals import Problem
 from .evolution import ITERATIONS, Evolution
 from .ipopt import Progress, SolverResult, solve
 
-FloatArray = npt.NDArray[np.float64]
 #: IPOPT with exact derivatives, and the derivative-free evolutionary algorithm of the UNICAMP paper.
 METHODS = ("ipopt", "ioa")
 

@@ -13,14 +13,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.measurements import Recording
+from tirefmu.measurements.arrays import FloatArray, IndexArray
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import exchange, held_system, vector_recursion, with_pauses
 
-FloatArray = npt.NDArray[np.float64]
+from ..problem.rows import inputs_of
 
 #: The effect whose states are temperatures.
 EFFECT = "temperature"
@@ -53,7 +53,7 @@ class HeatBalance:
     tire: Tire
     t: FloatArray
     rows: FloatArray
-    block: npt.NDArray[np.intp]
+    block: IndexArray
     inputs: FloatArray
     measured: FloatArray
     source: str
@@ -65,8 +65,7 @@ class HeatBalance:
         table = recording.with_signs("adapted-sae").table
         complete = table[[name for name in ("t", column, *tire.inputs) if name in table]].notna().all(axis=1)
         table = table[complete & (table["t"].diff().fillna(1.0) > 0.0)]
-        rows = np.stack([table[name] if name in table else np.full(len(table), tire.nominal(name))
-                         for name in tire.inputs])  # fmt: skip
+        rows = inputs_of(table, tire)
         slips = [tire.inputs.index(name) for name in ("kappa", "alpha")]
         time, rows, given = with_pauses(table["t"].to_numpy(dtype=np.float64), rows, slips)
         recorded = np.full(len(time), np.nan)

@@ -12,16 +12,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.measurements import Recording
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.tires.tire import Tire
 
 from .solution import DELAY, DELAY_SPREAD
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The effect with the coefficients TMU1 and TMU2, per K and per K^2 about TREF.
 EFFECT = "temp_friction"

@@ -7,17 +7,15 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, nearest, no_single_text
 from tirefmu.measurements import Recording
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.measurements.channels import channel
 
 from ..options import FitOptions
 from .heat_balance import EFFECT, ZERO_CELSIUS
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The recorded temperature of the tread by default.
 RECORDED = "T"

@@ -11,14 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.estimation.correlation import correlation_length
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 
 from .heat_balance import HeatBalance, integrated
 
-FloatArray = npt.NDArray[np.float64]
-Used = Sequence[npt.NDArray[np.bool_]]
+Used = Sequence[BoolArray]
 
 #: Standard deviations of the priors: of a logarithm, and of a start temperature about the first recorded one, K.
 SPREAD, START_SPREAD = 1.0, 10.0
@@ -160,7 +159,4 @@ def _linearized(
         residuals.append(weight * (now - balance.measured)[part])
         slopes.append(weight * columns)
     spreads = np.concatenate([np.full(p, SPREAD), np.full(k * m, START_SPREAD), [DELAY_SPREAD]])
-    return (
-        np.concatenate([*residuals, _prior(balances, solution)]),
-        np.concatenate([*slopes, np.diag(1.0 / spreads)]),
-    )
+    return (np.concatenate([*residuals, _prior(balances, solution)]), np.concatenate([*slopes, np.diag(1.0 / spreads)]))

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.measurements import Recording
+from tirefmu.measurements.arrays import BoolArray, FloatArray
 from tirefmu.tires.tire import Tire
 
 from .fitted_temperature import FittedTemperature
@@ -17,8 +17,6 @@ from .optimum import EFFECT as FRICTION
 from .optimum import QUANTILE, optimum_temperature
 from .selection import check_temperature
 from .solution import SPREAD, ThermalSolution, solved
-
-FloatArray = npt.NDArray[np.float64]
 
 #: The coefficients that a fit frees, in the logarithm; prior means are their neutral values. The others cannot be
 #: separated from these in recordings at one speed; heat capacities and conductances are relative to THSHARE.
@@ -83,13 +81,13 @@ def fit_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "
     return tire.with_values(**values, **given, THACT=1.0), fitted
 
 
-def _first_part(balance: HeatBalance) -> npt.NDArray[np.bool_]:
+def _first_part(balance: HeatBalance) -> BoolArray:
     end = balance.t[0] + FITTED_SHARE * (balance.t[-1] - balance.t[0])
     return np.asarray(np.isfinite(balance.measured) & (balance.t <= end))
 
 
 def _held_out(
-    balances: Sequence[HeatBalance], used: Sequence[npt.NDArray[np.bool_]], early: ThermalSolution
+    balances: Sequence[HeatBalance], used: Sequence[BoolArray], early: ThermalSolution
 ) -> tuple[float, float]:
     """Return the rms error of the nodes that were not used, and that of their mean, K."""
     errors, constants = [], []

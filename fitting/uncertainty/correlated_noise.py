@@ -11,11 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg.lapack import dtbtrs
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 #: Largest correlation phi of neighboring rows: a memory of 500 rows. Chunks of rows are much longer.
 MAX_CORRELATED = 0.998

@@ -23,14 +23,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import nnls
 from scipy.special import gammaincc, ndtri, stdtrit
 
+from tirefmu.measurements.arrays import FloatArray
+
 from ..problem.weighted_residuals import Problem
 from .sample import Sample
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Number of features of each random function.
 FEATURES = 120

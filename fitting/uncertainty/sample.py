@@ -6,14 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.estimation.smoothing import noise_of
+from tirefmu.measurements.arrays import FloatArray, IntArray
 
 from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Fewest rows of a channel, and largest number of sampled rows.
 MIN_ROWS, MAX_ROWS = 200, 4000
@@ -34,7 +32,7 @@ class Sample:
 
     channel: int
     rows: Rows
-    number: npt.NDArray[np.int64]
+    number: IntArray
     of: int
     jacobian: FloatArray
     weight: FloatArray
@@ -58,7 +56,7 @@ def samples_of(problem: Problem, x: FloatArray) -> Iterator[Sample]:
             yield _sample(problem, x, int(channel), present, residual[channel, present])
 
 
-def _sample(problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[np.int64], every: FloatArray) -> Sample:
+def _sample(problem: Problem, x: FloatArray, channel: int, present: IntArray, every: FloatArray) -> Sample:
     edges = np.linspace(0, len(present), min(len(present), MAX_ROWS) + 1).astype(np.int64)
     number = edges[:-1] + np.random.default_rng(0).integers(np.diff(edges))
     part = replace(problem, rows=problem.rows.take(present[number]))

@@ -18,11 +18,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.estimation.one_thread import one_blas_thread
+from tirefmu.measurements.arrays import BoolArray, FloatArray, IntArray
 
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
@@ -30,8 +30,6 @@ from .correlated_noise import CorrelatedSums, NoiseCorrelation
 from .discrepancy import Discrepancy, discrepancies
 from .sample import samples_of
 from .sensor_errors import sensor_errors
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Standard normal quantile of a two-sided 95 % interval.
 QUANTILE = 1.959964
@@ -101,15 +99,13 @@ def uncertainty_of_stages(
     at_bound: Collection[str],
     shape: tuple[int, int],
     sensors: bool,
-) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame, tuple[Discrepancy, ...]]:
+) -> Uncertainty:
     """Return the uncertainty of a fit in stages: each value is that of the last stage that freed the coefficient.
 
     `ends`: name, problem and solution of each stage, in order. `last_stage`: the last stage that freed each fitted
-    coefficient. `shape`: number of recordings and of outputs. `sensors`: see `uncertainty`. Returns `intervals`: half
-    widths of 95 % intervals. Returns `directions`: directions that are not identifiable. Returns `effective`, shape
-    (n_recordings, n_outputs): effective sample sizes; NaN if not fitted. Returns `covariance`: of the fitted
-    coefficients; see `across_stages`. Returns `complete`: as `covariance`, 0 where it is not known; see
-    `Uncertainty.complete`. Returns `discrepancies`: of each stage, for the coefficients whose last stage it is.
+    coefficient. `shape`: number of recordings and of outputs; the effective sample size is NaN if one is not fitted.
+    `sensors`: see `uncertainty`. The discrepancies are those of each stage, for the coefficients whose last stage it
+    is; `complete` is 0 where nothing is known. See `across_stages`.
     """
     names = list(last_stage)
     intervals: dict[str, float] = {}
@@ -136,7 +132,7 @@ def uncertainty_of_stages(
         directions += tuple(d for d in earlier.directions if last.intersection(d.coefficients))
         rows = effective[: len(earlier.effective_rows)]
         rows[earlier.effective_rows > 0] = earlier.effective_rows[earlier.effective_rows > 0]
-    return intervals, directions, effective, across_stages(covariance), complete, tuple(discrepant)
+    return Uncertainty(intervals, directions, effective, across_stages(covariance), complete, tuple(discrepant))
 
 
 def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = (), *, sensors: bool = False) -> Uncertainty:
@@ -196,7 +192,7 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
 
 def _eigenvectors(
     curvature: FloatArray, middle: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, npt.NDArray[np.bool_]]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray]:
     """Return the covariance in the basis of the eigenvectors, deviations along them, the inverse of the eigenvalues.
 
     Further the eigenvectors, and which of them are not identifiable.
@@ -259,7 +255,7 @@ def _add_scores(
     middle: FloatArray, part: Problem, x: FloatArray, noise: Mapping[int, tuple[float, NoiseCorrelation]]
 ) -> None:
     """Add s^2 J^T W R W J of the channels of one recording to the middle of the sandwich."""
-    sums: dict[int, tuple[npt.NDArray[np.int64], CorrelatedSums]] = {}
+    sums: dict[int, tuple[IntArray, CorrelatedSums]] = {}
     for segments, root, outputs in part.jacobian_chunks(x, CHUNK):
         for channel, (free, jacobian) in outputs.items():
             weight, segment = root[channel] ** 2, segments

@@ -7,15 +7,13 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.boundary.errors import UnknownName
+from tirefmu.measurements.arrays import FloatArray
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.code.casadi_code import casadi_expression
 from tirefmu.tires.code.modules import numpy_module
 from tirefmu.tires.tire import Tire
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def sensitivities(tire: Tire, name: str, inputs: FloatArray) -> tuple[FloatArray, FloatArray, list[str]]:

@@ -13,9 +13,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.measurements import ChannelNoise, Noise
+from tirefmu.measurements.arrays import FloatArray, IntArray
 from tirefmu.measurements.virtual_bench.bench_errors import (
     CROSS_TALK_PRIOR_SHARE,
     DRIFT_WAVES,
@@ -29,8 +29,6 @@ from tirefmu.measurements.virtual_bench.bench_errors import (
 from ..problem.rows import Rows
 from ..problem.weighted_residuals import Problem
 from .sample import Sample
-
-FloatArray = npt.NDArray[np.float64]
 
 #: Largest load of the bench of `Noise`, N.
 BENCH_LOAD = 3000.0
@@ -88,7 +86,7 @@ def _columns(
             yield pair, CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[pair] * column
 
 
-def _rates(rows: Rows, at: npt.NDArray[np.int64]) -> FloatArray:
+def _rates(rows: Rows, at: IntArray) -> FloatArray:
     """Return the rates of change of inputs and measured forces at some rows, shape (n_inputs + n_forces, n), per s.
 
     0 without a recorded time.
@@ -105,7 +103,7 @@ def _rates(rows: Rows, at: npt.NDArray[np.int64]) -> FloatArray:
     return np.asarray(np.nan_to_num(change) / np.maximum(rows.time[after] - rows.time[before], step))
 
 
-def _passed(group: npt.NDArray[np.int64], place: FloatArray) -> FloatArray:
+def _passed(group: IntArray, place: FloatArray) -> FloatArray:
     """Return the share of its recording that has passed at each row."""
     passed = np.zeros(len(place))
     for recording in np.unique(group):

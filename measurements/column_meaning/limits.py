@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from tirefmu.boundary.errors import DataError
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS
 from ..recording import Recording
 from ..thresholds import (
@@ -89,7 +89,7 @@ def _problems(recording: Recording) -> Iterator[str]:
     yield from _wrong_load_sign(recording)
 
 
-def _two_angle_units(name: str, values: npt.NDArray[np.float64], low: float, high: float) -> str:
+def _two_angle_units(name: str, values: FloatArray, low: float, high: float) -> str:
     """Return a sentence if the range of an angle grows by the ratio of deg and rad at one row; empty otherwise."""
     first = int(np.argmax((values < low) | (values > high)))
     before, after = (float(np.max(np.abs(part), initial=0.0)) for part in (values[:first], values[first:]))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..recording import Recording
 from ..units import FOOT
 
@@ -38,7 +38,7 @@ def radii(recording: Recording) -> dict[str, float]:
     return {name: radius for name, radius in radii.items() if SMALLEST_RADIUS < radius < LARGEST_RADIUS}
 
 
-def median_radius(radius: NDArray[np.float64]) -> str | None:
+def median_radius(radius: FloatArray) -> str | None:
     """Return the median of a radius in m as metadata of a recording; None if it is not one of a tire."""
     finite = radius[np.isfinite(radius)]
     median = float(np.median(finite)) if len(finite) else 0.0

@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..recording import Recording
 from ..thresholds import (
@@ -24,21 +24,19 @@ from ..thresholds import (
     SPIKE_QUANTILE,
 )
 
-Numbers = NDArray[np.float64]
-Rows = NDArray[np.bool_]
 #: The channels that are read.
 _READ = tuple(name for name in CHANNELS if name not in ("t", "T", "T_ambient", "T_road", "phit"))
 
 
 @dataclass(frozen=True, eq=False)
 class SampledRows:
-    """Rows of a table in ISO signs: finite inputs, loads that are not small, every k-th row of many.
+    """BoolArray of a table in ISO signs: finite inputs, loads that are not small, every k-th row of many.
 
     `columns`: the channels as arrays, shape (n,); an absent one is missing. `load`: the magnitude of Fz, shape (n,);
     ones without Fz.
     """
 
-    columns: dict[str, Numbers]
+    columns: dict[str, FloatArray]
 
     @classmethod
     def of(cls, table: pd.DataFrame) -> SampledRows:
@@ -59,7 +57,7 @@ class SampledRows:
         """Return whether the channel has numbers."""
         return name in self.columns
 
-    def __getitem__(self, name: str) -> Numbers:
+    def __getitem__(self, name: str) -> FloatArray:
         """Return a channel, zeros for a slip or camber that is absent."""
         return self.columns[name] if name in self.columns else np.zeros(self.count)
 
@@ -69,7 +67,7 @@ class SampledRows:
         return len(next(iter(self.columns.values()), ()))
 
     @cached_property
-    def load(self) -> Numbers:
+    def load(self) -> FloatArray:
         """The magnitude of the load, shape (n,)."""
         return np.abs(self.columns["Fz"]) if "Fz" in self.columns else np.ones(self.count)
 
@@ -77,15 +75,15 @@ class SampledRows:
         """Return the largest magnitude of a channel without its spikes."""
         return float(np.nanquantile(np.abs(self[name]), 1.0 - SPIKE_QUANTILE)) if self.count else 0.0
 
-    def near_zero(self, slip: str, share: float = NEAR_SLIP, least: float = SMALL_SLIP) -> Rows:
+    def near_zero(self, slip: str, share: float = NEAR_SLIP, least: float = SMALL_SLIP) -> BoolArray:
         """Return the rows at which a slip is a small share of its largest value, or at most `least`."""
         return np.asarray(np.abs(self[slip]) <= max(least, share * self.largest(slip)))
 
-    def far(self, slip: str) -> Rows:
+    def far(self, slip: str) -> BoolArray:
         """Return the rows at which a slip is a large share of its largest value."""
         return np.asarray(np.abs(self[slip]) >= FAR_SLIP * self.largest(slip))
 
-    def slope(self, name: str, over: str, rows: Rows, divisor: Numbers | None = None) -> float:
+    def slope(self, name: str, over: str, rows: BoolArray, divisor: FloatArray | None = None) -> float:
         """Return the slope of a channel over another one, both about their means; NaN without enough rows.
 
         `divisor`: divides the channel, such as the load.
@@ -101,7 +99,7 @@ class SampledRows:
             return np.nan
         return float(x @ (y - y.mean())) / float(x @ x)
 
-    def correlation(self, slip: str, force: str, rows: Rows) -> float:
+    def correlation(self, slip: str, force: str, rows: BoolArray) -> float:
         """Return the correlation of a slip with a force, the weaker one of those about the means and about zero.
 
         Beyond its peak a force falls with its slip but keeps its sign; an offset at a held slip has a sign but no
@@ -118,7 +116,7 @@ class SampledRows:
         weaker = min(abs(about_mean), abs(about_zero))
         return float(np.copysign(weaker, about_mean)) if about_mean * about_zero > 0.0 else 0.0
 
-    def _responds(self, force: str, rows: Rows) -> bool:
+    def _responds(self, force: str, rows: BoolArray) -> bool:
         """Return whether a force changes by a considerable share of the load, as it does in a sweep of its slip."""
         return "Fz" in self and bool(np.ptp(clipped(self[force][rows] / self.load[rows])) > MIN_RESPONSE)
 
@@ -127,11 +125,11 @@ def _thin(table: pd.DataFrame) -> pd.DataFrame:
     return table.iloc[:: max(1, -(-len(table) // MAX_SAMPLED_ROWS))]
 
 
-def clipped(values: Numbers) -> Numbers:
+def clipped(values: FloatArray) -> FloatArray:
     """Return values limited to their quantiles, so that spikes have no influence."""
     return np.clip(values, *np.quantile(values, [SPIKE_QUANTILE, 1.0 - SPIKE_QUANTILE]))
 
 
-def _cosine(x: Numbers, y: Numbers) -> float:
+def _cosine(x: FloatArray, y: FloatArray) -> float:
     size = float(np.sqrt((x @ x) * (y @ y)))
     return float(x @ y) / size if size > 0.0 else 0.0

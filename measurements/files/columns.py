@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError, TirefmuError
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS, INPUTS, channel
 from ..column_names import check_names
 from ..interpretation import Interpretation
@@ -135,7 +135,7 @@ def converted_channels(
     return pd.DataFrame(converted)
 
 
-def in_si(values: NDArray[np.float64], unit: str, quantity: str, place: str) -> NDArray[np.float64]:
+def in_si(values: FloatArray, unit: str, quantity: str, place: str) -> FloatArray:
     """Return `to_si` of the values; an error begins with the place in the file, such as "a.csv: column alpha"."""
     try:
         return to_si(values, unit, quantity)
@@ -143,7 +143,7 @@ def in_si(values: NDArray[np.float64], unit: str, quantity: str, place: str) -> 
         raise DataError(f"{place}: {error}") from None
 
 
-def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:
+def check_finite(values: FloatArray, name: str, source: str, location: Callable[[int], str]) -> None:
     """Check that a channel has no infinities, and an input few NaN.
 
     Rows without an input are excluded later (`without_incomplete_rows`). `location`: as for `channels_in_si`.
@@ -157,7 +157,7 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, location: 
             raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows){limit}")
 
 
-def numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> NDArray[np.float64]:
+def numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> FloatArray:
     """Return the cells as floats, or report the first one that is not a number."""
     if pd.api.types.is_bool_dtype(cells):
         cells = cells.astype(str)  # a truth value is not a number
@@ -182,9 +182,7 @@ def is_number(cell: Any) -> bool:
     return True
 
 
-def rows_of_numbers(
-    rows: Iterable[tuple[int, Sequence[str]]], names: Sequence[str], source: str
-) -> NDArray[np.float64]:
+def rows_of_numbers(rows: Iterable[tuple[int, Sequence[str]]], names: Sequence[str], source: str) -> FloatArray:
     """Return the rows of a text file as numbers, shape (n, number of names).
 
     `rows`: line number and cells of each. Raises `DataError` if there is none, a row has another number of cells than

@@ -103,7 +103,6 @@ def _body(path: Path, skipped: int, width: int, separator: str, as_text: Mapping
 
 @contextmanager
 def _opened(path: Path, skipped: int = 0) -> Iterator[TextIO]:
-    """Open a file behind its first lines."""
     with path.open(encoding="utf-8-sig", newline="") as file:
         for _ in range(skipped):
             file.readline()

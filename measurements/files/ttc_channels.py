@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError, TirefmuError, nearest
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS, OUTPUTS, Channel
 from ..column_meaning.radii import median_radius
 from ..column_names import intended_channel
@@ -40,7 +40,7 @@ _BENCH_NAMES = {name: channel for channel in CHANNELS.values() for name in chann
 
 def bench_recording(
     path: Path,
-    vectors: Mapping[str, NDArray[np.float64]],
+    vectors: Mapping[str, FloatArray],
     units: Mapping[str, str],
     signs: str,
     about: Mapping[str, str],
@@ -70,7 +70,7 @@ def bench_recording(
     else:
         by_name, reason = assumed_units(path, folded)
         metadata |= {"units": reason, "declared": ""}
-    columns: dict[str, NDArray[np.float64]] = {}
+    columns: dict[str, FloatArray] = {}
     for channel in CHANNELS.values():
         names = (replaced[channel.name],) if channel.name in replaced else channel.bench_names
         bench_name = next((name for name in names if name.casefold() in folded), None)
@@ -86,11 +86,9 @@ def bench_recording(
     return Recording(pd.DataFrame(ordered), signs, path.name, metadata)
 
 
-def _radii(
-    folded: Mapping[str, NDArray[np.float64]], units: Mapping[str, str], speed: NDArray[np.float64] | None
-) -> dict[str, str]:
+def _radii(folded: Mapping[str, FloatArray], units: Mapping[str, str], speed: FloatArray | None) -> dict[str, str]:
     """Return the medians of the loaded radius and of speed over wheel speed, m; what is unusable is missing."""
-    radii: dict[str, NDArray[np.float64]] = {}
+    radii: dict[str, FloatArray] = {}
     try:
         if "rl" in folded:
             length = "in" if unit_named(units.get("fz", "N")).factor == POUND else "cm"
@@ -104,7 +102,7 @@ def _radii(
     return {name: text for name, values in radii.items() if (text := median_radius(values)) is not None}
 
 
-def assumed_units(path: Path, vectors: Mapping[str, NDArray[np.float64]]) -> tuple[dict[str, str], str]:
+def assumed_units(path: Path, vectors: Mapping[str, FloatArray]) -> tuple[dict[str, str], str]:
     """Return the units of a file that declares none, and the reason for them.
 
     `path`: names like ``A1464run30`` mean US customary units, ``B1464run30`` SI. `vectors`: by name in lower case. A
@@ -155,11 +153,11 @@ def _check_present(folded: Collection[str], fields: list[str], source: str, repl
 def _channel(
     channel: Channel,
     bench_name: str,
-    folded: Mapping[str, NDArray[np.float64]],
+    folded: Mapping[str, FloatArray],
     unit: str,
     source: str,
     location: Callable[[int], str],
-) -> NDArray[np.float64]:
+) -> FloatArray:
     clock = "et" if "et" in folded else bench_name.casefold()
     values, rows = folded[bench_name.casefold()], len(folded[clock])
     if len(values) != rows:
@@ -170,9 +168,7 @@ def _channel(
     return in_si(values, unit, channel.quantity, f"{source}: channel {bench_name}")
 
 
-def _free_rolling(
-    columns: Mapping[str, NDArray[np.float64]], vectors: Collection[str], source: str
-) -> NDArray[np.float64]:
+def _free_rolling(columns: Mapping[str, FloatArray], vectors: Collection[str], source: str) -> FloatArray:
     """Return kappa = 0 for a file without SL, such as a warm-up run, unless FX is that of a driven wheel."""
     load = np.abs(columns["Fz"])
     driven = "Fx" in columns and np.nanquantile(np.abs(columns["Fx"]), 0.99) > FREE_ROLLING_FORCE * np.median(load)

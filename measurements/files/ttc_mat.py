@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS
 from ..interpretation import Interpretation
 from ..recording import Recording
@@ -44,7 +44,7 @@ def read_ttc_mat(path: Path, signs: str, interpretation: Interpretation) -> Reco
     return bench_recording(path, vectors, units, signs, about, lambda row: f"row {row + 1}", interpretation)
 
 
-def matlab_vectors(path: Path) -> dict[str, NDArray[np.float64]]:
+def matlab_vectors(path: Path) -> dict[str, FloatArray]:
     """Return the vectors of numbers of a MATLAB file: its variables, and the fields of its structs and tables.
 
     Raises `DataError` if the file is not a MATLAB file, or mat-io is not installed and the file needs it.
@@ -57,7 +57,6 @@ def matlab_vectors(path: Path) -> dict[str, NDArray[np.float64]]:
 
 
 def _load(path: Path) -> Mapping[str, Any]:
-    """Return the variables of the file."""
     try:
         loaded = native_reader.load("matlab", path)
     except native_reader.MissingPackage as content:
@@ -96,7 +95,7 @@ def _struct(value: Any) -> dict[str, Any]:
     return {name: getattr(cell, name) if hasattr(cell, "_fieldnames") else cell[name] for name in names}
 
 
-def _vector(value: Any) -> NDArray[np.float64] | None:
+def _vector(value: Any) -> FloatArray | None:
     """Return the numbers of a variable that is a row or column vector, otherwise None."""
     if not isinstance(value, np.ndarray) or value.dtype.kind not in "fiu":
         return None

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError, UnknownName, nearest
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS
 from ..interpretation import Interpretation
 from ..recording import Recording
@@ -46,7 +46,7 @@ class _Quantity:
     numbers: tuple[float, ...]
     line: int
 
-    def physical(self, raw: NDArray[np.float64]) -> NDArray[np.float64]:
+    def physical(self, raw: FloatArray) -> FloatArray:
         """Return the measured numbers in the declared unit: (raw + offset) * factor + physical offset."""
         factor, offset, shift = (*self.numbers, *(1.0, 0.0, 0.0)[len(self.numbers) :])
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with its line
@@ -77,7 +77,7 @@ def read_tydex(path: Path, signs: str, interpretation: Interpretation) -> Record
     table = rows_of_numbers(cells, [quantity.name for quantity in channels], source)
     measured = {quantity.name: (quantity, column) for quantity, column in zip(channels, table.T, strict=True)}
     held = {quantity.name: quantity for quantity in constants if quantity.numbers}
-    columns: dict[str, NDArray[np.float64]] = {}
+    columns: dict[str, FloatArray] = {}
     about: dict[str, str] = {}
     replaced = {channel: (name,) for name, channel in interpretation.renamed.items()}
     for name, spelled in {**NAMES, **replaced}.items():
@@ -126,8 +126,8 @@ def _quantity(line: int, text: str, most: int) -> _Quantity:
 
 
 def _converted(
-    name: str, quantity: _Quantity, values: NDArray[np.float64], rows: Sequence[tuple[int, str]], source: str
-) -> NDArray[np.float64]:
+    name: str, quantity: _Quantity, values: FloatArray, rows: Sequence[tuple[int, str]], source: str
+) -> FloatArray:
     check_finite(values, name, source, lambda row: f"line {rows[row][0]}: {quantity.name}")
     place = f"{source}: line {quantity.line}: channel {quantity.name}"
     return in_si(values, quantity.unit, CHANNELS[name].quantity, place)

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray, IndexArray
 from ..channels import CHANNELS, CONTROLLED_INPUTS
 from ..operating_conditions.levels import held_levels
 from ..operating_conditions.phases import SLIP_INPUTS
@@ -79,7 +79,7 @@ def _same_sweep(recording: Recording, row: int) -> bool:
     return False
 
 
-def _jump(recording: Recording, direction: str, steps: NDArray[np.float64], at: NDArray[np.intp]) -> Finding:
+def _jump(recording: Recording, direction: str, steps: FloatArray, at: IndexArray) -> Finding:
     largest = at[np.argmax(np.abs(steps[at]))]
     times = "1 time" if len(at) == 1 else f"{len(at)} times"
     size = abs(float(steps[largest]))

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..channels import OUTPUTS
 from ..operating_conditions.time_series import segments_of
 from ..recording import Recording
@@ -53,9 +53,9 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     return findings
 
 
-def _causes(recording: Recording, name: str, force: NDArray[np.float64]) -> Iterator[Finding]:
+def _causes(recording: Recording, name: str, force: FloatArray) -> Iterator[Finding]:
     residual = recording.table[name].to_numpy(dtype=np.float64) - force
-    causes: dict[str, NDArray[np.float64]] = {}
+    causes: dict[str, FloatArray] = {}
     if "T" in recording.table:
         temperature = recording.table["T"].to_numpy(dtype=np.float64)
         low, high = np.nanquantile(temperature, (0.05, 0.95))
@@ -80,9 +80,7 @@ def _causes(recording: Recording, name: str, force: NDArray[np.float64]) -> Iter
             )
 
 
-def _explained(
-    residual: NDArray[np.float64], causes: Mapping[str, NDArray[np.float64]]
-) -> dict[str, tuple[float, float]]:
+def _explained(residual: FloatArray, causes: Mapping[str, FloatArray]) -> dict[str, tuple[float, float]]:
     """Return the regression coefficient of each cause, and the share of the mean square that only it explains."""
     rows = np.isfinite(residual)
     for cause in causes.values():
@@ -100,14 +98,14 @@ def _explained(
     }
 
 
-def _regression(columns: NDArray[np.float64], r: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+def _regression(columns: FloatArray, r: FloatArray) -> tuple[FloatArray, float]:
     """Return the coefficients of a linear regression and the remaining sum of squares."""
     coefficients, *_ = np.linalg.lstsq(columns, r, rcond=None)
     rest = r - columns @ coefficients
     return np.asarray(coefficients, dtype=np.float64), float(rest @ rest)
 
 
-def _rate(recording: Recording, force: NDArray[np.float64]) -> NDArray[np.float64]:
+def _rate(recording: Recording, force: FloatArray) -> FloatArray:
     """Return the derivative of the force by time over a few samples; NaN where the rows are not a time series."""
     rate = np.full(len(force), np.nan)
     for segment in segments_of(recording) if "t" in recording.table else ():

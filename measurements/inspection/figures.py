@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tirefmu.boundary.escaping import figure_text
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, in_rows, measured
 from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_text, note, per_si
 from tirefmu.tires.drawing.style import BLACK, BLUE, GRAY, GREEN, LIGHT_GRAY, ORANGE, RED, level_styles, some_of
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS, INPUTS, OUTPUTS
 from ..operating_conditions.levels import held_levels, level_tolerance
 from .inspection import Inspection
@@ -50,7 +50,7 @@ def _over_time(inspection: Inspection) -> Figure:
     return Figure("time", f"{figure_text(inspection.recording.source)}: channels over time", in_rows(panels, 1))
 
 
-def _course(inspection: Inspection, name: str, x: NDArray[np.float64]) -> Iterator[Series]:
+def _course(inspection: Inspection, name: str, x: FloatArray) -> Iterator[Series]:
     """Yield a channel over time, interrupted between segments, and its excluded rows."""
     y = inspection.recording.table[name].to_numpy(dtype=np.float64) * per_si(name)
     pieces = [_envelope(x[piece], y[piece], len(x)) for piece in inspection.recording.segments()]
@@ -64,7 +64,7 @@ def _course(inspection: Inspection, name: str, x: NDArray[np.float64]) -> Iterat
             yield Series("points", x[few], y[few], color, label, marker=marker, size=2.5)
 
 
-def _envelope(x: NDArray[np.float64], y: NDArray[np.float64], rows_of_all: int) -> NDArray[np.float64]:
+def _envelope(x: FloatArray, y: FloatArray, rows_of_all: int) -> FloatArray:
     """Return lowest and highest value of each part of a segment, so that no spike is lost, shape (2, n)."""
     if rows_of_all > 2 * MAX_COLUMNS:
         parts = np.array_split(np.arange(len(x)), max(1, MAX_COLUMNS * len(x) // rows_of_all))
@@ -102,7 +102,7 @@ def _slip_panel(included: pd.DataFrame, slip: str, name: str, signs: str) -> Pan
     return Panel(axis_label(slip), axis_label(name), tuple(series), title, legend, (0.0,), (0.0,))
 
 
-def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], NDArray[np.bool_]]:
+def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], BoolArray]:
     """Return levels of the inputs other than slip and load, and the rows at them.
 
     Other slips and the camber are nearest to zero, further inputs at their level with the most rows. An input without
@@ -125,7 +125,6 @@ def _held(rows: pd.DataFrame, slip: str) -> tuple[dict[str, float], NDArray[np.b
 
 
 def _coverage(inspection: Inspection) -> Iterator[Figure]:
-    """Yield the visited combinations of inputs."""
     table = inspection.recording.table
     rows = some_of(table.assign(Fz=table["Fz"].abs()) if "Fz" in table else table)
     panels = [

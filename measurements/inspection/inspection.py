@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CHANNELS
 from ..column_meaning.meanings import ColumnMeaning, column_meanings
 from ..findings.data_findings import data_findings
@@ -107,7 +107,7 @@ class Inspection:
     conditions: tuple[ConditionSummary, ...]
     exclusion: RowExclusion
     meanings: tuple[ColumnMeaning, ...]
-    held: NDArray[np.bool_]
+    held: BoolArray
 
     def to_json(self) -> dict[str, Any]:
         """Return the contents as JSON values; a range or drift without a number is null."""
@@ -190,7 +190,7 @@ def _sweeps(recording: Recording, all_phases: Sequence[Phase]) -> list[SweepSumm
     return sweeps
 
 
-def _rate(values: NDArray[np.float64], step: float) -> float:
+def _rate(values: FloatArray, step: float) -> float:
     """Return the median speed of an input, over times that are long compared with noise."""
     lag = min(max(1, round(RATE_TIME / step)), len(values) - 1)
     return float(np.median(np.abs(values[lag:] - values[:-lag]))) / (lag * step) if lag else 0.0
@@ -214,7 +214,7 @@ def _conditions(recording: Recording, all_phases: Sequence[Phase], interval: flo
     return sorted(conditions, key=lambda condition: [condition.held.get(name, -np.inf) for name in order])
 
 
-def _held(recording: Recording, all_phases: Sequence[Phase]) -> NDArray[np.bool_]:
+def _held(recording: Recording, all_phases: Sequence[Phase]) -> BoolArray:
     """Return the rows in which no held input changes from one level to another."""
     held = np.ones(len(recording), dtype=np.bool_)
     for phase in all_phases:
@@ -222,7 +222,7 @@ def _held(recording: Recording, all_phases: Sequence[Phase]) -> NDArray[np.bool_
     return held
 
 
-def _drift(column: pd.Series, rows: NDArray[np.intp]) -> float:
+def _drift(column: pd.Series, rows: IndexArray) -> float:
     """Return the change of a channel from the first to the last tenth of some rows in the order of time.
 
     It is the difference of the medians; NaN without a number at either end.
@@ -235,6 +235,6 @@ def _drift(column: pd.Series, rows: NDArray[np.intp]) -> float:
     return float(np.nanmedian(ends[1]) - np.nanmedian(ends[0]))
 
 
-def _stretches(rows: NDArray[np.intp]) -> int:
+def _stretches(rows: IndexArray) -> int:
     """Return the number of stretches of consecutive rows."""
     return int(np.count_nonzero(np.diff(rows) > 1)) + (len(rows) > 0)

@@ -16,11 +16,7 @@ from .tables import TEXTS, all_tables, title
 
 
 def write_inspection(
-    inspections: Sequence[Inspection],
-    findings: Sequence[Finding],
-    path: str | Path,
-    *,
-    command: str = "",
+    inspections: Sequence[Inspection], findings: Sequence[Finding], path: str | Path, *, command: str = ""
 ) -> None:
     """Write the page of an inspection: findings, and figures and tables of each recording.
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import OVERSAMPLED
@@ -33,17 +33,17 @@ class Grouping:
         For each condition, the swept range, in any unit. Default 1.
     """
 
-    labels: NDArray[np.intp]
+    labels: IndexArray
     conditions: tuple[tuple[tuple[str, float], ...], ...]
     moving: tuple[tuple[str, ...], ...] = ()
-    extent: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    extent: FloatArray = field(default_factory=lambda: np.empty(0))
 
     @property
-    def counts(self) -> NDArray[np.intp]:
+    def counts(self) -> IndexArray:
         """The number of rows of each condition."""
         return np.bincount(self.labels, minlength=len(self.conditions)).astype(np.intp)
 
-    def weights(self, rows: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+    def weights(self, rows: BoolArray | None = None) -> FloatArray:
         """Return row weights that limit the total weight of each condition.
 
         The measure is the number of rows per swept range: it is large for repeated and for slow sweeps, but not for
@@ -76,9 +76,7 @@ class Grouping:
         return np.asarray(weights / weights[selected].mean())
 
 
-def _factors(
-    counts: NDArray[np.intp], extent: NDArray[np.float64], kinds: Sequence[tuple[str, ...]]
-) -> NDArray[np.float64]:
+def _factors(counts: IndexArray, extent: FloatArray, kinds: Sequence[tuple[str, ...]]) -> FloatArray:
     """Return the weight of a row of each condition: 1, or less where there are more rows than in those of its kind."""
     density, factor = counts / extent, np.ones(len(counts))
     for kind in set(kinds):
@@ -140,7 +138,7 @@ def group_by_condition(recording: Recording, *, most_levels: int | None = None) 
     return Grouping(labels, tuple(condition for _, condition in keys), tuple(moving for moving, _ in keys), extent)
 
 
-def _levels_of(series: Sequence[Phase], recording: Recording, name: str) -> NDArray[np.float64]:
+def _levels_of(series: Sequence[Phase], recording: Recording, name: str) -> FloatArray:
     """Return the levels of an input: the medians over the phases that held it, merged where they are close."""
     medians = np.sort([phase.held[name] for phase in series if name in phase.held])
     tolerance = level_tolerance(recording.table[name], name) or 1.0
@@ -148,7 +146,7 @@ def _levels_of(series: Sequence[Phase], recording: Recording, name: str) -> NDAr
     return np.array([float(np.median(group)) for group in groups if len(group)])
 
 
-def _extents(recording: Recording, labels: NDArray[np.intp], keys: Sequence[_Key]) -> NDArray[np.float64]:
+def _extents(recording: Recording, labels: IndexArray, keys: Sequence[_Key]) -> FloatArray:
     """Return the swept range of each condition in level tolerances, at least 1."""
     columns = {name: recording.table[name].to_numpy(dtype=np.float64) for name in {n for m, _ in keys for n in m}}
     tolerances = {name: level_tolerance(values, name) or 1.0 for name, values in columns.items()}
@@ -162,11 +160,11 @@ def _extents(recording: Recording, labels: NDArray[np.intp], keys: Sequence[_Key
 
 
 def _points(
-    recording: Recording, rows: NDArray[np.bool_], most: float
-) -> tuple[NDArray[np.intp], list[tuple[tuple[str, float], ...]], bool]:
+    recording: Recording, rows: BoolArray, most: float
+) -> tuple[IndexArray, list[tuple[tuple[str, float], ...]], bool]:
     """Return labels and conditions of steady points, and whether every input has levels."""
     numbers = np.zeros(int(rows.sum()), dtype=np.intp)
-    held: list[tuple[str, NDArray[np.float64]]] = []
+    held: list[tuple[str, FloatArray]] = []
     complete = True
     for name in (name for name in CONTROLLED_INPUTS if name in recording.table):
         values = recording.table[name].to_numpy(dtype=np.float64)[rows]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.ndimage import gaussian_filter1d
 
 from tirefmu.boundary.errors import DataError
 
+from ..arrays import FloatArray, IndexArray
 from ..channels import CHANNELS
 from ..thresholds import LOAD_TOLERANCE, MIN_LEVEL_PROMINENCE, MIN_LEVEL_SHARE, MIN_ROWS_AT_LEVELS
 
@@ -109,7 +110,7 @@ def held_levels(column: pd.Series) -> list[float]:
     return held if len(held) <= MAX_LEVELS else []
 
 
-def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+def _density_peaks(numbers: FloatArray, tolerance: float) -> FloatArray:
     """Return the prominent peaks of the smoothed density of the numbers."""
     bin_width = tolerance / 8.0
     # Empty bins at both ends: a level at the edge of the range is a peak as well.
@@ -121,12 +122,12 @@ def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np
     right_share = position - left
     counts = np.bincount(left, 1.0 - right_share, bins + 1) + np.bincount(left + 1, right_share, bins + 1)
     density = gaussian_filter1d(counts, sigma=4.0, mode="constant")
-    peaks = _peaks(density)
-    prominent = _prominences(density, peaks) >= MIN_LEVEL_PROMINENCE * density[peaks]
+    peaks = local_maxima(density)
+    prominent = prominences_of(density, peaks) >= MIN_LEVEL_PROMINENCE * density[peaks]
     return np.asarray(lowest + bin_width * peaks[prominent])
 
 
-def _peaks(density: NDArray[np.float64]) -> NDArray[np.intp]:
+def local_maxima(density: FloatArray) -> IndexArray:
     """Return the indices of the local maxima; of equal values the one in the middle, nothing at the ends.
 
     `scipy.signal.find_peaks` returns the same. Loading scipy.signal takes longer than reading a table.
@@ -138,7 +139,7 @@ def _peaks(density: NDArray[np.float64]) -> NDArray[np.intp]:
     return np.asarray((starts[1:-1] + ends[1:-1])[higher] // 2)
 
 
-def _prominences(density: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np.float64]:
+def prominences_of(density: FloatArray, peaks: IndexArray) -> FloatArray:
     """Return the height of each peak above the higher one of the lowest points that separate it from higher peaks."""
     prominences = np.empty(len(peaks))
     for i, peak in enumerate(peaks):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
+from ..arrays import BoolArray, FloatArray, IndexArray
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording, once
 from ..thresholds import (
@@ -139,8 +140,8 @@ class _Input:
     """One input of a recording, as a running median, with the levels at which it was held (none if it was swept)."""
 
     name: str
-    smooth: NDArray[np.float64]
-    held: NDArray[np.float64]
+    smooth: FloatArray
+    held: FloatArray
     tolerance: float
 
 
@@ -148,8 +149,8 @@ class _Input:
 class _Motion:
     """Rows of a segment in which an input moves, rows between two levels, and jumps from one row to the next."""
 
-    moving: NDArray[np.bool_]
-    between: NDArray[np.bool_]
+    moving: BoolArray
+    between: BoolArray
     jumps: list[int]
 
 
@@ -195,7 +196,7 @@ def _inputs(recording: Recording, series: Sequence[Segment]) -> list[_Input]:
     return inputs
 
 
-def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+def _levels_with_stay(values: FloatArray, tolerance: float) -> FloatArray:
     """Return the levels at which an input stayed for some rows each time.
 
     A sweep of few samples that returns to its own steps has levels as well, but of one row at a time.
@@ -212,9 +213,7 @@ def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[
     return np.array([value for value, stay in zip(held, stays, strict=True) if stay >= MIN_STAY_ROWS])
 
 
-def _levels_of_long_stays(
-    values: NDArray[np.float64], held: NDArray[np.float64], tolerance: float, interval: float
-) -> NDArray[np.float64]:
+def _levels_of_long_stays(values: FloatArray, held: FloatArray, tolerance: float, interval: float) -> FloatArray:
     """Return the levels, and those at which an input stayed for longer than any transition takes.
 
     A level beside one with many more rows has no density peak of its own. Its rows are no transition: they stay.
@@ -246,13 +245,12 @@ def _merged_segments(segments: Sequence[Segment]) -> list[Segment]:
     return merged
 
 
-def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
+def _medians(columns: Mapping[str, FloatArray], inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
     medians = np.median([columns[channel.name][rows] for channel in inputs], axis=1) if inputs else ()
     return {channel.name: float(median) for channel, median in zip(inputs, medians, strict=True)}
 
 
 def _motions(channel: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
-    """Yield the motion of an input in each segment."""
     if not len(channel.held):
         for segment in series:
             yield _swept_motion(channel.smooth[segment.rows], channel.tolerance, segment.interval)
@@ -263,7 +261,7 @@ def _motions(channel: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
         yield _held_motion(channel, nearest[segment.rows], distance[segment.rows], segment.interval)
 
 
-def _smoothed(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray[np.float64]:
+def _smoothed(values: FloatArray, series: Sequence[Segment]) -> FloatArray:
     """Return the running median in each segment, by one pass over all segments with equal windows.
 
     A segment with NaN has a separate pass: the filter spreads NaN beyond its window.
@@ -284,12 +282,12 @@ def _smoothed(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray
     return smooth
 
 
-def _padded(values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+def _padded(values: FloatArray, n: int) -> FloatArray:
     """Return the values with the first and the last one repeated, as `numpy.pad` does, but in a tenth of its time."""
     return np.concatenate([np.full(n, values[0]), values, np.full(n, values[-1])])
 
 
-def _held_motion(channel: _Input, nearest: NDArray[np.intp], distance: NDArray[np.float64], step: float) -> _Motion:
+def _held_motion(channel: _Input, nearest: IndexArray, distance: FloatArray, step: float) -> _Motion:
     between = _between_levels(nearest, distance, channel.held, channel.tolerance)
     # A transition that passes a level does not end there. A sweep does not end where it turns, although many rows are
     # near the turning point.
@@ -304,7 +302,7 @@ def _held_motion(channel: _Input, nearest: NDArray[np.intp], distance: NDArray[n
     return _Motion(_closed(between, turning, ends=True), links, jumps)
 
 
-def _swept_motion(smooth: NDArray[np.float64], tolerance: float, step: float) -> _Motion:
+def _swept_motion(smooth: FloatArray, tolerance: float, step: float) -> _Motion:
     window = max(3, round(SWEEP_WINDOW / step))
     covered = maximum_filter1d(smooth, window) - minimum_filter1d(smooth, window)
     # Short rests are the turning points of a sweep, its start and its end.
@@ -312,7 +310,7 @@ def _swept_motion(smooth: NDArray[np.float64], tolerance: float, step: float) ->
     return _Motion(moving, np.zeros(len(smooth), dtype=np.bool_), [])
 
 
-def _closed(rows: NDArray[np.bool_], longest: int, *, ends: bool) -> NDArray[np.bool_]:
+def _closed(rows: BoolArray, longest: int, *, ends: bool) -> BoolArray:
     """Return the rows with shorter gaps filled; gaps at the two ends only on request."""
     closed = rows.copy()
     if rows.any():
@@ -323,9 +321,7 @@ def _closed(rows: NDArray[np.bool_], longest: int, *, ends: bool) -> NDArray[np.
     return closed
 
 
-def _between_levels(
-    nearest: NDArray[np.intp], distance: NDArray[np.float64], held: NDArray[np.float64], tolerance: float
-) -> NDArray[np.bool_]:
+def _between_levels(nearest: IndexArray, distance: FloatArray, held: FloatArray, tolerance: float) -> BoolArray:
     """Return the rows between two levels, given the nearest level of each row and the distance to it.
 
     A held load deviates by more than its tolerance while the slip is swept: the deviation alone is not a transition. A
@@ -345,7 +341,7 @@ def _between_levels(
     return between | (distance > min(FAR_FROM_LEVELS * tolerance, max(spacing, 2.0 * tolerance)))
 
 
-def _links(between: NDArray[np.bool_], nearest: NDArray[np.intp], longest: int) -> NDArray[np.bool_]:
+def _links(between: BoolArray, nearest: IndexArray, longest: int) -> BoolArray:
     """Return the rows of short transitions from one level to another; an excursion from one level is a sweep."""
     edges = [0, *(np.flatnonzero(np.diff(between)) + 1).tolist(), len(between)]
     links = np.zeros(len(between), dtype=np.bool_)
@@ -356,7 +352,7 @@ def _links(between: NDArray[np.bool_], nearest: NDArray[np.intp], longest: int) 
     return links
 
 
-def _extended(rows: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
+def _extended(rows: BoolArray, by: int) -> BoolArray:
     """Return the rows with ``by`` rows added after each run of them."""
     extended = rows.copy()
     for stop in (np.flatnonzero(rows[:-1] & ~rows[1:]) + 1).tolist():

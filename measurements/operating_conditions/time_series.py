@@ -6,17 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import FloatArray
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording
-from ..thresholds import (
-    DEFAULT_SAMPLE_INTERVAL,
-    JUMP_TOLERANCES,
-    LONGEST_SAMPLE_INTERVAL,
-    MAX_JUMPS,
-    MIN_SERIES_ROWS,
-)
+from ..thresholds import DEFAULT_SAMPLE_INTERVAL, JUMP_TOLERANCES, LONGEST_SAMPLE_INTERVAL, MAX_JUMPS, MIN_SERIES_ROWS
 from .levels import level_tolerance
 
 
@@ -57,11 +51,11 @@ def sample_interval(recording: Recording, rows: slice) -> float:
     return _interval(_clock(recording), rows)
 
 
-def _clock(recording: Recording) -> NDArray[np.float64] | None:
+def _clock(recording: Recording) -> FloatArray | None:
     return recording.table["t"].to_numpy(dtype=np.float64) if "t" in recording.table else None
 
 
-def _interval(clock: NDArray[np.float64] | None, rows: slice) -> float:
+def _interval(clock: FloatArray | None, rows: slice) -> float:
     if clock is None or rows.stop - rows.start < 2:
         return DEFAULT_SAMPLE_INTERVAL
     steps = np.diff(clock[rows])

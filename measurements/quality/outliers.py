@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..operating_conditions.time_series import Segment, segments_of
 from ..recording import Recording
@@ -98,7 +98,7 @@ def outliers(recording: Recording) -> list[Outlier]:
     return far_values
 
 
-def _running_median(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray[np.float64]:
+def _running_median(values: FloatArray, series: Sequence[Segment]) -> FloatArray:
     """Return the running median in segments, and a straight line where its window extends beyond an end.
 
     One pass over all rows for all segments with equal windows: windows that extend into another segment are replaced.
@@ -123,7 +123,7 @@ def _running_median(values: NDArray[np.float64], series: Sequence[Segment]) -> N
     return median
 
 
-def _interpolated(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _interpolated(values: FloatArray) -> FloatArray:
     """Return the values with NaN replaced by linear interpolation, so that it does not affect the median."""
     measured = np.isfinite(values)
     if measured.all():
@@ -136,7 +136,7 @@ def _window(step: float, time: float, rows: int) -> int:
     return min(max(MIN_WINDOW_ROWS, round(time / step)), rows - 1) | 1
 
 
-def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
+def _robust_lines(windows: FloatArray) -> FloatArray:
     """Return the lines of median slope through equally spaced values (Theil-Sen estimator), one line a row."""
     rows = np.arange(windows.shape[1])
     first, second = np.triu_indices(windows.shape[1], 1)
@@ -149,7 +149,7 @@ def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
     return lines
 
 
-def _far(values: NDArray[np.float64], median: NDArray[np.float64], step: float, tolerance: float) -> NDArray[np.bool_]:
+def _far(values: FloatArray, median: FloatArray, step: float, tolerance: float) -> BoolArray:
     measured, none = np.isfinite(values), np.zeros(len(values), dtype=np.bool_)
     if np.count_nonzero(measured) < MIN_WINDOW_ROWS:
         return none
@@ -169,14 +169,14 @@ def _far(values: NDArray[np.float64], median: NDArray[np.float64], step: float, 
     return _jumping(far, values, deviation) if MIN_WINDOW_ROWS * step > OUTLIER_WINDOW else np.asarray(far)
 
 
-def _width(values: NDArray[np.float64]) -> float:
+def _width(values: FloatArray) -> float:
     """Return the distance of the quantiles 0.05 and 0.95, as `numpy.quantile` has them."""
     ordered = np.sort(values)
     low, high = np.interp([0.05, 0.95], np.linspace(0.0, 1.0, len(ordered)), ordered)
     return float(high - low)
 
 
-def _jumping(far: NDArray[np.bool_], values: NDArray[np.float64], deviation: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _jumping(far: BoolArray, values: FloatArray, deviation: FloatArray) -> BoolArray:
     """Return the runs of rows that jump from their measured neighbors by most of their deviation."""
     measured = np.flatnonzero(np.isfinite(values))
     signal, size = values[measured], deviation[measured]

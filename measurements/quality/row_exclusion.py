@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import INPUTS
 from ..operating_conditions.phases import transitions
 from ..recording import Recording
@@ -63,7 +64,7 @@ class RowExclusion:
     notes: tuple[str, ...]
 
     @property
-    def included(self) -> NDArray[np.bool_]:
+    def included(self) -> BoolArray:
         """Which rows are included: ndarray of bool, shape (n,)."""
         return np.asarray(self.reasons == "", dtype=np.bool_)
 
@@ -96,7 +97,7 @@ def exclude_rows(recording: Recording) -> RowExclusion:
     reasons = np.full(len(recording), "", dtype=object)
     notes: list[str] = []
 
-    def exclude(rows: NDArray[np.bool_], reason: str, details: str) -> None:
+    def exclude(rows: BoolArray, reason: str, details: str) -> None:
         added = rows & (reasons == "")
         if added.any():
             reasons[added] = reason
@@ -126,32 +127,32 @@ def check_inputs(recording: Recording) -> None:
                 raise DataError(f"{row}: {name} is not finite ({len(bad)} of {len(recording)} rows)")
 
 
-def _row_range(rows: NDArray[np.bool_]) -> str:
+def _row_range(rows: BoolArray) -> str:
     """Return the first and the last row if the rows are consecutive."""
     at = np.flatnonzero(rows)
     return f" ({at[0] + 1} to {at[-1] + 1})" if len(at) > 1 and at[-1] - at[0] + 1 == len(at) else ""
 
 
-def _load(recording: Recording) -> NDArray[np.float64]:
+def _load(recording: Recording) -> FloatArray:
     """Return the load, positive where the wheel is pressed to the ground."""
     load = recording.table["Fz"].to_numpy(dtype=np.float64)
     return -load if recording.signs == "sae" else load
 
 
-def _lifted(recording: Recording) -> NDArray[np.bool_]:
+def _lifted(recording: Recording) -> BoolArray:
     if "Fz" not in recording.table or not len(recording):
         return np.zeros(len(recording), dtype=np.bool_)
     load = _load(recording)
     return np.asarray(load <= LIFTED_LOAD * max(float(load.max()), 0.0))
 
 
-def _standing(recording: Recording) -> NDArray[np.bool_]:
+def _standing(recording: Recording) -> BoolArray:
     if "V" not in recording.table:
         return np.zeros(len(recording), dtype=np.bool_)
     return np.asarray(np.abs(recording.table["V"].to_numpy(dtype=np.float64)) < STANDING_SPEED)
 
 
-def _warm_up(recording: Recording) -> tuple[NDArray[np.bool_], str]:
+def _warm_up(recording: Recording) -> tuple[BoolArray, str]:
     """Return the rows of the warm-up, by the name of the recording or by the tread temperature, and the evidence."""
     rows = np.zeros(len(recording), dtype=np.bool_)
     for name in (recording.source, recording.about.get("testid", "")):

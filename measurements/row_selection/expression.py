@@ -17,19 +17,19 @@ from math import inf, isfinite, nextafter
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError, TirefmuError, nearest
 from tirefmu.boundary.escaping import excerpt
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..column_names import intended_channel
 from ..units import to_si
 
 #: Returns the numbers of a name for every row: those of a channel in SI units, or a counter.
-Columns = Callable[[str], NDArray[np.float64]]
+Columns = Callable[[str], FloatArray]
 #: Returns for each row of a file with a name whether it satisfies a condition; NaN satisfies no comparison.
-Matches = Callable[[Columns, str], NDArray[np.bool_]]
+Matches = Callable[[Columns, str], BoolArray]
 
 #: Numbers counted from 1: rows of the file, stretches without interruption, sweeps.
 COUNTERS = ("sample", "segment", "sweep")
@@ -138,7 +138,7 @@ def _words(expression: str) -> list[_Word]:
 def _in_ranges(name: str, absolute: bool, ranges: Sequence[tuple[float, float]]) -> Matches:
     """Return the condition that a name, or its magnitude, is in one of several ranges. Their limits are included."""
 
-    def matches(columns: Columns, file: str) -> NDArray[np.bool_]:
+    def matches(columns: Columns, file: str) -> BoolArray:
         values = np.abs(columns(name)) if absolute else columns(name)
         return np.asarray(np.any([(values >= low) & (values <= high) for low, high in ranges], axis=0))
 
@@ -149,7 +149,7 @@ def _not(part: Matches) -> Matches:
     return lambda columns, file: ~part(columns, file)
 
 
-def _joined(parts: Sequence[Matches], join: Callable[..., NDArray[np.bool_]]) -> Matches:
+def _joined(parts: Sequence[Matches], join: Callable[..., BoolArray]) -> Matches:
     return lambda columns, file: np.asarray(join([part(columns, file) for part in parts], axis=0))
 
 
@@ -167,7 +167,7 @@ class _Parser:
     def selection(self) -> Matches:
         return self._chain_of("or", np.any, lambda: self._chain_of("and", np.all, self._term))
 
-    def _chain_of(self, word: str, join: Callable[..., NDArray[np.bool_]], part: Callable[[], Matches]) -> Matches:
+    def _chain_of(self, word: str, join: Callable[..., BoolArray], part: Callable[[], Matches]) -> Matches:
         parts = [part()]
         while self._take(word):
             parts.append(part())

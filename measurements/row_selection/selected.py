@@ -7,10 +7,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError
 
+from ..arrays import BoolArray, FloatArray
 from ..channels import CHANNELS
 from ..operating_conditions.phases import phases
 from ..recording import Recording
@@ -62,7 +62,7 @@ def selected(recording: Recording, where: str) -> Recording:
     return replace(recording, table=table, about={**recording.about, "selected": count})
 
 
-def matching(recording: Recording, where: str) -> NDArray[np.bool_]:
+def matching(recording: Recording, where: str) -> BoolArray:
     """Return for each row of a recording whether it satisfies an expression, shape (n,).
 
     `where`: as for `selected`. Raises `DataError` if the expression is invalid or a channel is missing.
@@ -96,7 +96,7 @@ def expression_of(where: str) -> str:
         raise DataError(f"where: {quoted(where)}: cannot be read ({error})") from None
 
 
-def _numbers(recording: Recording, name: str) -> NDArray[np.float64]:
+def _numbers(recording: Recording, name: str) -> FloatArray:
     """Return the numbers of a channel, of the load for Fz, or of a counter from 1."""
     if name == "sample":
         return np.arange(1.0, len(recording) + 1.0)

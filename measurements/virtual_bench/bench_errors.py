@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from ..arrays import FloatArray
 
 #: Half waves of drift over the recording: slower than sweeps, so that drift is not confounded with slip curves. Not
 #: recorded.

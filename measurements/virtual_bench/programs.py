@@ -13,15 +13,15 @@ from math import radians
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.tires.signs import reversed_columns
 
+from ..arrays import FloatArray
 from ..channels import INPUTS
 from ..units import PSI
 
-_Inputs = Mapping[str, float | NDArray[np.float64]]
+_Inputs = Mapping[str, float | FloatArray]
 PAUSE = 5.0  # s between two sweeps, in which the bench sets the next operating condition and does not log
 #: Held inputs of an FSAE TTC bench: 12 psi and 25 mph.
 TTC_HELD: Mapping[str, float] = {"p": 12.0 * PSI, "V": 25.0 * 0.44704}
@@ -320,9 +320,7 @@ def concatenate(programs: Sequence[Program], *, name: str | None = None, signs: 
     return Program(name or joined, pd.concat(tables, ignore_index=True), signs)
 
 
-def _triangle(
-    low: float, high: float, rate: float, sample_rate: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _triangle(low: float, high: float, rate: float, sample_rate: float) -> tuple[FloatArray, FloatArray]:
     """Return clock and values of one sweep 0, high, low, 0."""
     if not (low <= 0.0 <= high and low < high and rate > 0.0 and sample_rate > 0.0):
         raise DataError(f"a sweep needs lowest <= 0 <= highest and positive rates: {low}, {high}, {rate}")
@@ -334,7 +332,7 @@ def _triangle(
     return clock, np.interp(clock, times, corners)
 
 
-def _in_sequence(name: str, clock: NDArray[np.float64], sweeps: Iterable[_Inputs]) -> Program:
+def _in_sequence(name: str, clock: FloatArray, sweeps: Iterable[_Inputs]) -> Program:
     """Return the sweeps in sequence, with pauses that are not logged."""
     tables = [
         pd.DataFrame({"t": clock + number * (clock[-1] + PAUSE), **inputs}) for number, inputs in enumerate(sweeps)

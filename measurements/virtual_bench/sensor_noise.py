@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 from math import pi, radians
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tirefmu.boundary.errors import DataError
 
+from ..arrays import FloatArray
 from ..channels import CHANNELS, channel
 
 
@@ -137,9 +137,7 @@ class Noise:
                 channels[name] = replace(part, **sizes)
         return replace(self, channels=channels)
 
-    def record(
-        self, name: str, exact: NDArray[np.float64], t: NDArray[np.float64], rng: np.random.Generator
-    ) -> NDArray[np.float64]:
+    def record(self, name: str, exact: FloatArray, t: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Return the values that the sensor of a channel records.
 
         Parameters
@@ -176,7 +174,7 @@ class Noise:
         return np.asarray(np.round(recorded / part.step) * part.step if part.step else recorded)
 
 
-def correlated(t: NDArray[np.float64], correlation_time: float, rng: np.random.Generator) -> NDArray[np.float64]:
+def correlated(t: FloatArray, correlation_time: float, rng: np.random.Generator) -> FloatArray:
     """Return first-order autoregressive noise of standard deviation 1 at the given times, shape (n,).
 
     `t`, shape (n,): ascending, with any steps. `correlation_time`: s; 0 gives white noise. The noise is stationary from

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
-from scipy.signal import savgol_coeffs, savgol_filter
+from scipy.signal import savgol_filter
 
-from tirefmu.estimation.smoothing import _parabola_weights, _without_spikes, parabolas, smoothed
+from tirefmu.estimation.smoothing import parabolas, smoothed, without_spikes
 
 
 def sweeps(n=3000):
@@ -58,11 +58,11 @@ def test_fast_changes_of_a_coarse_channel_are_no_spikes():
     rng = np.random.default_rng(5)
     coarse = np.cumsum(rng.standard_normal(2000)) * np.repeat(rng.integers(0, 2, 100), 20)
     raw = coarse + 1e-3 * rng.standard_normal(2000)
-    changed = np.flatnonzero(_without_spikes(raw, 1e-3) != raw)
+    changed = np.flatnonzero(without_spikes(raw, 1e-3) != raw)
     assert len(changed) < 4
     apex = -1e-3 * np.linspace(0.5, 3.0, 50)[:, None] * np.arange(-5, 6) ** 2.0
-    for one in apex:
-        np.testing.assert_array_equal(_without_spikes(one, 1e-3), one)
+    for values in apex:
+        np.testing.assert_array_equal(without_spikes(values, 1e-3), values)
 
 
 @pytest.mark.parametrize("width", [3, 5, 11, 37])
@@ -70,4 +70,3 @@ def test_parabolas_are_the_filter_of_savitzky_and_golay(width):
     values = np.random.default_rng(4).standard_normal(80)
     np.testing.assert_allclose(parabolas(values, width), savgol_filter(values, width, 2), atol=1e-13)
     np.testing.assert_allclose(parabolas(values[:width], width), savgol_filter(values[:width], width, 2), atol=1e-13)
-    np.testing.assert_allclose(_parabola_weights(width)[width // 2], savgol_coeffs(width, 2), atol=1e-14)

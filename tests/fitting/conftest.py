@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
+from tirefmu.fitting.problem.rows import Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem
+from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
 from tirefmu.tires import Tire
 
@@ -70,6 +73,18 @@ def coefficients(result):
     return {coefficient.name: coefficient for coefficient in result.in_signs("adapted-sae").coefficients}
 
 
+def fitted(tables, **options):
+    """Return a fit of recordings with the effects of the known tire."""
+    return fit(tables, "mf96", **{"effects": EFFECTS, "nominal": NOMINAL, **options})
+
+
+def problem(table, tire, free, **settings):
+    """Return the problem of the side force with equal weights, in scaled coefficients."""
+    rows = Rows.of(table, tire, ["Fy"])
+    scale = np.array([max(abs(tire.values[name]), 0.1) for name in free])
+    return Problem(tire, rows, free, equal_weights(rows), scale, **settings)
+
+
 def recipe(folder, text):
     """Write a recipe and return its path."""
     path = folder / "own.toml"
@@ -87,12 +102,19 @@ def make():
     """Return functions and constants that the tests share."""
     return SimpleNamespace(
         bench=bench, sideways=sideways, anywhere=anywhere, other_tire=other_tire,
-        coefficients=coefficients, recipe=recipe, effects=EFFECTS, nominal=NOMINAL,
+        coefficients=coefficients, fit=fitted, problem=problem, recipe=recipe, effects=EFFECTS, nominal=NOMINAL,
     )  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def noisy_table(known):
+    """Return a side force with noise of 20 N, which the known tire cannot fit exactly."""
+    table = sideways(known).table
+    return table.assign(Fy=table["Fy"] + np.random.default_rng(3).normal(0.0, 20.0, len(table)))
 
 
 @pytest.fixture(scope="session")
 def side_fit(known):
     """Return a fit of the side force at several inclinations and loads, and its recording."""
     recording = sideways(known)
-    return fit([recording], "mf96", effects=EFFECTS, nominal=NOMINAL), recording
+    return fitted(recording), recording

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from tirefmu.fitting import fit
 from tirefmu.fitting.results.records import BoundConsequence
 
 STAGE = """
@@ -26,9 +25,7 @@ def recording(known, make):
 
 
 def bounded(recording, make, folder, limit):
-    return fit(
-        [recording], "mf96", effects=make.effects, nominal=make.nominal, recipe=make.recipe(folder, STAGE % limit)
-    )
+    return make.fit(recording, recipe=make.recipe(folder, STAGE % limit))
 
 
 def test_a_bound_below_the_true_friction_has_a_consequence(recording, make, tmp_path):

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import UnknownName
 from tirefmu.demo import bench_tire
-from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.constraint_functions import measured_values
 from tirefmu.fitting.constraints.physical import (
     KINDS,
@@ -166,9 +165,7 @@ def test_a_fit_satisfies_constraints_between_the_grid_points(known, make):
     recording = make.bench(tire, loads=(220.0, 500.0, 840.0, 1120.0), cambers=(0.0,))
     table = recording.table.drop(columns=["Fy", "Mz"])
     effects = ["load_friction", "load_stiffness", "load_curvature"]
-    result = fit(
-        table[np.abs(table["alpha"]) < 1e-9], "mf96", effects=effects, nominal=make.nominal, signs=recording.signs
-    )
+    result = make.fit(table[np.abs(table["alpha"]) < 1e-9], effects=effects, signs=recording.signs)
     loads = np.linspace(table["Fz"].abs().min(), table["Fz"].abs().max(), 100_000)
     curvature = code_for("mf96", "numpy")
     inputs = np.zeros((4, len(loads)))

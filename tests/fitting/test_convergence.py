@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -11,31 +10,22 @@ import pytest
 from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.constraints.physical import Constraint
 from tirefmu.fitting.problem.regularization import Ridge
-from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import equal_weights
-from tirefmu.fitting.solvers.convergence import last_steps
-from tirefmu.fitting.solvers.ipopt import solve
+from tirefmu.fitting.solvers.convergence import GaussNewton
+from tirefmu.fitting.solvers.ipopt import INTERRUPTED, SolverResult, solve
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PHY1", "PVY1")
 LOAD = np.array([[0.0], [0.0], [0.0], [700.0]])
 
 
 @pytest.fixture(scope="module")
-def table(known, make):
-    return make.sideways(known).table
+def exact(known, make):
+    return make.problem(make.sideways(known).table, known, FREE)
 
 
 @pytest.fixture(scope="module")
-def exact(known, table):
-    rows = Rows.of(table, known, ["Fy"])
-    return Problem(known, rows, FREE, equal_weights(rows), np.array([max(abs(known.values[n]), 0.1) for n in FREE]))
-
-
-@pytest.fixture(scope="module")
-def noisy(exact):
-    noise = np.random.default_rng(3).normal(0.0, 20.0, exact.rows.measured.shape)
-    return replace(exact, rows=replace(exact.rows, measured=exact.rows.measured + noise))
+def noisy(known, make, noisy_table):
+    return make.problem(noisy_table, known, FREE)
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +53,7 @@ def failing(problem, at):
 
 def evaluated(problem, x, constraints=(), *, lower=-inf, upper=inf, steps=0):
     bounds = (np.full(len(x), bound) if np.isscalar(bound) else bound for bound in (lower, upper))
-    return last_steps(Ridge(problem, x, 0.0), x, *bounds, ConstraintFunctions(problem, constraints), steps=steps)
+    return GaussNewton(Ridge(problem, x, 0.0), *bounds, ConstraintFunctions(problem, constraints)).last(x, steps)
 
 
 def bounded(index, value):
@@ -97,6 +87,27 @@ def test_the_measure_is_the_standard_error(noisy, truth):
     away = vectors @ error
     assert evaluated(noisy, optimum + 0.01 * away).converged
     assert not evaluated(noisy, optimum + away).converged
+
+
+@pytest.mark.parametrize(("errors", "reason", "accepted"), [
+    (0.7, "iteration limit", True), (0.7, "no step is accepted", True), (0.7, INTERRUPTED, False),
+    (2.0, "iteration limit", False), (inf, "iteration limit", False), (np.nan, "iteration limit", False),
+])  # fmt: skip
+def test_an_end_within_a_standard_error_of_the_optimum_is_accepted(errors, reason, accepted):
+    end = SolverResult(np.zeros(1), 1.0, 300, False, reason, errors=errors).accepted()
+    assert (end.converged, end.reason.endswith("standard errors of the optimum")) == (accepted, accepted)
+
+
+@pytest.mark.parametrize("errors", [0.7, 2.0])
+def test_the_distance_of_the_optimum_is_in_standard_errors(noisy, truth, errors):
+    """Whatever the direction: the error of no coefficient is larger."""
+    optimum = evaluated(noisy, truth, steps=20).x
+    values, vectors = np.linalg.eigh(noisy.derivatives(optimum)[2])
+    for value, vector in zip(values, vectors.T, strict=True):
+        error = np.sqrt(2.0 * noisy.cost(optimum) / len(noisy.rows) / value)
+        end = evaluated(noisy, optimum + errors * error * vector)
+        assert not end.converged
+        assert end.errors == pytest.approx(errors, rel=0.3)
 
 
 def test_at_a_bound_the_gradient_may_point_beyond_it(noisy, truth):

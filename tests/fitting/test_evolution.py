@@ -11,9 +11,7 @@ import pytest
 from tirefmu.boundary.errors import FitError, UnknownName
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import Constraint
-from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
 from tirefmu.fitting.solvers.selection import METHODS, solver_for
@@ -23,15 +21,9 @@ FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2")
 START = {"PCY1": 1.2, "PDY1": 1.5, "PDY2": 0.0, "PKY1": 30.0, "PKY2": 1.5}
 
 
-def problem_of(tire, table, free=FREE):
-    rows = Rows.of(table, tire, ["Fy"])
-    scale = np.array([max(abs(tire.values[name]), 0.1) for name in free])
-    return Problem(tire, rows, free, equal_weights(rows), scale)
-
-
 @pytest.fixture(scope="module")
 def problem(known, make):
-    return problem_of(known, make.sideways(known, cambers=(0.0,)).table)
+    return make.problem(make.sideways(known, cambers=(0.0,)).table, known, FREE)
 
 
 @pytest.fixture
@@ -129,9 +121,8 @@ def test_the_error_goal_ends_it(problem, start, bounds):
     assert solution.iterations < 5000
 
 
-def test_the_stopping_window_ends_a_search_unless_it_runs_to_the_limit(known, make, bounds, start):
-    table = make.sideways(known, cambers=(0.0,)).table
-    noisy = problem_of(known, table.assign(Fy=table["Fy"] + np.random.default_rng(3).normal(0.0, 20.0, len(table))))
+def test_the_stopping_window_ends_a_search_unless_it_runs_to_the_limit(known, make, bounds, start, noisy_table):
+    noisy = make.problem(noisy_table[noisy_table["gamma"] == 0.0], known, FREE)
     stopped = Evolution(1500)(noisy, start, *bounds(), [])
     assert (stopped.converged, stopped.reason) == (True, NO_GAIN)
     assert stopped.iterations < 1500
@@ -172,10 +163,8 @@ def test_a_fit_by_ioa_reports_its_method_and_its_end(known, make, tmp_path):
 
 
 def test_every_stage_of_the_default_recipe_can_be_solved_by_it(known, make):
-    result = fit(
-        [make.sideways(known)], "mf96", effects=("load_friction",), nominal=make.nominal, method="ioa", iterations=40
-    )
-    by_ipopt = fit([make.sideways(known)], "mf96", effects=("load_friction",), nominal=make.nominal)
+    result = make.fit(make.sideways(known), effects=("load_friction",), method="ioa", iterations=40)
+    by_ipopt = make.fit(make.sideways(known), effects=("load_friction",))
     assert [stage.name for stage in result.stages] == [stage.name for stage in by_ipopt.stages]
     assert result.channels[0].rmse < 3 * by_ipopt.channels[0].rmse
 

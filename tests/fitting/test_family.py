@@ -12,6 +12,7 @@ from tirefmu.boundary.errors import FitError
 from tirefmu.cli import main
 from tirefmu.demo import bench_tire
 from tirefmu.fitting import fit
+from tirefmu.fitting.family import Family
 from tirefmu.fitting.problem.prior import Prior
 from tirefmu.measurements import ChannelNoise, Noise, VirtualBench, alpha_sweeps, kappa_sweeps, write_table
 from tirefmu.tires import read_tir
@@ -88,6 +89,17 @@ def test_family_of_one_published_tire_and_of_another_model(family):
     assert any(note.startswith("within the family of 1 tires") for note in result.notes)
     with pytest.raises(FitError, match="is mf96, not mf61"):
         fit(recordings(bench_tire()), "mf61", family=family, nominal=NOMINAL)
+
+
+@pytest.mark.parametrize("count", [2, 3, 7])
+def test_equal_tires_are_a_prior_without_correlations(tmp_path, count):
+    """Their mean has a rounding error, and so do the deviations from it."""
+    for number in range(count):
+        bench_tire().save(tmp_path / f"{number}.tir")
+    family = Family.of(str(tmp_path), bench_tire().symbolic_model, {})
+    np.testing.assert_array_equal(family.covariance, np.diag(np.diag(family.covariance)))
+    assert (np.diag(family.covariance) > 0.0).all()
+    assert list(family.tire.values.values()) == pytest.approx(list(bench_tire().values.values()), rel=1e-9)
 
 
 def test_order_of_the_files_does_not_matter(tmp_path, family):

@@ -11,13 +11,8 @@ from hypothesis import strategies as st
 from tirefmu.boundary.errors import DataError, FitError
 from tirefmu.estimation.slip_slope import read_slope
 from tirefmu.fitting.evidence.curves import compare
-from tirefmu.fitting.reporting.figures import _weighting, draw_figures
-from tirefmu.fitting.reporting.load_figures import (
-    _largest_friction,
-    data_text,
-    friction_over_load,
-    stiffness_over_load,
-)
+from tirefmu.fitting.reporting.figures import draw_figures, weighting_figure
+from tirefmu.fitting.reporting.load_figures import data_text, friction_over_load, largest_friction, stiffness_over_load
 from tirefmu.measurements import (
     Noise,
     Recording,
@@ -126,7 +121,7 @@ def test_levels_of_the_report_are_found(trento):
 
 def test_weighting_functions_are_drawn_over_both_slips(trento):
     """Figures 13 and 15. Over each slip the other one has several levels; without side slip Fx is not reduced."""
-    figure = _weighting(trento)
+    figure = weighting_figure(trento)
     drawn = {}
     for panel in figure.panels:
         slip, symbol = (text.split(" (")[0] for text in (panel.x, panel.y))
@@ -292,10 +287,10 @@ def test_the_friction_read_from_data_is_that_of_the_tire(trento):
         family = trento.pure(channel, slip)[0]
         for group in family.groups:
             exact = (group.rows[channel] / group.rows["Fz"]).abs().max()
-            assert _largest_friction(group, family) == pytest.approx(exact, rel=0.03)
+            assert largest_friction(group, family) == pytest.approx(exact, rel=0.03)
 
 
-def test_measured_recordings(data_folder, tmp_path):
+def test_measured_recordings(data_folder, tmp_path, unrendered):
     recordings = [read_recording(data_folder / name) for name in ("cornering.mat", "drivebrake.mat")]
     comparison = compare(TIRE, recordings)
     assert comparison.signs == "sae"

@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, write_table
 from tirefmu.tires import Tire
 
@@ -23,7 +22,7 @@ def differences(tire, truth, inputs):
 @pytest.mark.parametrize("seed", [None, 1])
 def test_known_coefficients_are_recovered_from_generic_values(known, make, seed):
     truth = known if seed is None else make.other_tire(seed)
-    result = fit([make.bench(truth)], "mf96", effects=make.effects, nominal=make.nominal)
+    result = make.fit(make.bench(truth))
     assert result.status == "converged"
     assert [channel.channel for channel in result.channels] == ["Fx", "Fy", "Mz"]
     for channel in result.channels:
@@ -38,7 +37,7 @@ def test_known_coefficients_are_recovered_from_generic_values(known, make, seed)
 
 def test_noise_has_a_small_effect(known, make):
     recording = make.bench(known, noise=Noise())
-    result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+    result = make.fit(recording)
     assert result.ok
     program = make.bench(known).table[list(known.inputs)]
     for name, share in differences(result.tire, known, dict(program)).items():
@@ -49,7 +48,7 @@ def test_noise_has_a_small_effect(known, make):
 @pytest.mark.parametrize("data", ["iso", "adapted-sae", "sae"])
 def test_the_signs_of_the_data_do_not_matter(side_fit, make, data):
     reference, recording = side_fit
-    result = fit([recording.with_signs(data)], "mf96", effects=make.effects, nominal=make.nominal)
+    result = make.fit(recording.with_signs(data))
     assert result.tire.signs == "iso"
     for name, value in reference.tire.values.items():
         assert result.tire.values[name] == pytest.approx(value, rel=1e-9, abs=1e-12), name
@@ -66,9 +65,7 @@ def test_recordings_of_different_signs_are_combined(known, make):
     whole = make.sideways(known)
     half = np.arange(len(whole)) < len(whole) // 2
     parts = [Recording(whole.table[rows], whole.signs, name) for rows, name in ((half, "one"), (~half, "two"))]
-    result = fit(
-        [parts[0].with_signs("iso"), parts[1].with_signs("sae")], "mf96", effects=make.effects, nominal=make.nominal
-    )
+    result = make.fit([parts[0].with_signs("iso"), parts[1].with_signs("sae")])
     assert result.signs == "iso"
     assert {channel.recording for channel in result.channels} == {"one", "two"}
     assert all(channel.r2 > 0.99999 for channel in result.channels)
@@ -79,7 +76,7 @@ def test_files_are_read_like_recordings(side_fit, make, tmp_path):
     reference, recording = side_fit
     path = tmp_path / "sideways.csv"
     write_table(recording.table, path)
-    result = fit([path], "mf96", effects=make.effects, nominal=make.nominal, signs=recording.signs)
+    result = make.fit(path, signs=recording.signs)
     assert dict(result.tire.values) == dict(reference.tire.values)  # to the last digit
     assert result.channels[0].recording == "sideways.csv"
 
@@ -101,7 +98,7 @@ def test_bounds_are_satisfied_and_reported(known, make, tmp_path):
         PKY2 = { guess = 9, lower = 2.6, upper = 5 }
         """,
     )
-    result = fit([make.sideways(known)], "mf96", effects=make.effects, nominal=make.nominal, recipe=path)
+    result = make.fit(make.sideways(known), recipe=path)
     coefficients = make.coefficients(result)
     assert set(coefficients) == {"PCY1", "PDY1", "PKY1", "PKY2"}
     for coefficient in coefficients.values():
@@ -117,8 +114,8 @@ def test_without_constraints_the_curvature_exceeds_one(known, make):
     values = {**known.values, "PEY1": 0.6, "PEY2": 1.2}
     odd = Tire("mf96", values, effects=make.effects, signs="adapted-sae")
     recording = make.sideways(odd)
-    constrained = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
-    unconstrained = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, without_constraints=["all"])
+    constrained = make.fit(recording)
+    unconstrained = make.fit(recording, without_constraints=["all"])
     assert unconstrained.margins == ()
     at_top = {"Fz": 1120.0, "alpha": 0.2}
 

@@ -14,7 +14,7 @@ from tirefmu.fitting.data.fit_data import prepare
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate
 from tirefmu.symbolic.models import model_named
 
-BOOK = model_named("mf96")
+MODEL = model_named("mf96")
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def test_excluded_outliers_do_not_change_a_fit(once, known, make):
 def test_a_range_is_that_of_the_rows_that_are_fitted(once):
     table = once.table.copy()
     table.loc[100, "Fz"] = 40e3
-    data = prepare([replace(once, table=table)], BOOK)
+    data = prepare([replace(once, table=table)], MODEL)
     assert data.fitted["Fz"].max() < 1300.0
     assert data.table["Fz"].max() == 40e3
 
@@ -74,7 +74,7 @@ def test_repeated_conditions_count_once_by_default(bench):
     sweep = alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0)
     again = alpha_sweeps([1100.0], [0.0], sample_rate=25.0)
     recording = bench(sweep, again, again, again)
-    tables = {rows: prepare([recording], BOOK, rows=rows).table for rows in ("condition", "equal")}
+    tables = {rows: prepare([recording], MODEL, rows=rows).table for rows in ("condition", "equal")}
     heavy = tables["condition"]["Fz"] > 900.0
     share = {rows: table.loc[heavy, "weight"].sum() / table["weight"].sum() for rows, table in tables.items()}
     assert share["equal"] == pytest.approx(4 / 6, rel=0.01)
@@ -96,7 +96,7 @@ def test_an_error_in_repeats_has_less_weight_if_conditions_are_weighted_equally(
 def test_weights_by_load_make_errors_relative_to_the_load(bench):
     """Every load has the same weight in relative errors; noise of the load does not change the weight of a row."""
     recording = bench(alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0))
-    table = prepare([recording], BOOK, rows="load").table
+    table = prepare([recording], MODEL, rows="load").table
     level = table["Fz"].round(-2)
     relative = table["weight"] * level**2
     assert table["weight"].groupby(level).nunique().tolist() == [1, 1, 1]
@@ -107,7 +107,7 @@ def test_weights_by_load_make_errors_relative_to_the_load(bench):
 def test_weights_by_load_do_not_depend_on_signs_and_are_limited_near_lift_off(bench):
     recording = bench(alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0))
     lifted = recording.table.assign(Fz=recording.table["Fz"].mask(recording.table.index < 5, 0.0))
-    tables = [prepare([replace(recording, table=lifted).with_signs(signs)], BOOK, screening=False, rows="load").table
+    tables = [prepare([replace(recording, table=lifted).with_signs(signs)], MODEL, screening=False, rows="load").table
               for signs in ("iso", "sae")]  # fmt: skip
     np.testing.assert_allclose(tables[0]["weight"], tables[1]["weight"], rtol=1e-12)
     assert np.isfinite(tables[0]["weight"]).all()
@@ -135,14 +135,14 @@ def test_independent_weights_use_the_effective_sample_size(once, known, make):
 
 def test_a_file_with_warm_up_only_is_excluded(once):
     cold = replace(once, source="warmup.csv", table=once.table.assign(Fy=0.5 * once.table["Fy"]))
-    data = prepare([once, cold], BOOK)
+    data = prepare([once, cold], MODEL)
     assert set(data.fitted["recording"]) == {0}
     assert [str(excluded) for excluded in data.excluded_rows] == [
         f"warmup.csv: {len(cold)} of {len(cold)} rows excluded: warm-up (the tread is still cold)"
     ]
     with pytest.raises(DataError, match=r"all rows are excluded \(--all-rows includes them\): warmup.csv: "):
-        prepare([cold], BOOK)
-    assert len(prepare([cold], BOOK, screening=False).fitted) == len(cold)
+        prepare([cold], MODEL)
+    assert len(prepare([cold], MODEL, screening=False).fitted) == len(cold)
 
 
 @pytest.mark.parametrize(("degrees", "fitted"), [(1.2, True), (0.3, False)])
@@ -151,7 +151,7 @@ def test_a_channel_is_fitted_if_its_slip_varies_sufficiently(degrees, fitted):
     alpha = np.radians(degrees) * np.linspace(-0.5, 0.5, 300)
     kappa = np.linspace(-0.1, 0.1, 300)
     table = pd.DataFrame({"alpha": alpha, "kappa": kappa, "Fz": 700.0, "Fx": kappa, "Fy": alpha})
-    data = prepare([Recording(table, "adapted-sae", "small")], BOOK, screening=False)
+    data = prepare([Recording(table, "adapted-sae", "small")], MODEL, screening=False)
     assert data.table["Fy"].notna().all() == fitted
     assert any("Fy is not fitted, alpha does not vary there" in note for note in data.notes) != fitted
 

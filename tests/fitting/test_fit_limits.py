@@ -12,22 +12,22 @@ from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 from tirefmu.symbolic.models import model_named
 
-BOOK = model_named("mf96")
+MODEL = model_named("mf96")
 
 
 def test_cornering_does_not_determine_drive_and_brake(known, make):
-    result = fit([make.bench(known, kappa=False)], "mf96", effects=make.effects, nominal=make.nominal)
+    result = make.fit(make.bench(known, kappa=False))
     coefficients = make.coefficients(result)
     for name in ("RBY1", "RBY2", "RBY3", "RCY1", "RHY1"):
         assert not coefficients[name].determined, name
         assert not coefficients[name].at_bound
-        assert result.tire.values[name] == BOOK.coefficients[name].default
+        assert result.tire.values[name] == MODEL.coefficients[name].default
     assert any("Fx is not fitted, kappa does not vary" in note for note in result.notes)
     assert [channel.channel for channel in result.channels] == ["Fy", "Mz"]
     # Without variation of kappa, Mz depends on Fy only and contains no information on Fx.
     for name in ("PCX1", "PDX1", "PKX1", "RBX1"):
         assert name not in coefficients or not coefficients[name].determined
-        assert result.tire.values[name] == BOOK.coefficients[name].default
+        assert result.tire.values[name] == MODEL.coefficients[name].default
     named = next(note for note in result.notes if note.startswith("not determined"))
     for coefficient in coefficients.values():
         assert (coefficient.name in named.partition(": ")[2].split(", ")) == (not coefficient.determined)
@@ -35,7 +35,7 @@ def test_cornering_does_not_determine_drive_and_brake(known, make):
 
 def test_one_load_without_inclination_does_not_determine_their_coefficients(known, make):
     recording = make.sideways(known, loads=(700.0,), cambers=(0.0,))
-    result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+    result = make.fit(recording)
     coefficients = make.coefficients(result)
     for name in ("PDY2", "PEY2", "PHY2", "PVY2", "PHY3", "PVY3", "PVY4", "PDY3"):
         assert not coefficients[name].determined, name
@@ -49,10 +49,7 @@ def test_one_load_without_inclination_does_not_determine_their_coefficients(know
 def test_a_table_without_load_is_the_table_at_the_nominal_load(known, make):
     recording = VirtualBench(known, Noise.none()).run(alpha_sweeps([700.0], sample_rate=20.0))
     held = recording.table[["t", "alpha", "Fy"]].assign(Fz=700.0)
-    fits = [
-        fit([Recording(table, recording.signs, "a")], "mf96", effects=make.effects, nominal=make.nominal)
-        for table in (held, held.drop(columns="Fz"))
-    ]
+    fits = [make.fit(Recording(table, recording.signs, "a")) for table in (held, held.drop(columns="Fz"))]
     with_load, without = ([vars(one) for one in result.findings.stiffnesses] for result in fits)
     assert with_load == without
     assert len(without) == 1
@@ -72,7 +69,7 @@ def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, 
         """,
     )
     recording = make.sideways(known, loads=(220.0, 700.0, 1120.0))
-    result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, recipe=path)
+    result = make.fit(recording, recipe=path)
     coefficients = make.coefficients(result)
     assert result.tire.values["PDY2"] == pytest.approx(known.values["PDY2"], rel=1e-3)
     assert coefficients["PDY2"].determined
@@ -80,7 +77,7 @@ def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, 
     assert coefficients["PDY1"].stage == "one load"
     for name, coefficient in coefficients.items():  # the guess is the initial value of the fit
         if coefficient.determined:
-            assert coefficient.guess == BOOK.coefficients[name].generic
+            assert coefficient.guess == MODEL.coefficients[name].generic
 
 
 # ------------------------------------------------------------------ bad input
@@ -128,7 +125,7 @@ def test_rows_without_load_have_no_effect(known, make):
         Fz=whole.table["Fz"].where(whole.table.index % 50 != 0, 0.0),
         Fy=whole.table["Fy"].where(whole.table.index % 50 != 0, 0.0),
     )
-    result = fit([Recording(lifted, whole.signs, "lifted")], "mf96", effects=make.effects, nominal=make.nominal)
+    result = make.fit(Recording(lifted, whole.signs, "lifted"))
     assert result.ok
     assert result.channels[0].r2 > 0.9999
     json.dumps(result.to_json(), allow_nan=False)

@@ -12,23 +12,23 @@ from tirefmu.fitting import fit
 from tirefmu.symbolic.models import model_named
 from tirefmu.tires import Tire, read_tir
 
-BOOK = model_named("mf96")
+MODEL = model_named("mf96")
 
 
 def test_the_coefficients_of_absent_effects_stay_neutral(known, make):
     result = fit([make.sideways(known)], "mf96", without=["camber_thrust", "plysteer"], nominal=make.nominal)
-    assert result.tire.has == frozenset(BOOK.effects) - {"camber_thrust", "plysteer"}
-    absent = BOOK.owned("camber_thrust", "plysteer")
+    assert result.tire.has == frozenset(MODEL.effects) - {"camber_thrust", "plysteer"}
+    absent = MODEL.owned("camber_thrust", "plysteer")
     assert {"PHY3", "PVY3", "PVY4", "PHY1", "PHY2"} <= absent
     for name in absent:
-        assert result.tire.values[name] == BOOK.coefficients[name].neutral
+        assert result.tire.values[name] == MODEL.coefficients[name].neutral
     assert not absent & set(make.coefficients(result))
 
 
 def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path):
     """Without load_stiffness the file has another PKY1 and PKY2, for readers without effects."""
     core = Tire("mf96", known.values, effects=(), signs="adapted-sae")
-    result = fit([make.sideways(core)], "mf96", effects=(), nominal=make.nominal)
+    result = make.fit(make.sideways(core), effects=())
     assert result.status == "converged"
     assert result.tire.has == frozenset()
     assert result.channels[0].r2 > 0.99999
@@ -52,7 +52,7 @@ def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path
 def test_constraints_and_influence_use_rescaled_coefficients(make, known, stiffness):
     effects = ("camber_thrust", "load_friction", *stiffness)
     truth = Tire("mf96", known.values, effects=effects, signs="adapted-sae")
-    result = fit([make.sideways(truth)], "mf96", effects=effects, nominal=make.nominal)
+    result = make.fit(make.sideways(truth), effects=effects)
     assert result.ok
     assert result.channels[0].r2 > 0.99999
     (stiff,) = (margin for margin in result.margins if margin.constraint == "B_y > 0")
@@ -94,9 +94,7 @@ def test_nominal_values(known, make):
 
 def test_progress_is_reported_by_stage(known, make):
     calls = []
-    result = fit(
-        [make.sideways(known)], "mf96", effects=(), nominal=make.nominal, progress=lambda *call: calls.append(call)
-    )
+    result = make.fit(make.sideways(known), effects=(), progress=lambda *call: calls.append(call))
     stages = [stage.name for stage in result.stages]
     assert list(dict.fromkeys(stage for stage, _, _ in calls)) == stages
     for stage in stages:
@@ -105,9 +103,9 @@ def test_progress_is_reported_by_stage(known, make):
 
 
 def test_a_fit_that_does_not_converge_is_a_result(known, make):
-    result = fit([make.sideways(known)], "mf96", effects=make.effects, nominal=make.nominal, iterations=1)
+    result = make.fit(make.sideways(known), recipe="joint", iterations=1)
     assert not result.ok
-    assert result.status.startswith("not converged: stage 'Fx, Fy, Mz, all rows'")
+    assert result.status.startswith("not converged: stage 'every effect, all rows'")
     assert "iteration limit: predicted reduction" in result.status
     assert not result.stages[-1].converged
     for stage in result.stages:  # only stages that a later one continues
@@ -115,6 +113,14 @@ def test_a_fit_that_does_not_converge_is_a_result(known, make):
     plain = json.loads(json.dumps(result.to_json(), allow_nan=False))
     assert plain["ok"] is False
     assert np.isfinite(list(result.tire.values.values())).all()
+
+
+def test_a_fit_that_ends_within_the_noise_of_the_optimum_has_converged(known, make):
+    result = make.fit(make.sideways(known), iterations=1)
+    assert result.ok
+    assert result.channels[0].r2 > 0.99999
+    assert result.stages[-1].reason.startswith("iteration limit: predicted reduction")
+    assert result.stages[-1].reason.endswith("standard errors of the optimum")
 
 
 def test_the_operating_range_is_stored_in_the_tire(side_fit):

@@ -51,9 +51,7 @@ def test_values_from_the_data_are_closer_to_the_truth_than_generic_ones(make, se
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_fit_from_these_values_is_not_worse(make, seed):
     recording = make.sideways(make.other_tire(seed), noise=Noise())
-    generic, read = (
-        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, start=s) for s in (None, "features")
-    )
+    generic, read = (make.fit(recording, start=s) for s in (None, "features"))
     assert read.ok
     assert read.channels[0].rmse <= generic.channels[0].rmse * 1.001
     guess = make.coefficients(read)["PKY1"].guess

@@ -14,7 +14,6 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from tirefmu.boundary.errors import FitError
-from tirefmu.fitting import fit
 from tirefmu.fitting.fit_run import FitRun
 from tirefmu.fitting.results.checkpoint import Checkpoint
 from tirefmu.fitting.solvers.interruption import Interruption
@@ -48,14 +47,14 @@ def listening():
     signal.signal(signal.SIGINT, before)
 
 
-@pytest.fixture(scope="module")
-def recording(known, make):
-    return make.sideways(known)
+@pytest.fixture
+def whole(side_fit):
+    return side_fit[0]
 
 
-@pytest.fixture(scope="module")
-def whole(recording, make):
-    return fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+@pytest.fixture
+def recording(side_fit):
+    return side_fit[1]
 
 
 def same(one, other):
@@ -68,7 +67,7 @@ def same(one, other):
 def test_an_interrupt_returns_the_best_values_so_far(recording, whole, make, how):
     handler = signal.getsignal(signal.SIGINT)
     progress = stopping("Fy", 8, how)
-    result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, progress=progress)
+    result = make.fit(recording, progress=progress)
     assert signal.getsignal(signal.SIGINT) is handler
     assert not result.ok
     assert result.status.startswith("interrupted in stage 'Fy', iteration 8, 3 of 10 stages done")
@@ -92,7 +91,7 @@ def test_an_interrupt_before_the_first_stage_has_no_result(recording, make, monk
 
     monkeypatch.setattr(fit_run, "emphasis", pressed_too_early)
     with pytest.raises(KeyboardInterrupt):
-        fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+        make.fit(recording)
 
 
 def test_an_exception_of_the_progress_callback_is_raised(recording, make):
@@ -100,7 +99,7 @@ def test_an_exception_of_the_progress_callback_is_raised(recording, make):
         raise ValueError("mine")
 
     with pytest.raises(ValueError, match="mine"):
-        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, progress=wrong)
+        make.fit(recording, progress=wrong)
 
 
 def test_a_fit_computes_with_one_thread_of_blas(recording, make, monkeypatch):
@@ -112,7 +111,7 @@ def test_a_fit_computes_with_one_thread_of_blas(recording, make, monkeypatch):
 
     monkeypatch.setattr(FitRun, "_run", look)
     with threadpool_limits(limits=2, user_api="blas"), pytest.raises(InterruptedError):
-        fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+        make.fit(recording)
     assert threads <= {1}
 
 
@@ -154,21 +153,19 @@ def test_another_thread_does_not_replace_the_handler():
 @pytest.mark.parametrize("stage", STAGES[1:])
 def test_a_resumed_fit_equals_an_uninterrupted_one(recording, whole, make, tmp_path, stage):
     path = tmp_path / "tire.progress.json"
-    options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    interrupted = fit([recording], "mf96", **options, progress=stopping(stage, 2, raised))
+    interrupted = make.fit(recording, checkpoint=path, progress=stopping(stage, 2, raised))
     assert interrupted.run.interrupted
     assert json.loads(path.read_text(encoding="utf-8"))["state"]["done"] > 0
     stages = []
-    resumed = fit([recording], "mf96", **options, resume=True, progress=lambda *call: stages.append(call[0]))
+    resumed = make.fit(recording, checkpoint=path, resume=True, progress=lambda *call: stages.append(call[0]))
     assert stages[0] == stage
     same(resumed, whole)
-    same(fit([recording], "mf96", **options, resume=True, progress=raised), whole)  # no stage runs again
+    same(make.fit(recording, checkpoint=path, resume=True, progress=raised), whole)  # no stage runs again
 
 
 def test_a_progress_file_of_another_fit_is_rejected(recording, make, tmp_path):
     path = tmp_path / "tire.progress.json"
-    options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    fit([recording], "mf96", **options, progress=stopping(STAGES[1], 1, raised))
+    make.fit(recording, checkpoint=path, progress=stopping(STAGES[1], 1, raised))
     moved = replace(recording, table=recording.table.assign(Fy=recording.table["Fy"] + 1e-9))
     for data, changed, name in (
         (moved, {}, "data"),
@@ -179,7 +176,7 @@ def test_a_progress_file_of_another_fit_is_rejected(recording, make, tmp_path):
         (recording, {"screening": False}, "screening"),
     ):
         with pytest.raises(FitError, match=rf"belongs to a fit with other {name}: restore them"):
-            fit([data], "mf96", **{**options, **changed}, resume=True)
+            make.fit(data, checkpoint=path, **changed, resume=True)
     assert path.exists()
 
 
@@ -201,7 +198,7 @@ def test_an_invalid_progress_file_is_rejected(recording, make, tmp_path, text, m
     if text is not None:
         path.write_text(text, encoding="utf-8")
     with pytest.raises(FitError, match=message):
-        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, checkpoint=path, resume=True)
+        make.fit(recording, checkpoint=path, resume=True)
 
 
 BOUNDS = {"bounds": {"guess": 1.0, "lower": 0.0, "upper": 2.0}, "stage": "one", "determined": True}
@@ -218,11 +215,7 @@ WRONG = (
     ("freed", {"<script>": BOUNDS}, "not those of this fit"),
     ("freed", {}, "not those of this fit"),
     ("freed", {"PDY1": {**BOUNDS, "bounds": {"guess": 1.0, "lower": 2.0, "upper": 1.0}}}, "2 to 1 are no bounds"),
-    (
-        "freed",
-        {"PDY1": {**BOUNDS, "bounds": {"guess": "inf", "lower": 1.0, "upper": 2.0}}},
-        "guess is 'inf'",
-    ),
+    ("freed", {"PDY1": {**BOUNDS, "bounds": {"guess": "inf", "lower": 1.0, "upper": 2.0}}}, "guess is 'inf'"),
     ("violated", [["no such", [[1.0]]]], "not those of this fit"),
     ("violated", [3], "is 3: expected a list"),
     ("stages", [{}], r"name is missing in stages\[1\]"),
@@ -233,8 +226,7 @@ WRONG = (
 
 def test_a_modified_progress_file_is_rejected(recording, make, tmp_path):
     path = tmp_path / "tire.progress.json"
-    options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    fit([recording], "mf96", **options, progress=stopping(STAGES[1], 1, raised))
+    make.fit(recording, checkpoint=path, progress=stopping(STAGES[1], 1, raised))
     whole = json.loads(path.read_text(encoding="utf-8"))
     changed = re.sub(r'"done": \d+', '"done": 0', path.read_text(encoding="utf-8"))
     for text, message in (
@@ -244,9 +236,9 @@ def test_a_modified_progress_file_is_rejected(recording, make, tmp_path):
     ):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(FitError, match=rf"tire\.progress\.json: invalid progress file:? .*{message}"):
-            fit([recording], "mf96", **options, resume=True)
+            make.fit(recording, checkpoint=path, resume=True)
 
 
 def test_resuming_requires_a_file(recording, make):
     with pytest.raises(FitError, match="requires the file of the completed stages"):
-        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, resume=True)
+        make.fit(recording, resume=True)

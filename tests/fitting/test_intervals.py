@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.fitting import draw_figures, fit
+from tirefmu.fitting import draw_figures
 from tirefmu.fitting.reporting.report import report_page
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
@@ -20,25 +20,25 @@ TABLE = pd.DataFrame({"alpha": [-0.1, -0.02, 0.0, 0.05], "Fz": [300.0, 500.0, 80
 @pytest.fixture(scope="module")
 def noisy(known, make):
     """Return the fit of a noisy recording of the side force."""
-    return fit(make.sideways(known, noise=Noise()), "mf96", effects=make.effects, nominal=make.nominal)
+    return make.fit(make.sideways(known, noise=Noise()))
 
 
-@pytest.mark.parametrize("quantity", ["Fy", "K_yalpha", "mu_y"])
-def test_the_error_is_the_spread_over_random_coefficients(noisy, quantity):
+def test_the_error_is_the_spread_over_random_coefficients(noisy):
     """Tires with random coefficients from the covariance scatter by the standard error, without errors of the form."""
     alone = replace(noisy, solution=replace(noisy.solution, discrepancies=()))
-    found = alone.interval(quantity, TABLE)
     matrix, tire = noisy.solution.covariance, noisy.tire
     random = np.random.default_rng(1).multivariate_normal(np.zeros(len(matrix)), 1e-6 * matrix.to_numpy(), 400)
     values = np.array([tire.values[name] for name in matrix.index])
-    spread = [
-        replace(tire, values={**tire.values, **dict(zip(matrix.index, values + step, strict=True))})
-        .evaluate(TABLE, code="numpy")[quantity]
-        for step in random
-    ]  # fmt: skip
-    np.testing.assert_allclose(found["value"], tire.evaluate(TABLE)[quantity], rtol=1e-12)
-    np.testing.assert_allclose(1e3 * np.std(spread, axis=0), found["error"], rtol=0.15)
-    np.testing.assert_allclose(found["upper"] - found["lower"], 2 * 1.959964 * found["error"], rtol=1e-6)
+    tires = [
+        replace(tire, values={**tire.values, **dict(zip(matrix.index, values + step, strict=True))}) for step in random
+    ]
+    evaluated = [tire.evaluate(TABLE, code="numpy") for tire in tires]
+    for quantity in ("Fy", "K_yalpha", "mu_y"):
+        interval = alone.interval(quantity, TABLE)
+        spread = np.std([table[quantity] for table in evaluated], axis=0)
+        np.testing.assert_allclose(interval["value"], tire.evaluate(TABLE)[quantity], rtol=1e-12)
+        np.testing.assert_allclose(1e3 * spread, interval["error"], rtol=0.15)
+        np.testing.assert_allclose(interval["upper"] - interval["lower"], 2 * 1.959964 * interval["error"], rtol=1e-6)
 
 
 def test_intervals_do_not_depend_on_the_signs(noisy):
@@ -82,7 +82,7 @@ def test_true_curves_are_covered(known, make):
     for seed in range(6):
         program = alpha_sweeps((220.0, 500.0, 800.0, 1120.0), [0.0, 0.035, 0.07], sample_rate=5.0)
         table = VirtualBench(known, noise, seed=seed).run(program).table.drop(columns=["Fx", "Mz"])
-        result = fit(Recording(table, "adapted-sae", "bench"), "mf96", effects=make.effects, nominal=make.nominal)
+        result = make.fit(Recording(table, "adapted-sae", "bench"))
         for quantity in ("Fy", "K_yalpha"):
             found = result.interval(quantity, TABLE)
             inside += list((found["lower"] <= truth[quantity]) & (truth[quantity] <= found["upper"]))

@@ -10,9 +10,6 @@ import pytest
 from scipy.optimize import least_squares
 
 from tirefmu.fitting.constraints.physical import Constraint, declared_constraints, grid, operating_range
-from tirefmu.fitting.problem.rows import Rows
-from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, solve
 from tirefmu.tires.code import code_for
 
@@ -23,18 +20,8 @@ START = {"PCY1": 1.2, "PDY1": 1.5, "PKY1": 30.0, "PKY2": 1.5}
 
 
 @pytest.fixture(scope="module")
-def table(known, make):
-    """Return a side force with noise of 20 N, which the tire cannot fit exactly."""
-    recording = make.sideways(known)
-    noise = np.random.default_rng(3).normal(0.0, 20.0, len(recording))
-    return recording.table.assign(Fy=recording.table["Fy"] + noise)
-
-
-@pytest.fixture(scope="module")
-def problem(known, table):
-    rows = Rows.of(table, known, ["Fy"])
-    scale = np.array([max(abs(known.values[name]), 0.1) for name in FREE])
-    return Problem(known, rows, FREE, equal_weights(rows), scale)
+def problem(known, make, noisy_table):
+    return make.problem(noisy_table, known, FREE)
 
 
 @pytest.fixture
@@ -56,10 +43,10 @@ def bounds():
 
 
 @pytest.fixture(scope="module")
-def curvature(known, table):
+def curvature(known, noisy_table):
     """Return the constraint E_y <= 1 with its points, and a function for E_y at points."""
     (constraint,) = (c for c in declared_constraints("mf96")["Fy"] if c.name == "curvature:E_y")
-    ranges = operating_range(table, known)
+    ranges = operating_range(noisy_table, known)
     nominal = {name: known.nominal(name) for name in known.inputs}
     code = code_for("mf96", "numpy")
 
@@ -125,7 +112,7 @@ def test_the_best_point_of_a_stopped_fit_satisfies_the_constraints(problem, star
     assert stopped.cost > free.cost
 
 
-def test_a_constraint_without_a_free_coefficient_does_not_stop_the_fit(problem, start, bounds, known, table):
+def test_a_constraint_without_a_free_coefficient_does_not_stop_the_fit(problem, start, bounds):
     impossible = Constraint("mu_x", 10.0, inf, ())
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     solution = solve(problem, start, *bounds(problem), [(impossible, points)])
@@ -151,9 +138,8 @@ def test_infeasible_constraints_are_a_result(problem, start, bounds):
     assert np.isfinite(solution.x).all()
 
 
-def test_a_direction_that_is_not_identifiable_does_not_change(known, table, bounds):
-    rows = Rows.of(table[table["Fz"] == 500.0], known, ["Fy"])
-    pair = Problem(known, rows, ("PDY1", "PDY2"), equal_weights(rows), np.array([1.9, 0.2]))
+def test_a_direction_that_is_not_identifiable_does_not_change(known, make, noisy_table):
+    pair = make.problem(noisy_table[noisy_table["Fz"] == 500.0], known, ("PDY1", "PDY2"))
     start = np.array([1.7, -0.5]) / pair.scale
     wide = np.full(2, 50.0)
     solution = solve(pair, start, -wide, wide, [])

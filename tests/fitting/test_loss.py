@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 
 from tirefmu.boundary.errors import UnknownName
-from tirefmu.fitting import fit
 from tirefmu.fitting.problem.loss import LOSSES, loss_named, robust_scale
-from tirefmu.fitting.problem.rows import Rows
-from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import equal_weights, limits_of, noise_weights
+from tirefmu.fitting.problem.weights import limits_of, noise_weights
 from tirefmu.measurements import ChannelNoise, Noise, Recording
 
 SIZE = 15.0  # N, of the noise
@@ -55,11 +52,9 @@ def test_an_unknown_loss_suggests_the_nearest_name():
 
 
 @pytest.mark.parametrize("name", ROBUST)
-def test_gradient_is_the_slope_of_the_cost(known, outliers, name):
-    rows = Rows.of(outliers.with_signs("adapted-sae").table, known, ["Fy"])
-    scale = np.array([max(abs(known.values[name]), 0.1) for name in FREE])
-    problem = Problem(known, rows, FREE, equal_weights(rows), scale, LOSSES[name])
-    x = np.array([known.values[name] for name in FREE]) / scale * 1.05
+def test_gradient_is_the_slope_of_the_cost(known, make, outliers, name):
+    problem = make.problem(outliers.table, known, FREE, loss=LOSSES[name])
+    x = np.array([known.values[name] for name in FREE]) / problem.scale * 1.05
     problem.limits = limits_of(problem, x)
     cost, gradient, matrix = problem.derivatives(x)
     assert cost == problem.cost(x) < replace(problem, limits=None).cost(x)
@@ -71,11 +66,10 @@ def test_gradient_is_the_slope_of_the_cost(known, outliers, name):
     assert np.linalg.eigvalsh(matrix)[0] > 0
 
 
-def test_noise_weights_ignore_outliers(known, outliers):
-    rows = Rows.of(outliers.with_signs("adapted-sae").table, known, ["Fy"])
-    problems = [Problem(known, rows, ("PDY1",), equal_weights(rows), np.ones(1), LOSSES[n]) for n in LOSSES]
-    x = np.array([known.values["PDY1"]])
-    squares, *robust = (1 / np.sqrt(noise_weights(problem, x)[0, 1] * len(rows)) for problem in problems)
+def test_noise_weights_ignore_outliers(known, make, outliers):
+    problems = [make.problem(outliers.table, known, ("PDY1",), loss=loss) for loss in LOSSES.values()]
+    x = np.ones(1)  # scaled
+    squares, *robust = (1 / np.sqrt(noise_weights(problem, x)[0, 1] * len(outliers)) for problem in problems)
     assert squares > 5 * SIZE
     assert robust == pytest.approx([SIZE, SIZE], rel=0.15)
     assert limits_of(problems[0], x) is None
@@ -92,7 +86,7 @@ def test_robust_losses_resist_outliers_and_squares_do_not(known, make, outliers)
     true = known.forces(**inputs)["Fy"]
     errors, intervals = {}, {}
     for loss in LOSSES:
-        result = fit([outliers], "mf96", effects=make.effects, nominal=make.nominal, loss=loss)
+        result = make.fit(outliers, loss=loss)
         assert result.ok, (loss, result.status)
         fitted = result.tire.in_signs("adapted-sae").forces(**inputs)["Fy"]
         errors[loss] = float(np.sqrt(np.mean((fitted - true) ** 2)))

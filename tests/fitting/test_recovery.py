@@ -45,9 +45,8 @@ def test_intervals_contain_the_true_values(found):
     assert np.mean([abs(c.value - truth.values[c.name]) <= 0.2 * c.interval for c in known]) < 0.6  # nor far too wide
 
 
-@pytest.mark.parametrize(("share", "seed"), [(0.3, 0), (0.6, 2)])
-def test_other_starts_have_the_same_solution(found, share, seed):
-    start = moved(TRUTH, share, seed)
+def test_another_start_has_the_same_solution(found):
+    start = moved(TRUTH, 0.6, 2)
     assert difference(start) > 5.0
     result = fit([RECORDING], MODEL, start=start)
     assert result.ok, result.status

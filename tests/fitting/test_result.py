@@ -76,9 +76,7 @@ def test_json_is_strict_and_complete(side_fit):
     result, recording = side_fit
     unbounded = replace(result.coefficients[0], lower=-inf, upper=inf)
     odd = replace(
-        result,
-        coefficients=(unbounded, *result.coefficients[1:]),
-        channels=(replace(result.channels[0], r2=nan),),
+        result, coefficients=(unbounded, *result.coefficients[1:]), channels=(replace(result.channels[0], r2=nan),)
     )
     plain = json.loads(json.dumps(odd.to_json(), allow_nan=False))
     assert (plain["coefficients"][0]["lower"], plain["coefficients"][0]["upper"]) == (None, None)

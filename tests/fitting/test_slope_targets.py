@@ -69,7 +69,7 @@ def test_a_formula_that_cannot_follow_is_drawn_to_the_slip_stiffness(known, make
     effects = ("load_friction", "load_curvature")
     errors = []
     for weight in (0.0, 1000.0):
-        result = fit([recording], "mf96", effects=effects, nominal=make.nominal, stiffness_weight=weight)
+        result = make.fit(recording, effects=effects, stiffness_weight=weight)
         assert result.status == "converged"
         errors.append([each.off for each in result.findings.stiffnesses])
     assert len(errors[0]) == 4

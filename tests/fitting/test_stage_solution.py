@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from math import inf
 from types import SimpleNamespace
@@ -11,9 +10,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import stage_solution
-from tirefmu.fitting.problem.rows import Rows
 from tirefmu.fitting.problem.weighted_residuals import Problem
-from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.ipopt import SolverResult, solve
 from tirefmu.fitting.solvers.selection import solver_for
 from tirefmu.fitting.stage_solution import StageSolver
@@ -24,11 +21,8 @@ EVERYWHERE = np.full(len(FREE), inf)
 
 
 @pytest.fixture(scope="module")
-def noisy(known, make):
-    rows = Rows.of(make.sideways(known).table, known, ["Fy"])
-    noise = np.random.default_rng(3).normal(0.0, 20.0, rows.measured.shape)
-    rows = replace(rows, measured=rows.measured + noise)
-    return Problem(known, rows, FREE, equal_weights(rows), np.array([max(abs(known.values[n]), 0.1) for n in FREE]))
+def noisy(known, make, noisy_table):
+    return make.problem(noisy_table, known, FREE)
 
 
 @pytest.fixture(scope="module")

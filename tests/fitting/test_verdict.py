@@ -133,7 +133,7 @@ def test_side_force_alone_is_a_limit(side_fit):
 
 def test_combined_slip_beyond_the_measured_slip_angle_is_extrapolated(known, make):
     """The bench drives and brakes at up to 6 deg of slip angle, and sweeps to 12 deg."""
-    result = fit(make.bench(known), "mf96", effects=make.effects, nominal=make.nominal, recipe="joint")
+    result = make.fit(make.bench(known), recipe="joint")
     (reason,) = [each for each in result.verdict.reasons if "combined slip" in each]
     assert reason.startswith(
         "combined slip is extrapolated beyond 6.0 deg of slip angle (pure slip was measured up to "

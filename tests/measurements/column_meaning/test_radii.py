@@ -13,12 +13,7 @@ from tirefmu.symbolic.models import model_named
 
 @pytest.mark.parametrize(
     ("title", "radius"),
-    [
-        ("Hoosier 43075 16x7.5-10 LCO, 7 inch rim", 0.2032),
-        ("18.0x6.0-10", 0.2286),
-        ("205/55R16", 0.316),
-        ("R7", None),
-    ],
+    [("Hoosier 43075 16x7.5-10 LCO, 7 inch rim", 0.2032), ("18.0x6.0-10", 0.2286), ("205/55R16", 0.316), ("R7", None)],
 )
 def test_the_size_of_a_tire_gives_its_radius(title, radius):
     found = radii(Recording(pd.DataFrame(), "iso", "a", {"tireid": title}))

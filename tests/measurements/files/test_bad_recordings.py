@@ -5,12 +5,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import DataError, TirefmuError
-from tirefmu.measurements import (
-    check_plausible,
-    column_notes,
-    coverage_notes,
-    read_recording,
-)
+from tirefmu.measurements import check_plausible, column_notes, coverage_notes, read_recording
 from tirefmu.measurements.findings.two_tires import two_tires
 
 

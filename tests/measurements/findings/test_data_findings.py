@@ -9,12 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.measurements import (
-    Recording,
-    data_findings,
-    recording_from,
-    residual_findings,
-)
+from tirefmu.measurements import Recording, data_findings, recording_from, residual_findings
 from tirefmu.measurements.row_selection.expression import parse_selection
 
 STEP = 0.01

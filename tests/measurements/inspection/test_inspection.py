@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.measurements import Recording
-from tirefmu.measurements.inspection.figures import _over_slip
+from tirefmu.measurements.inspection.figures import inspection_figures
 from tirefmu.measurements.inspection.inspection import inspect
 from tirefmu.tires.drawing.style import LIGHT_GRAY
 
@@ -67,7 +67,7 @@ def test_a_panel_over_slip_has_one_level_of_the_other_inputs():
     )
     table["t"], table["Fy"] = 0.01 * np.arange(len(table)), -1000.0 * table["alpha"] + 10.0 * table["part"]
     ((inspection,), _) = inspect([Recording(table.drop(columns="part"), "iso", "a.csv")])
-    (panel,) = next(_over_slip(inspection)).panels
+    (panel,) = inspection_figures(inspection)[1].panels
     drawn = {series.color: np.sort(series.points[1]) for series in panel.series}
     included = table[inspection.exclusion.included]
     pure = included[included["part"].isin([0, 4])]

@@ -9,7 +9,7 @@ from scipy.signal import find_peaks
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import level_tolerance, levels
-from tirefmu.measurements.operating_conditions.levels import _peaks, _prominences
+from tirefmu.measurements.operating_conditions.levels import local_maxima, prominences_of
 
 
 def test_a_tolerance_is_positive():
@@ -74,5 +74,5 @@ def test_tolerance_comes_from_the_columns_name():
 def test_peaks_and_prominences_are_those_of_scipy(values):
     density = np.array(values, dtype=np.float64)
     peaks, properties = find_peaks(density, prominence=0.0)
-    np.testing.assert_array_equal(_peaks(density), peaks)
-    np.testing.assert_array_equal(_prominences(density, peaks), properties["prominences"])
+    np.testing.assert_array_equal(local_maxima(density), peaks)
+    np.testing.assert_array_equal(prominences_of(density, peaks), properties["prominences"])
