@@ -9,13 +9,11 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import command_text
-from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from ..arguments import (
     FILE,
     MODEL,
-    SIGNS,
-    Pairs,
+    NOMINAL,
     Spread,
     TableOptions,
     check_input_paths,
@@ -24,7 +22,7 @@ from ..arguments import (
     common,
     grouped,
     names,
-    table_options,
+    tables_read,
     write_json,
 )
 
@@ -38,9 +36,8 @@ FURTHER = {FMUS: 8.0, REPORT: 18.0}
 @click.option("--tire", type=FILE, help="Tire as baseline model, instead of --model, --effects and --nominal.")
 @MODEL
 @click.option("--effects", callback=names, help="Effects of the baseline model in addition to its core, or 'none'.")
-@click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
-@click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
-@table_options
+@NOMINAL
+@tables_read
 @click.option("--turn-slip", "turning", is_flag=True,
               help="The bench turns the wheel plane: phit = -(d alpha/dt)/V where phit is not recorded.")  # fmt: skip
 @click.option("--candidates", callback=names, help="Test these effects only.")
@@ -53,7 +50,7 @@ FURTHER = {FMUS: 8.0, REPORT: 18.0}
 @click.option("--resume", is_flag=True, help="Of several recordings: keep the results of the folder that are valid.")
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis.json, report.html, tires, FMUs.")
 @common
-@grouped(selection=TableOptions, spread=Spread)
+@grouped(spread=Spread)
 def diagnose(
     tables: tuple[Path, ...], selection: TableOptions, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
     others: tuple[Path, ...], turning: bool, fmus: bool, spread: Spread, resume: bool, output: Path, quiet: bool,

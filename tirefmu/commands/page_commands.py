@@ -6,17 +6,14 @@ from pathlib import Path
 
 import click
 
-from tirefmu.measurements.files.formats import DEFAULT_SIGNS
-
 from ..arguments import (
+    DRAW_SIGNS,
     FILE,
-    SIGNS,
     TableOptions,
     check_input_paths,
     check_output_paths,
     common,
-    grouped,
-    table_options,
+    tables_read,
     write_json,
 )
 
@@ -26,12 +23,10 @@ from ..arguments import (
 @click.argument("tire2", type=FILE)
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for report.html and the figures.")
-@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
-@table_options
+@DRAW_SIGNS
+@tables_read
 @click.option("--all", "every", is_flag=True, help="List every coefficient that differs.")
 @common
-@grouped(selection=TableOptions)
 def compare(
     tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, selection: TableOptions, draw_signs: str | None,
     every: bool, quiet: bool, json_file: Path | None,
@@ -88,10 +83,8 @@ def _short(value: float | None) -> str:
 @click.option("-o", "--output", type=FILE, required=True, help="HTML page to write.")
 @click.option("--compare", type=FILE, help="Second tire, of any model.")
 @click.option("--fit", "fit_json", type=FILE, help="Result of 'fit --json': its 95 % intervals are marked.")
-@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@table_options
+@tables_read
 @common
-@grouped(selection=TableOptions)
 def explore(
     tire: Path, tables: tuple[Path, ...], output: Path, compare: Path | None, fit_json: Path | None,
     selection: TableOptions, quiet: bool, json_file: Path | None,
