@@ -72,21 +72,6 @@ def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path
     assert "Profile likelihood" in page
 
 
-def test_intervals_that_cannot_be_computed_are_refused_before_the_fit(table, tmp_path, capsys):
-    target = tmp_path / "a.tir"
-    for options, message in (
-        (["--bootstrap", "5"], "5 bootstrap replicates: at least 40 are required"),
-        (["--bootstrap", "50", "--where", "t < 30"], "sweeps in the recordings, at least 10 are required"),
-        (["--profile", "PKY"], "unknown coefficient 'PKY'"),
-        (["--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "--workers is for this machine"),
-    ):
-        assert main(["fit", str(table), "--model", "mf96", "-o", str(target), *options]) == 2
-        error = capsys.readouterr().err
-        assert message in error
-        assert len(error.strip().splitlines()) == 1
-        assert not target.exists()
-
-
 def test_a_cluster_that_does_not_answer_is_an_error(table):
     pytest.importorskip("distributed")
     recording = read_recording(table)

@@ -210,21 +210,5 @@ def test_command_writes_recordings_runs_an_entry_and_scores_answers(tmp_path, ca
     assert "systems" in capsys.readouterr().out
     assert main(["benchmark", "--score", str(folder / "answers" / "stepwise"), "--seed", "2"]) == 2
     assert "tire_01.json" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--list", "-o", "x"], "one of -o FOLDER, --score ANSWERS and --list"),
-        (["--score", "none", "--seed", "1"], "none: no such folder"),
-        (["--score", "."], "--score needs --seed"),
-        (["--entry", "stepwise"], "needs one of"),
-        (["--list", "--entry", "stepwise"], "--entry needs -o FOLDER"),
-        (["-o", "x", "--entry", "stepwize"], "did you mean stepwise"),
-        (["-o", "x", "--entry", "stepwise", "--only", "tire_99"], "unknown recording 'tire_99'"),
-    ],
-)
-def test_misuse_is_one_line(arguments, message, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["benchmark", *arguments]) == 2
-    assert message in capsys.readouterr().err.strip().split("\n")[-1]
+    assert main(["benchmark", "-o", str(folder), "--entry", "stepwise", "--only", "tire_99"]) == 2
+    assert "unknown recording 'tire_99'" in capsys.readouterr().err

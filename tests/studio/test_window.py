@@ -10,6 +10,7 @@ import pytest
 
 from tirefmu.cli import main
 from tirefmu.evaluation import predicted_outputs
+from tirefmu.fitting import fit
 from tirefmu.measurements import recording_from, write_table
 from tirefmu.project.records import Records
 from tirefmu.project.steps import steps_of
@@ -247,3 +248,17 @@ def test_property_files_and_code_are_steps_of_the_project(window):
         "property file, model mf52", "code in cpp")  # fmt: skip
     for name in shown["generate"]["files"]:
         assert window.client.get(f"/{TOKEN}/results/{name}").status_code == 200
+
+
+def test_a_kept_fit_is_shown_with_its_verdict_and_errors(window, bench_file):
+    result = fit(bench_file, "mf96", effects=[], recipe="joint", iterations=1)
+    results = window.state.folder / "results"
+    results.mkdir()
+    result.tire.save(results / "tire.tir")
+    (results / "fit.json").write_text(json.dumps(result.to_json()))
+    fits = window.server.window.fits
+    assert fits.keep(results, window.state.text()) == 1
+    assert fits.keep(results, window.state.text()) is None  # the latest one is kept once
+    (shown,) = window.page.result("state")["fits"]
+    assert (shown["model"], shown["verdict"]) == ("mf96", result.verdict.word)
+    assert [channel["fitted_rmse"] for channel in shown["channels"]] == [c.fitted_rmse for c in result.channels]

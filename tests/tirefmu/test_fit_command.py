@@ -38,13 +38,6 @@ def test_cross_validation_is_reported(validated):
     assert re.search(r"noise +largest *\n.* floor +error", outcome.out)
 
 
-def test_more_folds_than_conditions_are_refused_before_the_work(command, bench_csv, tmp_path):
-    outcome = command("fit", bench_csv, "--model", "mf96", "--cross-validate", "500", "-o", tmp_path / "t.tir")
-    assert outcome.status == 2
-    assert "500 folds require at least 500 operating conditions" in outcome.err
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.fixture(scope="module")
 def misread(bench_csv, tmp_path_factory):
     """Return the bench table in adapted SAE, which is read as ISO."""

@@ -64,24 +64,6 @@ def test_rows_are_selected_and_written(command, bench_csv, tmp_path):
     assert f"{len(rows)} of " in outcome.out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ("none.csv", "none.csv: no such file"),
-        ("{0} {0} --table rows.csv", "--table writes the rows of one table"),
-        ("{0} -o folder/page.html", "folder/page.html: no folder folder"),
-        ("{0} --table rows.xlsx", "rows.xlsx: unknown kind of table '.xlsx'"),
-        ("{0} --where Fz>9kN", "selects none of"),
-    ],
-)
-def test_bad_input(command, bench_csv, tmp_path, monkeypatch, arguments, message):
-    monkeypatch.chdir(tmp_path)
-    outcome = command("inspect", *arguments.format(bench_csv).split())
-    assert (outcome.status, outcome.out) == (2, "")
-    assert message in outcome.err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_channel_without_a_number_is_null_in_the_json(command, bench_csv, tmp_path):
     pd.read_csv(bench_csv).assign(Mx=np.nan).to_csv(tmp_path / "a.csv", index=False)
     outcome = command("inspect", tmp_path / "a.csv", "--json", tmp_path / "a.json", "--quiet")

@@ -68,11 +68,3 @@ def test_an_interrupt_before_all_results_are_written_is_resumed(command, bench_c
     assert resumed.status in (0, 1), resumed.err
     assert json.loads(result.read_text(encoding="utf-8"))["values"] == dict(read_tir(tire).values)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["tire.json", "tire.tir"]
-
-
-def test_resuming_without_a_file_is_one_clear_line(command, bench_csv, tmp_path):
-    outcome = command("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tmp_path / "tire.tir", "--resume")
-    assert outcome.status == 2
-    (message,) = outcome.err.splitlines()
-    assert message.endswith("tire.progress.json: no such file: there is no interrupted fit to resume")
-    assert list(tmp_path.iterdir()) == []

@@ -81,7 +81,3 @@ def test_an_example_recording_is_that_of_the_tire_on_the_bench(command, tmp_path
         error = first.table[channel] - evaluated[channel]
         assert 0.0 < error.std() < 0.1 * first.table[channel].std(), channel
         assert not first.table[channel].equals(second.table[channel])
-    for arguments in (["--tire", "hoosier"], ["--sample-rate", 0]):
-        refused = command("example", "-o", tmp_path / "none.csv", *arguments)
-        assert (refused.status, refused.err.count("\n")) == (2, 1)
-        assert not (tmp_path / "none.csv").exists()

@@ -338,24 +338,6 @@ def test_init_and_run(command, bench_csv, tmp_path):
         assert os.path.exists(tmp_path / "results" / link)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ([], "no bench file"),
-        (["missing.csv"], "missing.csv: no such file"),
-        (["--model", "mf60", __file__], "unknown model 'mf60'"),
-        (["--nominal", "Fz=1", __file__], "unknown nominal value 'Fz'"),
-        (["--nominal", "Fz0=nan", __file__], "'Fz0=nan' is not finite"),
-        (["--model", "mf96", "--effects", "camber_trust", __file__], "did you mean camber_thrust?"),
-    ],
-)
-def test_init_refuses_in_one_line(command, tmp_path, arguments, message):
-    outcome = command("init", *arguments, "-o", tmp_path / "x.toml")
-    assert (outcome.status, outcome.err.count("\n")) == (2, 1)
-    assert message in outcome.err
-    assert not list(tmp_path.iterdir())
-
-
 def test_some_steps_are_run_with_those_that_they_need(project):
     commands = Commands(project)
     outcomes = run_project(project, commands, Terminal(quiet=True), only=("check",))

@@ -100,12 +100,6 @@ def test_there_is_no_digest_of_another_kind():
     assert DIGESTS.keys() == KINDS.keys()
 
 
-def test_an_unknown_kind_is_one_line(command):
-    outcome = command("schema", "projekt")
-    assert (outcome.status, outcome.err.count("\n")) == (2, 1)
-    assert "did you mean project?" in outcome.err
-
-
 @pytest.mark.parametrize("path", EFFECTS, ids=lambda path: path.stem)
 def test_every_effect_of_the_tree_is_valid(path):
     check_file("effect", path)

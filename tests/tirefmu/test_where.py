@@ -39,12 +39,3 @@ def test_fit_by_a_file(command, bench_csv, tmp_path, chosen):
     assert outcome.status in (0, 1), outcome.err
     fitted = json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))
     assert {channel["rows"] for channel in fitted["channels"]} == {chosen}
-
-
-@pytest.mark.parametrize("line", ["fit {} -o new.tir", "diagnose {} -o new", "evaluate trento_hoosier {} -o new.csv"])
-def test_an_invalid_expression_is_refused_before_anything_is_written(command, bench_csv, tmp_path, monkeypatch, line):
-    monkeypatch.chdir(tmp_path)
-    outcome = command(*line.format(bench_csv).split(), "--where", "pressure > 3 kPa")
-    assert outcome.status == 2
-    assert "where 'pressure > 3 kPa': unknown name 'pressure': did you mean p?" in outcome.err
-    assert list(tmp_path.iterdir()) == []

@@ -171,7 +171,7 @@ def run(
             "name": outcome.step.name,
             "ok": outcome.status == 0,
             "repeated": outcome.repeated,
-            "summary": list(outcome.summary),
+            "summary": list(outcome.summary.lines),
         }
         for outcome in outcomes
     ]
