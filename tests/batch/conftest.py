@@ -18,6 +18,19 @@ def cluster(tmp_path_factory):
         yield cluster
 
 
+@pytest.fixture
+def kill_once(cluster):
+    """Return a progress function that kills a busy worker at its first call; it has to be called."""
+    killed = []
+
+    def progress(*_: object) -> None:
+        if not killed:
+            killed.append(kill_a_busy_worker(cluster))
+
+    yield progress
+    assert killed
+
+
 def kill_a_busy_worker(cluster) -> str:
     """Kill a worker that computes, and return its address."""
     from distributed import Client

@@ -11,8 +11,9 @@ import sys
 import pandas as pd
 import pytest
 
-from tirefmu.batch.fit_many import fit_many, run, task_of
+from tirefmu.batch.fit_many import Batch, fit_many, run, task_of
 from tirefmu.batch.jobs import FitJob, read_jobs
+from tirefmu.batch.records import JobResult
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
@@ -125,6 +126,17 @@ def test_the_command_reports_each_tire(jobs, tmp_path, capsys):
     assert "broken: failed:" in out
     assert "0 of 2 tires are usable" in out
     assert not json.loads((tmp_path / "o.json").read_text())["ok"]
+
+
+def test_the_summary_rates_tires_and_begins_with_the_worst(tmp_path):
+    words = ("good", "usable with limits", "failed")
+    Batch(tuple(JobResult(word[:4], word) for word in words), tmp_path).write_summary()
+    page = (tmp_path / "summary.html").read_text(encoding="utf-8")
+    assert '<p class="verdict bad">1 failed; 1 good; 1 usable with limits</p>' in page
+    for word, rating in zip(words, ("good", "limited", "bad"), strict=True):
+        assert f'<td class="{rating}">{word}</td>' in page
+    Batch((JobResult("front", "good"),), tmp_path).write_summary()
+    assert '<p class="verdict good">1 good</p>' in (tmp_path / "summary.html").read_text(encoding="utf-8")
 
 
 def test_names_that_are_no_file_names_are_refused(tmp_path):

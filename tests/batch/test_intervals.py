@@ -13,8 +13,6 @@ from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, read_recording, write_table
 from tirefmu.tires import published
 
-from .conftest import kill_a_busy_worker
-
 EFFECTS = ["load_friction", "load_stiffness", "load_curvature", "plysteer", "conicity"]
 OPTIONS = {"effects": EFFECTS, "recipe": "joint", "nominal": {"Fz0": 700.0, "R0": 0.23}}
 
@@ -29,20 +27,13 @@ def table(tmp_path_factory):
     return path
 
 
-def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluster):
+def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluster, kill_once):
     recording = read_recording(table)
     result = fit(recording, "mf96", **OPTIONS)
     seen = []
     local = bootstrap(result, recording, 40, seed=2, workers=1, progress=lambda *each: seen.append(each))
     assert seen == [(10, 40), (20, 40), (30, 40), (40, 40)]
-    killed = []
-
-    def kill_at_first(*_: int) -> None:
-        if not killed:
-            killed.append(kill_a_busy_worker(cluster))
-
-    other = bootstrap(result, recording, 40, seed=2, scheduler=cluster.scheduler_address, progress=kill_at_first)
-    assert killed
+    other = bootstrap(result, recording, 40, seed=2, scheduler=cluster.scheduler_address, progress=kill_once)
     assert local.bootstrap == other.bootstrap
     one, two = (profile(result, ["PDY1", "PKY1"], workers=workers).profiles for workers in (1, 2))
     assert one == two

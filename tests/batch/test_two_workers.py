@@ -17,22 +17,7 @@ from tirefmu.fmu import export
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
 from tirefmu.tires import Tire, published
 
-from .conftest import kill_a_busy_worker
-
 TIRE = Tire("fiala", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.25, "CALPHA": 15000.0, "UMAX": 1.2, "UMIN": 1.0})
-
-
-@pytest.fixture
-def kill_once(cluster):
-    """Return a progress function that kills a busy worker at its first call; it has to be called."""
-    killed = []
-
-    def progress(*_: object) -> None:
-        if not killed:
-            killed.append(kill_a_busy_worker(cluster))
-
-    yield progress
-    assert killed
 
 
 def test_a_study_is_that_of_one_process(cluster, kill_once, tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import writing
 from tirefmu.boundary.json_schema import write_toml
 
 from ..arguments import FILE, check_input_paths, check_output_paths, command_line, common, texts_by_channel, write_json
@@ -69,9 +69,7 @@ def _template(example: Path, quiet: bool) -> int:
 
     from ..terminal import Terminal
 
-    try:
+    with writing(example):
         write_toml(example, example_text(), car_schema())
-    except OSError as error:
-        raise TirefmuError(f"{example}: cannot be written ({error.strerror or error})") from error
     Terminal(quiet).print(f"written: {example}")
     return 0

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import writing
 from tirefmu.boundary.escaping import command_text, file_name
 
 from ..arguments import (
@@ -199,10 +199,8 @@ def fit(
 
         with terminal.working("drawing figures"):
             drawn = figures_of(result, recordings)
-            try:
+            with writing(figures):
                 write_figures(drawn, figures)
-            except OSError as error:
-                raise TirefmuError(f"{figures}: figures cannot be written: {error.strerror or error}") from None
         terminal.print(f"figures: {len(drawn)} in {figures}")
     if report:
         from tirefmu.fitting.reporting.report import write_report
