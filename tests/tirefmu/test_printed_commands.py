@@ -15,7 +15,6 @@ import pytest
 import tirefmu
 from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.cli import cli
-from tirefmu.commands.command_help import EXAMPLES
 from tirefmu.commands.fit_command import _testable
 from tirefmu.measurements import Recording
 from tirefmu.progress import FitProgress
@@ -63,11 +62,6 @@ def test_no_command_line_is_put_together_without_quotes():
     assert {*SENTENCES, *(text for text in LISTED_BY.values() if begun.match(text))} <= found
     for line in found.difference(SENTENCES):
         accepted(line)
-
-
-@pytest.mark.parametrize("line", [line for lines in EXAMPLES.values() for line in lines])
-def test_the_examples_of_the_help(line):
-    accepted(f"tirefmu {line}")
 
 
 @pytest.fixture
