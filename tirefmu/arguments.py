@@ -178,13 +178,13 @@ def tables_read(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-def check_input_paths(*paths: Path) -> None:
+def check_input_paths(*paths: Path | None) -> None:
     """Raise for a missing file, before the packages are loaded that read files.
 
-    A path without an extension may be the name of a published tire.
+    A path without an extension may be the name of a published tire. None is a path that was not given.
     """
     for path in paths:
-        if path.suffix and not path.exists():
+        if path and path.suffix and not path.exists():
             near = get_close_matches(path.name, _neighbors(path), n=1)
             raise TirefmuError(f"{path}: no such file{f': did you mean {near[0]}?' if near else ''}")
 

@@ -154,7 +154,7 @@ def check(
     reported as an error. It is native code with your permissions.
     """
     check_output_paths(json_file, report, folder=figures)
-    check_input_paths(fmu, *([table] if table else []))
+    check_input_paths(fmu, table)
     if table is None:
         if selection.arguments or tolerance is not None or figures or report:
             raise TirefmuError("options of tables, --tolerance, --figures and --report need a TABLE")

@@ -67,7 +67,7 @@ def diagnose(
     if others and not fmus:
         raise TirefmuError("--holdout needs the FMUs; remove --no-fmu")
     given = {name: value for name, value in baseline.items() if value is not None}
-    check_input_paths(*others, *user_files, *([given["tire"]] if "tire" in given else []))
+    check_input_paths(*others, *user_files, given.get("tire"))
     if len(tables) > 1 or tables[0].is_dir():
         if others:
             raise TirefmuError("--holdout is for one recording")

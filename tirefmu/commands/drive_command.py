@@ -38,7 +38,7 @@ def drive(
     if log is None or vehicle is None or tire is None or output is None:
         raise click.UsageError("LOG, --vehicle, --tire and -o are required; --example FILE writes a car file")
     check_output_paths(json_file, folder=output)
-    check_input_paths(log, vehicle, tire, *([rear] if rear else []))
+    check_input_paths(log, vehicle, tire, rear)
     from tirefmu.driving.drive import drive as run
     from tirefmu.driving.report import write_drive
 

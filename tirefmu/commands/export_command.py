@@ -131,7 +131,7 @@ def export(
     if vehicle and not ssp:
         raise TirefmuError("--vehicle is part of a system: give --ssp")
     check_output_paths(target, json_file)
-    check_input_paths(*tires, *(path for path in (road, vehicle, proof.path, proof.fit) if path))
+    check_input_paths(*tires, road, vehicle, proof.path, proof.fit)
     from tirefmu.fmu import export_parameters, export_sti, export_system
     from tirefmu.fmu.description.standstill import with_lengths
     from tirefmu.tires import tire_from

@@ -38,7 +38,7 @@ def compare(
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, tire2, *tables)
     from tirefmu.comparison.comparison import compare as run
-    from tirefmu.comparison.report import write_comparison
+    from tirefmu.comparison.report import short, write_comparison
     from tirefmu.measurements import recordings_from
     from tirefmu.tires import tire_from
 
@@ -59,22 +59,18 @@ def compare(
     quality = []
     for error in result.errors:
         pairs = zip(error.rmse, error.r2, strict=True)
-        numbers = [_short(number) for pair in pairs for number in pair]
+        numbers = [short(number) for pair in pairs for number in pair]
         quality.append([error.recording, error.channel, str(error.rows), *numbers])
     if quality:
         columns = [f"{what} {name}" for name in result.names for what in ("RMSE", "R2")]
         terminal.table("", (["recording", "channel", "rows", *columns], quality))
     values = [
-        [difference.name, _short(difference.first), _short(difference.second), difference.unit, difference.description]
+        [difference.name, short(difference.first), short(difference.second), difference.unit, difference.description]
         for difference in result.differences
     ]
     terminal.table("", (["coefficient", *result.names, "unit", "description"], values), most=10_000 if every else 12)
     terminal.print(f"report: {written[0]}")
     return 0
-
-
-def _short(value: float | None) -> str:
-    return "-" if value is None else f"{value:.5g}"
 
 
 @click.command()
@@ -95,7 +91,7 @@ def explore(
     needs no connection. It saves a changed tire as .tir; its address contains its state.
     """
     check_output_paths(output, json_file)
-    check_input_paths(tire, *tables, *(path for path in (compare, fit_json) if path))
+    check_input_paths(tire, *tables, compare, fit_json)
     from tirefmu.explorer.explore import explore as run
     from tirefmu.explorer.fit_intervals import fit_intervals
     from tirefmu.measurements import recordings_from
