@@ -98,10 +98,10 @@ def bootstrap_coverage_of(result: FitResult, truth: Tire) -> tuple[int, int]:
     """Return the number of intervals of a bootstrap that contain the true value, and the number of intervals."""
     tire, inside, counted = truth.in_signs(result.signs), 0, 0
     bounded = {coefficient.name for coefficient in result.coefficients if coefficient.at_bound}
-    for each in result.bootstrap.intervals if result.bootstrap else ():
-        if np.isfinite(each.lower) and each.name not in bounded:
+    for interval in result.bootstrap.intervals if result.bootstrap else ():
+        if np.isfinite(interval.lower) and interval.name not in bounded:
             counted += 1
-            inside += each.lower <= tire.values[each.name] <= each.upper
+            inside += interval.lower <= tire.values[interval.name] <= interval.upper
     return inside, counted
 
 
@@ -115,7 +115,7 @@ def refitted(task: RecoveryTask) -> Refit:
         seconds = time.process_time() - start
         if task.replicates:
             tasks = replicate_tasks(result, [recording], task.replicates, task.seed)
-            result = bootstrap_of(result, tasks, np.concatenate([replicates_of(each) for each in tasks]))
+            result = bootstrap_of(result, tasks, np.concatenate([replicates_of(task) for task in tasks]))
     return Refit(
         task, result.ok, difference_of(result.tire, truth, recording), *coverage_of(result, truth), seconds,
         len(CONDITIONS), predictions_covered(result, truth), *bootstrap_coverage_of(result, truth),

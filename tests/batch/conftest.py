@@ -37,6 +37,6 @@ def kill_a_busy_worker(cluster) -> str:
 
     with Client(cluster.scheduler_address) as client:
         busy = {address for address, keys in client.processing().items() if keys}
-    nanny = next(one for one in cluster.workers.values() if one.worker_address in busy)
+    nanny = next(worker for worker in cluster.workers.values() if worker.worker_address in busy)
     os.kill(nanny.pid, signal.SIGKILL)
     return nanny.worker_address

@@ -64,12 +64,12 @@ def test_each_recording_has_a_folder_and_a_row(diagnosed):
 def test_resuming_computes_only_what_is_missing_or_changed(recordings, diagnosed, tmp_path):
     options = {**OPTIONS, "resume": True, "workers": 1}
     kept = diagnose_many(recordings, diagnosed, progress=lambda *_: pytest.fail("computed again"), **options)
-    assert [one.status for one in kept] == ["diagnosed", "failed"]
+    assert [result.status for result in kept] == ["diagnosed", "failed"]
     copy = tmp_path / "out"
     shutil.copytree(diagnosed, copy)
     (copy / "run8.json").unlink()
     again = []
-    diagnose_many(recordings, copy, progress=lambda one, *_: again.append(one.name), **options)
+    diagnose_many(recordings, copy, progress=lambda result, *_: again.append(result.name), **options)
     assert again == ["run8"]
 
 

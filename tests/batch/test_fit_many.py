@@ -60,7 +60,7 @@ def jobs(tmp_path_factory):
 @pytest.fixture(scope="module")
 def batch(jobs, tmp_path_factory):
     seen = []
-    found = fit_many(jobs, tmp_path_factory.mktemp("out"), workers=2, progress=lambda *each: seen.append(each))
+    found = fit_many(jobs, tmp_path_factory.mktemp("out"), workers=2, progress=lambda *report: seen.append(report))
     assert [(finished, of) for _, finished, of in seen] == [(1, 4), (2, 4), (3, 4), (4, 4)]
     return found
 
@@ -70,7 +70,7 @@ def test_the_tires_are_those_of_single_fits(jobs, batch):
 
 
 def test_a_tire_that_cannot_be_fitted_is_a_row_with_its_reason(batch):
-    assert [one.name for one in batch.results] == ["front", "rear", "broken", "odd"]
+    assert [result.name for result in batch.results] == ["front", "rear", "broken", "odd"]
     front, _, broken, odd = batch.results
     assert front.channels["Fy"]["r2"] > 0.9
     assert broken.status == odd.status == "failed"
@@ -90,16 +90,18 @@ def test_resuming_computes_only_what_is_missing_lost_or_changed(jobs, batch):
     lost["result"]["status"] = "lost"
     (batch.folder / "odd.json").write_text(json.dumps(lost), encoding="utf-8")
     again = []
-    resumed = fit_many(jobs, batch.folder, workers=1, resume=True, progress=lambda one, *_: again.append(one.name))
+    resumed = fit_many(
+        jobs, batch.folder, workers=1, resume=True, progress=lambda result, *_: again.append(result.name)
+    )
     assert sorted(again) == ["front", "odd"]
-    assert [(one.name, one.status, one.values) for one in resumed.results] == [
-        (one.name, one.status, one.values) for one in batch.results
+    assert [(result.name, result.status, result.values) for result in resumed.results] == [
+        (result.name, result.status, result.values) for result in batch.results
     ]
     other = jobs.with_name("other.csv")
     unchanged = other.read_bytes()
     try:
         other.write_bytes(unchanged[: unchanged.rstrip().rindex(b"\n") + 1])
-        fit_many(jobs, batch.folder, workers=1, resume=True, progress=lambda one, *_: again.append(one.name))
+        fit_many(jobs, batch.folder, workers=1, resume=True, progress=lambda result, *_: again.append(result.name))
         assert sorted(again) == ["front", "odd", "rear"]
     finally:
         other.write_bytes(unchanged)

@@ -31,13 +31,13 @@ def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluste
     recording = read_recording(table)
     result = fit(recording, "mf96", **OPTIONS)
     seen = []
-    local = bootstrap(result, recording, 40, seed=2, workers=1, progress=lambda *each: seen.append(each))
+    local = bootstrap(result, recording, 40, seed=2, workers=1, progress=lambda *report: seen.append(report))
     assert seen == [(10, 40), (20, 40), (30, 40), (40, 40)]
     other = bootstrap(result, recording, 40, seed=2, scheduler=cluster.scheduler_address, progress=kill_once)
     assert local.bootstrap == other.bootstrap
-    one, two = (profile(result, ["PDY1", "PKY1"], workers=workers).profiles for workers in (1, 2))
-    assert one == two
-    assert [each.name for each in one] == ["PDY1", "PKY1"]
+    serial, parallel = (profile(result, ["PDY1", "PKY1"], workers=workers).profiles for workers in (1, 2))
+    assert serial == parallel
+    assert [interval.name for interval in serial] == ["PDY1", "PKY1"]
 
 
 def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path, capsys):
@@ -50,8 +50,8 @@ def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path
     assert status == 0, out
     assert "bootstrap: percentiles 2.5 and 97.5 of 40 fits with random weights of 10 sweeps, expanded for" in out
     plain = json.loads((tmp_path / "a.json").read_text())
-    linear = {one["name"]: one for one in plain["coefficients"]}["PDY1"]
-    percentiles = {one["name"]: one for one in plain["bootstrap"]["intervals"]}["PDY1"]
+    linear = {coefficient["name"]: coefficient for coefficient in plain["coefficients"]}["PDY1"]
+    percentiles = {interval["name"]: interval for interval in plain["bootstrap"]["intervals"]}["PDY1"]
     assert percentiles["lower"] < linear["value"] < percentiles["upper"]
     shown = f"{percentiles['lower']:.5g} to {percentiles['upper']:.5g}"
     (curve,) = plain["profiles"]

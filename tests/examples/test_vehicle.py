@@ -79,11 +79,11 @@ def test_left_and_right_are_symmetric(printed):
     mirror = np.array([1.0, -1.0, -1.0, -1.0, -1.0, 1.0, 1.0])
     other = np.concatenate([mirror * state[:7], state[7:][swapped]])
     turned = (np.reshape(forces, (4, 3)) * [1.0, -1.0, -1.0])[swapped].ravel()
-    one, two = (np.array(printed.derivatives(*given)) for given in (
+    first, second = (np.array(printed.derivatives(*given)) for given in (
         (state, (steer, *brakes), forces), (other, (-steer, *brakes), turned)
     ))  # fmt: skip
-    assert two[:7] == pytest.approx(mirror * one[:7], abs=1e-9)
-    assert two[7:] == pytest.approx(one[7:][swapped], abs=1e-9)
+    assert second[:7] == pytest.approx(mirror * first[:7], abs=1e-9)
+    assert second[7:] == pytest.approx(first[7:][swapped], abs=1e-9)
 
 
 def test_the_vehicles_fmu_is_valid(fmus):

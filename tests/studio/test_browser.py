@@ -172,7 +172,7 @@ def test_from_two_recordings_to_an_fmu(studio, recordings, monkeypatch):
     monkeypatch.chdir(studio.folder)
     again = ["run", "--only", "check,explore,inspect", "--quiet", "--json", "steps.json"]
     assert main(again) == 0
-    assert not any(each["repeated"] for each in json.loads((studio.folder / "steps.json").read_text())["steps"])
+    assert not any(step["repeated"] for step in json.loads((studio.folder / "steps.json").read_text())["steps"])
     assert main([*again, "--force"]) == 0
     assert results(studio.folder) == before
 
@@ -318,7 +318,7 @@ def test_pages_have_no_accessibility_findings(studio, recordings, width):
         studio.settled(page)
         assert page.get_attribute(f"#tab-{name}", "aria-selected") == "true"
         violations = axe.Axe().run(page).response["violations"]
-        assert not [(each["id"], [node["html"] for node in each["nodes"]]) for each in violations], name
+        assert not [(violation["id"], [node["html"] for node in violation["nodes"]]) for violation in violations], name
         assert page.evaluate("document.documentElement.scrollWidth") <= width, name
         if path := os.environ.get("TIREFMU_STUDIO_PICTURES"):
             page.screenshot(path=f"{path}/{name}_{width}.png", full_page=True)

@@ -222,7 +222,7 @@ def test_what_is_beyond_the_range_of_the_tire_is_stated(small):
     low, high = small.ranges["kappa"]
     inside = drawing.sketched(small, [110.0], "iso", kappa=(low, high))
     beyond = drawing.sketched(small, [110.0], "iso", kappa=(low - 0.1, high))
-    assert [any("extrapolated" in note for note in each.footnotes()) for each in (inside, beyond)] == [False, True]
+    assert [any("extrapolated" in note for note in sketch.footnotes()) for sketch in (inside, beyond)] == [False, True]
     assert beyond.span("kappa") == (low - 0.1, high)
 
 

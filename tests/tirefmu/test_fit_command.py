@@ -29,9 +29,11 @@ def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options,
 
 def test_cross_validation_is_reported(validated):
     outcome, reported = validated
-    assert {each["channel"] for each in reported["held_out"]} == {each["channel"] for each in reported["channels"]}
-    for each in reported["held_out"]:
-        assert each["held_out"] > 0.9 * each["in_sample"]
+    assert {channel["channel"] for channel in reported["held_out"]} == {
+        channel["channel"] for channel in reported["channels"]
+    }
+    for channel in reported["held_out"]:
+        assert channel["held_out"] > 0.9 * channel["in_sample"]
     assert "Cross-validation over operating conditions" in outcome.out
     assert re.search(r"noise +largest *\n.* floor +error", outcome.out)
 

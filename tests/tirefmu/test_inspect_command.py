@@ -28,8 +28,8 @@ def test_a_good_recording(inspected):
     assert outcome.out.startswith("verdict: ready for a fit\n")
     assert re.fullmatch(r"inspecting: \d+\.\d s\n", outcome.err)
     (recording,) = content["recordings"]
-    assert recording["rows"] >= sum(each["rows"] for each in recording["conditions"])
-    by_name = {each["name"]: each for each in recording["channels"]}
+    assert recording["rows"] >= sum(condition["rows"] for condition in recording["conditions"])
+    by_name = {channel["name"]: channel for channel in recording["channels"]}
     assert by_name["Fz"]["levels"] == pytest.approx([220.0, 700.0, 1120.0], rel=0.03)
     assert (by_name["alpha"]["unit"], by_name["p"]["unit"]) == ("rad", "Pa")
     for text in ("Channels", "Operating conditions", "Sweeps"):
@@ -69,7 +69,7 @@ def test_a_channel_without_a_number_is_null_in_the_json(command, bench_csv, tmp_
     outcome = command("inspect", tmp_path / "a.csv", "--json", tmp_path / "a.json", "--quiet")
     assert outcome.status == 0, outcome.err
     (recording,) = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))["recordings"]
-    (channel,) = [each for each in recording["channels"] if each["name"] == "Mx"]
+    (channel,) = [shown for shown in recording["channels"] if shown["name"] == "Mx"]
     assert (channel["rows"], channel["lowest"], channel["highest"]) == (0, None, None)
 
 

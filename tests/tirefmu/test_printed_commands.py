@@ -154,7 +154,7 @@ def test_a_fit_prints_the_diagnosis_of_its_residual(folder, command):
     late(0.15).to_csv(data / HOSTILE, index=False)
     fit = ["fit", data / HOSTILE, "--model", "mf61", "--nominal", "Fz0=800,R0=0.25", "--where", "t > 1", "--all-rows"]
     printed = command(*fit, "-o", "my tire.tir", "--json", "fit.json")
-    (finding,) = [each for each in json.loads(Path("fit.json").read_text())["data_findings"] if each["effects"]]
+    (finding,) = [row for row in json.loads(Path("fit.json").read_text())["data_findings"] if row["effects"]]
     assert finding["command"] in printed.out
     name, options = accepted(finding["command"])
     assert (name, options["where"], options["candidates"]) == ("diagnose", "t > 1", ("relax_lat",))

@@ -84,8 +84,8 @@ def without_texts(schema):
     """Return a schema without its titles and descriptions, which say the same in other words."""
     if isinstance(schema, dict):
         texts = [key for key in ("title", "description") if isinstance(schema.get(key), str)]
-        return {key: without_texts(one) for key, one in schema.items() if key not in texts}
-    return [without_texts(one) for one in schema] if isinstance(schema, list) else schema
+        return {key: without_texts(part) for key, part in schema.items() if key not in texts}
+    return [without_texts(part) for part in schema] if isinstance(schema, list) else schema
 
 
 @pytest.mark.parametrize("kind", KINDS)
