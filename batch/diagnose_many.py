@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from inspect import signature
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,19 +14,21 @@ import pandas as pd
 
 from tirefmu.boundary.errors import TirefmuError, path_from
 from tirefmu.boundary.escaping import file_name
-from tirefmu.diagnosis import diagnose, export_and_simulate, write_report
+from tirefmu.diagnosis import Diagnosis, diagnose, export_and_simulate, write_report
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.tires import Tire, tire_from
 
 from .jobs import unique
-from .resumable import FAILED, Kind, Outcome, compute, digest_of, recordings_in, write_summary
+from .resumable import FAILED, BatchResult, Kind, Outcome, compute, digest_of, recordings_in, write_summary
 
 #: States of a diagnosis: complete; complete, but an FMU does not match direct evaluation.
 DIAGNOSED, DIFFERS = "diagnosed", "FMU differs"
+#: What follows a diagnosis.
+FMUS, REPORT = "building both FMUs and simulating them", "writing the report"
 
 
 @dataclass(frozen=True)
-class DiagnosisResult:
+class DiagnosisResult(BatchResult):
     """The result of one diagnosis of a batch.
 
     - `status`: "diagnosed", "FMU differs" (from direct evaluation), "failed" for invalid data or options, or "lost".
@@ -35,9 +37,6 @@ class DiagnosisResult:
     - `errors`: by channel, on the hold-out set: error ``before`` and ``after``, and noise ``floor``.
     """
 
-    name: str
-    status: str
-    reasons: tuple[str, ...] = ()
     verdict: str = ""
     rating: str = ""
     found: tuple[str, ...] = ()
@@ -50,15 +49,6 @@ class DiagnosisResult:
     def complete(self) -> bool:
         """Whether the recording was diagnosed and the FMUs match."""
         return self.status == DIAGNOSED
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the result as JSON values."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, plain: Mapping[str, Any]) -> DiagnosisResult:
-        """Return the result of `to_json`; raise TypeError or KeyError for other values."""
-        return cls(**{**plain, "reasons": tuple(plain["reasons"]), "found": tuple(plain["found"])})
 
 
 #: Called with a result and the numbers of finished and of all recordings.
@@ -176,24 +166,41 @@ def run(task: DiagnosisTask) -> Outcome[DiagnosisResult]:
         folder = Path(scratch, job.name)
         try:
             result = diagnose(recording, tire=job.tire, **job.options)
-            path = result.save(folder)
-            written = {"tire": "improved.tir", "base_tire": "base.tir"}
-            simulated = export_and_simulate(result, recording, folder) if job.fmus else {}
-            written |= {"fmu": "improved.fmu", "base_fmu": "base.fmu"} if job.fmus else {}
-            content = {**result.to_json(**written), "simulated": simulated}
-            path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-            write_report(result, recording, folder / "report.html", simulated)
+            content = write_answer(result, recording, folder, fmus=job.fmus)
         except TirefmuError as error:
             return Outcome(DiagnosisResult(job.name, FAILED, (str(error),)))
         files = {f"{job.name}/{path.name}": path.read_bytes() for path in sorted(folder.iterdir())}
     errors = {channel: {key: gap[key] for key in ("before", "after", "floor")}
               for channel, gap in content["gap"]["holdout"].items()}  # fmt: skip
+    status = DIAGNOSED if content["simulated"].get("ok", True) else DIFFERS
     row = DiagnosisResult(
-        job.name, DIAGNOSED if simulated.get("ok", True) else DIFFERS, tuple(content["not_delivered_because"]),
+        job.name, status, tuple(content["not_delivered_because"]),
         result.verdict, result.rating, tuple(finding.effect for finding in result.found), result.delivered,
         len(recording), result.seconds, errors,
     )  # fmt: skip
     return Outcome(row, files)
+
+
+def write_answer(
+    result: Diagnosis, recording: Recording, folder: Path, *, fmus: bool = True, others: Sequence[Recording] = (),
+    command: str = "", begin: Callable[[str], None] = lambda part: None,
+) -> dict[str, Any]:  # fmt: skip
+    """Write ``diagnosis.json``, the tires, FMUs and the report of a diagnosis; return the content of the first.
+
+    `folder`: created if it does not exist. `fmus`: whether both tires are exported and simulated, also over `others`.
+    `command`: the command line. `begin`: called with `FMUS` and `REPORT` before each part.
+    """
+    path = result.save(folder)
+    written, simulated = {"tire": "improved.tir", "base_tire": "base.tir"}, dict[str, Any]()
+    if fmus:
+        begin(FMUS)
+        simulated = export_and_simulate(result, recording, folder, others)
+        written |= {"fmu": "improved.fmu", "base_fmu": "base.fmu"}
+    begin(REPORT)
+    content = {**result.to_json(**written), "simulated": simulated}
+    path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_report(result, recording, folder / "report.html", simulated, command=command)
+    return content
 
 
 def _digest_of(job: DiagnosisJob) -> str:
@@ -235,5 +242,5 @@ def _write_summary(results: Sequence[DiagnosisResult], folder: Path) -> None:
 
 #: How diagnoses are computed and stored.
 DIAGNOSES: Kind[DiagnosisJob, DiagnosisTask, DiagnosisResult] = Kind(
-    task_of, run, _digest_of, DiagnosisResult, DiagnosisResult.from_json, _earlier
+    task_of, run, _digest_of, DiagnosisResult, _earlier
 )

@@ -42,6 +42,15 @@ class Batch:
         """A row for each job."""
         return table_of(self.results)
 
+    def write_summary(self) -> None:
+        """Write the table and the page."""
+        worst_first = sorted(self.results, key=lambda result: (result.usable, result.status))
+        write_summary(
+            self.table, self.folder, "report.html", results=self.results,
+            counts=Counter(result.status for result in worst_first),
+            channels=list(dict.fromkeys(channel for result in self.results for channel in result.channels)),
+        )  # fmt: skip
+
 
 @dataclass(frozen=True)
 class FitTask:
@@ -115,7 +124,7 @@ def fit_many(
         listed = unique(tuple(jobs), "jobs")
     results = compute(
         FITS, listed, folder, scheduler=scheduler, workers=workers, resume=resume, progress=progress,
-        summarize=lambda results: _write_summary(Batch(results, folder)),
+        summarize=lambda results: Batch(results, folder).write_summary(),
     )  # fmt: skip
     return Batch(results, folder)
 
@@ -157,18 +166,5 @@ def _digest_of(job: FitJob) -> str:
 
 #: How fits are computed and stored.
 FITS: Kind[FitJob, FitTask, JobResult] = Kind(
-    task_of, run, _digest_of, JobResult, JobResult.from_json, lambda folder, name: [folder / f"{name}.tir"]
+    task_of, run, _digest_of, JobResult, lambda folder, name: [folder / f"{name}.tir"]
 )
-
-
-def _write_summary(batch: Batch) -> None:
-    results = batch.results
-    write_summary(
-        batch.table, batch.folder, "report.html", results=results, counts=Counter(result.status for result in results),
-        channels=list(dict.fromkeys(channel for result in results for channel in result.channels)),
-        words=list(dict.fromkeys(result.status for result in sorted(results, key=_worst_first))),
-    )  # fmt: skip
-
-
-def _worst_first(result: JobResult) -> tuple[bool, str]:
-    return result.usable, result.status

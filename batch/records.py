@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
-from math import isfinite, nan
+from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,11 @@ import pandas as pd
 from tirefmu.fitting import FitResult
 from tirefmu.fitting.results.verdict import GOOD, LIMITED
 
+from .resumable import BatchResult
+
 
 @dataclass(frozen=True)
-class JobResult:
+class JobResult(BatchResult):
     """The result of one fit of a batch.
 
     - `status`: the verdict of the fit ("good", "usable with limits", "not usable"); "failed" for invalid data or
@@ -23,39 +25,20 @@ class JobResult:
     - `reasons`: in order of weight.
     - `rows`: measured rows.
     - `seconds`: of the fit.
-    - `channels`: by channel over all recordings: ``rmse`` (N, N m) and the lowest ``r2``.
+    - `channels`: by channel over all recordings: ``rmse`` (N, N m) and the lowest ``r2``; None if it is not finite.
     - `values`: coefficients of the tire.
     """
 
-    name: str
-    status: str
-    reasons: tuple[str, ...] = ()
     model: str = ""
     rows: int = 0
     seconds: float = 0.0
-    channels: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    channels: Mapping[str, Mapping[str, float | None]] = field(default_factory=dict)
     values: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def usable(self) -> bool:
         """Whether there is a usable tire."""
         return self.status in (GOOD, LIMITED)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the result as JSON values; a number that is not finite is null."""
-        plain = asdict(self)
-        for fit in plain["channels"].values():
-            fit |= {name: value if isfinite(value) else None for name, value in fit.items()}
-        return plain
-
-    @classmethod
-    def from_json(cls, plain: Mapping[str, Any]) -> JobResult:
-        """Return the result of `to_json`; raise TypeError or KeyError for other values."""
-        channels = {
-            name: {key: nan if value is None else value for key, value in fit.items()}
-            for name, fit in plain["channels"].items()
-        }
-        return cls(**{**plain, "reasons": tuple(plain["reasons"]), "channels": channels})
 
 
 def result_of_fit(name: str, fit: FitResult) -> JobResult:
@@ -65,10 +48,8 @@ def result_of_fit(name: str, fit: FitResult) -> JobResult:
         parts = [agreement for agreement in fit.channels if agreement.channel == channel]
         counts = np.array([part.rows for part in parts])
         squares = counts @ np.array([part.rmse for part in parts]) ** 2
-        channels[channel] = {
-            "rmse": float(np.sqrt(squares / counts.sum())),
-            "r2": float(min(part.r2 for part in parts)),
-        }
+        r2 = float(min(part.r2 for part in parts))
+        channels[channel] = {"rmse": float(np.sqrt(squares / counts.sum())), "r2": r2 if isfinite(r2) else None}
         rows = max(rows, int(counts.sum()))
     verdict = fit.verdict
     return JobResult(

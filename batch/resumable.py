@@ -11,11 +11,12 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, FitError, TirefmuError, writing
+from tirefmu.boundary.json_schema import json_value
 from tirefmu.boundary.whole_file import write_whole
 from tirefmu.measurements.files.reading import READERS
 from tirefmu.tires.drawing.page import page_text, write_page
@@ -35,24 +36,32 @@ class NamedJob(Protocol):
         """Name of its output files."""
 
 
-class Stored(Protocol):
-    """The result of a job as it is stored."""
+@dataclass(frozen=True)
+class BatchResult:
+    """The result of a job.
 
-    @property
-    def name(self) -> str:
-        """Of the job."""
+    - `name`: of the job.
+    - `status`: `FAILED`, `LOST`, or another word for a result.
+    """
 
-    @property
-    def status(self) -> str:
-        """`FAILED`, `LOST`, or another word for a result."""
+    name: str
+    status: str
+    reasons: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
-        """Return the result as JSON values."""
+        """Return the result as JSON values; a number that is not finite is null."""
+        return dict(json_value(self))
+
+    @classmethod
+    def from_json(cls, plain: Mapping[str, Any]) -> Self:
+        """Return the result of `to_json`; raise TypeError for other values."""
+        values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in plain.items()}
+        return cls(**values)
 
 
 Job = TypeVar("Job", bound=NamedJob)
 Task = TypeVar("Task")
-Result = TypeVar("Result", bound=Stored)
+Result = TypeVar("Result", bound=BatchResult)
 
 
 @dataclass(frozen=True)
@@ -75,16 +84,14 @@ class Kind(Generic[Job, Task, Result]):
     - `task_of`: returns a job with its data; raises TirefmuError if a file cannot be used.
     - `run`: computes a task in any process: a function of a module.
     - `digest_of`: returns a digest of what determines the result of a job.
-    - `without`: returns the result of a job with name, status and reasons only.
-    - `from_json`: returns the result of `Stored.to_json`.
+    - `result`: the class of results.
     - `earlier`: returns the output files that earlier runs have left for a job, by folder and name.
     """
 
     task_of: Callable[[Job], Task]
     run: Callable[[Task], Outcome[Result]]
     digest_of: Callable[[Job], str]
-    without: Callable[[str, str, tuple[str, ...]], Result]
-    from_json: Callable[[Mapping[str, Any]], Result]
+    result: type[Result]
     earlier: Callable[[Path, str], Sequence[Path]]
 
 
@@ -183,14 +190,14 @@ def _outcomes(
             try:
                 task = kind.task_of(job)
             except TirefmuError as error:
-                unreadable.append((number, Outcome(kind.without(job.name, FAILED, (str(error),)))))
+                unreadable.append((number, Outcome(kind.result(job.name, FAILED, (str(error),)))))
                 continue
             numbers.append(number)
             yield task
 
     for place, outcome in outcomes_of(kind.run, tasks(), scheduler, workers):
         if isinstance(outcome, Lost):
-            outcome = Outcome(kind.without(jobs[numbers[place]].name, LOST, (outcome.reason,)))
+            outcome = Outcome(kind.result(jobs[numbers[place]].name, LOST, (outcome.reason,)))
         yield numbers[place], outcome
         yield from (unreadable.pop(0) for _ in range(len(unreadable)))
     yield from unreadable
@@ -200,7 +207,7 @@ def _kept(kind: Kind[Job, Task, Result], folder: Path, job: Job, digest: str) ->
     """Return the result of the same job that a folder has, or None."""
     try:
         plain = json.loads((folder / f"{job.name}.json").read_text(encoding="utf-8"))
-        result = kind.from_json(plain["result"])
+        result = kind.result.from_json(plain["result"])
         same = plain["digest"] == digest and result.name == job.name and result.status != LOST
         complete = same and all((folder / name).is_file() for name in plain["files"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):

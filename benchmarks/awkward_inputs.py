@@ -166,15 +166,15 @@ def outcome(contents: list[Content], folder: Path, *, fit: bool = True) -> Outco
     if status != 2:
         found = json.loads(report.read_text(encoding="utf-8"))
         messages = [finding["text"] for finding in found["findings"]]
-        for each in found["recordings"]:
-            counts = ", ".join(f"{count} rows ({reason})" for reason, count in each["excluded_rows"].items())
-            messages += [f"{each['source']}: excluded from a fit: {counts}"] if counts else []
+        for described in found["recordings"]:
+            counts = ", ".join(f"{count} rows ({reason})" for reason, count in described["excluded_rows"].items())
+            messages += [f"{described['source']}: excluded from a fit: {counts}"] if counts else []
     refused = status if status == 2 else 0
     if fit and not refused:
         try:
             recordings = recordings_from(paths)
-            for each in recordings:
-                check_columns(each)
+            for table in recordings:
+                check_columns(table)
             fit_tire(recordings, "mf61", progress=_stop_fit)
         except _StartedError:
             pass

@@ -1,6 +1,6 @@
 """Made drives with a known truth: how close `tirefmu drive` comes, and how often its intervals contain the truth.
 
-    python benchmarks/drives.py [--drives N] [--checks N] [--effects N] [--seconds S] [--seed N] [--json FILE]
+    python benchmarks/drives.py [--drives N] [--checks N] [--effects N] [--seconds S] [--seed N]
 
 The drives are those of an independent program (tests/driving/road.py): five kinds, 60 s at 100 Hz, noise and offsets of
 a consumer IMU, errors of the car and delays. Two of three are driven to the peak. Further drives have the tires of the
@@ -137,7 +137,7 @@ def named_effects(n: int, seconds: float, seed: int) -> dict[str, Any]:
     return counts
 
 
-def main() -> int:
+def main() -> None:
     """Print the results as JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--drives", type=int, default=60, help="drives with changed tires")
@@ -145,9 +145,7 @@ def main() -> int:
     parser.add_argument("--effects", type=int, default=3, help="drives for each kind of effect")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=36)
-    parser.add_argument("--json", type=Path)
     options = parser.parse_args()
-    result: dict[str, Any] = {}
     checks = options.checks, options.seconds, options.seed
     for name, count, part in (
         ("recovery", options.drives, lambda: recovery(options.drives, options.seconds, options.seed)),
@@ -155,14 +153,9 @@ def main() -> int:
         ("wrong_car", options.checks, lambda: false_findings(*checks, wrong_car=True)),
         ("effects", options.effects, lambda: named_effects(options.effects, options.seconds, options.seed)),
     ):
-        if not count:
-            continue
-        result[name] = part()
-        print(json.dumps({name: result[name]}, indent=2), flush=True)
-    if options.json:
-        options.json.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-    return 0
+        if count:
+            print(json.dumps({name: part()}, indent=2), flush=True)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

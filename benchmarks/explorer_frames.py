@@ -67,19 +67,20 @@ def measured(browser: Browser, page: Page, row: str, trace: Path) -> dict[str, N
     between, computing = page.evaluate(MOVE.replace("ROW", row), FRAMES)
     browser.stop_tracing()
     events = json.loads(trace.read_text(encoding="utf-8"))["traceEvents"]
-    frames = [each for each in events if each["name"] == FRAME and each["ph"] == "X"]
-    scripts = [each for each in events if each["name"] == SCRIPTS and each["ph"] == "X"]
+    frames = [event for event in events if event["name"] == FRAME and event["ph"] == "X"]
+    scripts = [event for event in events if event["name"] == SCRIPTS and event["ph"] == "X"]
     # Two callbacks share a frame: the one that moves the slider, and the page's.
     sums = [
-        sum(each["dur"] for each in scripts if 0 <= each["ts"] - frame["ts"] < frame["dur"]) / 1e3 for frame in frames
+        sum(script["dur"] for script in scripts if 0 <= script["ts"] - frame["ts"] < frame["dur"]) / 1e3
+        for frame in frames
     ]
-    whole = np.array([each["dur"] / 1e3 for each in frames])
+    whole = np.array([frame["dur"] / 1e3 for frame in frames])
     return {
         "computing the curves": np.array(computing),
         "all scripts": np.array(sums),
         "layout and drawing": whole - np.array(sums),
         "main thread": whole,
-        "main thread, CPU": np.array([each["tdur"] / 1e3 for each in frames if "tdur" in each]),
+        "main thread, CPU": np.array([frame["tdur"] / 1e3 for frame in frames if "tdur" in frame]),
         "from frame to frame": np.array(between),
     }
 
@@ -95,7 +96,7 @@ def main() -> None:
         page.goto(f"{path.as_uri()}#loads=5")
         page.wait_for_timeout(1000)
         points = page.evaluate("measured.conditions[0].rows")
-        visible = page.evaluate("charts.filter((each) => each.visible).length")
+        visible = page.evaluate("charts.filter((chart) => chart.visible).length")
         print(f"{points} points, 5 loads, {visible} visible charts, {FRAMES} frames, software rendering; ms per frame")
         for title, row in SLIDERS.items():
             print(f"{title:24}     min  median    95 %")

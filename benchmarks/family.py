@@ -28,8 +28,9 @@ COMBINED = ("RBX1", "RBX2", "RCX1", "RHX1", "RBY1", "RBY2", "RBY3", "RCY1", "RHY
 def made_tires(count: int, seed: int) -> list[Tire]:
     """Return tires around one tire, with loads within a factor of 1.5 of its own."""
     base, random = bench_tire(), np.random.default_rng(seed)
-    names = [name for name, one in base.symbolic_model.coefficients.items() if one.fitted and base.values[name]]
-    sections = [base.symbolic_model.coefficients[name].section for name in names]
+    coefficients = base.symbolic_model.coefficients
+    names = [name for name in coefficients if coefficients[name].fitted and base.values[name]]
+    sections = [coefficients[name].section for name in names]
     tires = []
     for number in range(count):
         size = random.uniform(-1.0, 1.0)

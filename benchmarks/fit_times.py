@@ -144,9 +144,9 @@ def compare(rows: int) -> dict[str, Any]:
                       "satisfied": "bounds"},
         "joint problem": {"seconds": joint_seconds, "cost": solution.cost, "evaluations": solution.iterations,
                           "satisfied": "all" if solution.converged else solution.reason},
-        **{name: {"seconds": seconds, "cost": cost_of(one), "satisfied": "all" if one.ok else one.status,
-                  "evaluations": sum(stage.iterations for stage in one.stages)}
-           for name, seconds, one in (("fit of all rows", stages, result), ("full fit", full_seconds, full))},
+        **{name: {"seconds": seconds, "cost": cost_of(fitted), "satisfied": "all" if fitted.ok else fitted.status,
+                  "evaluations": sum(stage.iterations for stage in fitted.stages)}
+           for name, seconds, fitted in (("fit of all rows", stages, result), ("full fit", full_seconds, full))},
         "derivative pass": passes,
         "stages": [{"name": stage.name, "rows": stage.rows, "free": stage.free, "iterations": stage.iterations}
                    for stage in full.stages],

@@ -100,19 +100,21 @@ NUMBERS = {
 NOT_INSTALLED = "not run (2)"
 
 
+def tires_of_models() -> dict[str, Tire]:
+    """Return a tire of every model."""
+    files = {f"mf{v}": ROOT / f"tests/golden/MagicFormula{v}_Parameters.tir" for v in (52, 61, 62)}
+    made = {"fiala": Tire("fiala", FIALA), "brush": Tire("brush", BRUSH)}
+    return {"mf96": published("trento_hoosier"), **{name: read_tir(path) for name, path in files.items()}, **made}
+
+
 def tires() -> dict[str, Tire]:
     """Return a tire of every model, one with an added effect, and one with states."""
-    golden = ROOT / "tests" / "golden"
-    found = {"mf96": published("trento_hoosier")}
-    for model in ("mf52", "mf61", "mf62"):
-        found[model] = read_tir(golden / f"MagicFormula{model[2:]}_Parameters.tir")
-    mf61 = found["mf61"]
+    mf61 = tires_of_models()["mf61"]
     values = {**mf61.values, "TREF": 60.0, "TMU1": -0.002, "TMU2": -3e-5}
     warm = replace(mf61, values=values, effects={*mf61.has, "temp_friction"})
     states = {"HMU": 4e-6, "SHMUX": 0.05, "SHMUY": 0.05, "SIGX": 0.2, "SIGY": 0.4}
     late = replace(mf61, values={**mf61.values, **states}, effects={*mf61.has, *WITH_STATES})
-    return {**found, "fiala": Tire("fiala", FIALA), "brush": Tire("brush", BRUSH), "mf61 + temp_friction": warm,
-            "mf61 + states": late}  # fmt: skip
+    return {**tires_of_models(), "mf61 + temp_friction": warm, "mf61 + states": late}
 
 
 @lru_cache(maxsize=4)

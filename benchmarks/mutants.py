@@ -47,7 +47,7 @@ class Fault:
 def faults(words: Sequence[str]) -> list[Fault]:
     """Return the faults whose file or line contains one of the words; all faults without words."""
     table = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))["fault"]
-    every = [Fault(one["file"], one["old"], one["new"], tuple(one["tests"])) for one in table]
+    every = [Fault(row["file"], row["old"], row["new"], tuple(row["tests"])) for row in table]
     return [fault for fault in every if not words or any(word in str(fault) for word in words)]
 
 

@@ -20,18 +20,16 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from languages import BRUSH, FIALA
+from languages import tires_of_models
 
 from tirefmu.fmu import add_proof, export, repeat_proof
 from tirefmu.fmu.comparison.result import EVALUATION_TOLERANCE as TOLERANCE
 from tirefmu.fmu.simulation.archive import unpacked
 from tirefmu.fmu.simulation.simulate import simulate
-from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, ROAD, SPIN
-from tirefmu.tires import Tire, published, read_tir
+from tirefmu.tires import Tire
 from tirefmu.tires.hub import hub_wrench, wheel_motion
 
-ROOT = Path(__file__).parents[1]
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
 STIMULI, REFERENCE, PROOF = (FOLDER + name for name in ("stimuli.csv", "reference.csv", "proof.json"))
 LAGGED, CONTACT = ("kappa_lagged", "alpha_lagged"), tuple(quantity.name for quantity in CONTACT_FORCES)
@@ -42,17 +40,6 @@ NUMBERS = {
     "modelDescription.xml": rb'start="-?(\d)',
     STIMULI: rb"\n-?(\d)",
 }
-
-
-def tires() -> dict[str, Tire]:
-    """Return a tire of every model."""
-    golden = {f"mf{v}": read_tir(ROOT / f"tests/golden/MagicFormula{v}_Parameters.tir") for v in (52, 61, 62)}
-    return {
-        "mf96": published("trento_hoosier"),
-        **golden,
-        "fiala": Tire("fiala", FIALA),
-        "brush": Tire("brush", BRUSH),
-    }
 
 
 def recording(tire: Tire, rng: np.random.Generator) -> pd.DataFrame:
@@ -117,8 +104,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         fmu, program, other = folder / "tire.fmu", folder / "check_proof.py", folder / "changed.fmu"
-        for model, tire in tires().items():
-            assert model in MODELS
+        for model, tire in tires_of_models().items():
             for fmi, inputs in ((2, "slip"), (2, "hub"), (3, "slip"), (3, "hub")):
                 add_proof(export(tire, fmu, fmi=fmi, inputs=inputs), recording(tire, rng))
                 with zipfile.ZipFile(fmu) as archive:

@@ -21,12 +21,10 @@ coverages into docs/recovery.md.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
@@ -100,10 +98,10 @@ def bootstrap_coverage_of(result: FitResult, truth: Tire) -> tuple[int, int]:
     """Return the number of intervals of a bootstrap that contain the true value, and the number of intervals."""
     tire, inside, counted = truth.in_signs(result.signs), 0, 0
     bounded = {coefficient.name for coefficient in result.coefficients if coefficient.at_bound}
-    for each in result.bootstrap.intervals if result.bootstrap else ():
-        if np.isfinite(each.lower) and each.name not in bounded:
+    for interval in result.bootstrap.intervals if result.bootstrap else ():
+        if np.isfinite(interval.lower) and interval.name not in bounded:
             counted += 1
-            inside += each.lower <= tire.values[each.name] <= each.upper
+            inside += interval.lower <= tire.values[interval.name] <= interval.upper
     return inside, counted
 
 
@@ -117,7 +115,7 @@ def refitted(task: RecoveryTask) -> Refit:
         seconds = time.process_time() - start
         if task.replicates:
             tasks = replicate_tasks(result, [recording], task.replicates, task.seed)
-            result = bootstrap_of(result, tasks, np.concatenate([replicates_of(each) for each in tasks]))
+            result = bootstrap_of(result, tasks, np.concatenate([replicates_of(task) for task in tasks]))
     return Refit(
         task, result.ok, difference_of(result.tire, truth, recording), *coverage_of(result, truth), seconds,
         len(CONDITIONS), predictions_covered(result, truth), *bootstrap_coverage_of(result, truth),
@@ -140,8 +138,8 @@ def ended(model: str, share: float, rows: int, best: Tire, seed: int) -> tuple[f
     return difference_of(result.tire, best, recording), result.ok
 
 
-def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
-    """Print a line of the first table and return its data."""
+def print_refits(name: str, runs: Iterable[Refit]) -> None:
+    """Print a line of the first table, and the coverages of its fits."""
     done = list(runs)
     shares = [run.covered / run.intervals for run in done]
     total = sum(run.covered for run in done) / sum(run.intervals for run in done)
@@ -159,9 +157,6 @@ def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
     if percentiles := sum(run.bootstrap_intervals for run in done):
         print(f"    coverage of the bootstrap: {sum(run.bootstrap_covered for run in done) / percentiles:.1%}")
     print("    coverage of predictions: " + ", ".join(f"{q} {share:.1%}" for q, share in predicted_shares.items()))
-    return {
-        "name": name, "runs": [asdict(run) for run in done], "coverage": total, "predictions": predicted_shares,
-    }  # fmt: skip
 
 
 def all_refits(pool: ProcessPoolExecutor, tasks: Sequence[RecoveryTask], path: Path | None) -> list[Refit]:
@@ -174,13 +169,12 @@ def all_refits(pool: ProcessPoolExecutor, tasks: Sequence[RecoveryTask], path: P
     return [known[task] for task in tasks]
 
 
-def of_ends(name: str, ends: Iterable[tuple[float, bool]]) -> dict[str, object]:
-    """Print a line of the second table and return its data."""
+def print_ends(name: str, ends: Iterable[tuple[float, bool]]) -> None:
+    """Print a line of the second table."""
     done = list(ends)
     good = sum(ok and distance <= GOOD for distance, ok in done)
     far = max(distance for distance, _ in done)
     print(f"{name:18}{len(done):6}{good:6}{far:10.3f}", flush=True)
-    return {"name": name, "starts": len(done), "good": good, "farthest": far}
 
 
 def main() -> None:
@@ -200,13 +194,11 @@ def main() -> None:
         action="store_true",
         help="write the coverages of that file into docs/recovery.md; other lines of its table stay",
     )
-    parser.add_argument("--json", type=Path, help="also write the results to this file")
     given = parser.parse_args()
     if given.write and not given.results:
         parser.error("--write writes what a file of --results has")
     seeds, starts = (8, 5) if given.quick else (given.seeds, given.starts)
     models = given.models.split(",")
-    refits, ends = [], []
     with ProcessPoolExecutor(given.processes) as pool:
         if seeds:
             print(f"{'':18}{'fits':>6}{'ok':>6}{'missed':>10}{'most':>8}{'coverage':>12}{'range':>15}"
@@ -214,18 +206,16 @@ def main() -> None:
         for model in models if seeds else ():
             for kind in given.noise.split(","):
                 tasks = [RecoveryTask(model, kind, given.rows, seed, given.bootstrap) for seed in range(seeds)]
-                refits.append(of_refits(f"{model}, {kind}", all_refits(pool, tasks, given.results)))
+                print_refits(f"{model}, {kind}", all_refits(pool, tasks, given.results))
         if starts:
             print(f"\n{'':18}{'starts':>6}{'good':>6}{'farthest':>10}")
         for model in models if starts else ():
             best = pool.submit(from_truth, model, given.rows).result()
             for share in SHARES:
                 found = pool.map(partial(ended, model, share, given.rows, best), range(starts))
-                ends.append(of_ends(f"{model}, +-{100 * share:.0f} %", found))
+                print_ends(f"{model}, +-{100 * share:.0f} %", found)
     if given.write:
         write(list(stored(given.results)))
-    if given.json:
-        given.json.write_text(json.dumps({"refits": refits, "starts": ends}, indent=2) + "\n")
 
 
 if __name__ == "__main__":

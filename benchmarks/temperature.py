@@ -20,7 +20,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from step_times import step_times
 
 from tirefmu import FitResult, fit
 from tirefmu.diagnosis import diagnose
@@ -28,10 +27,13 @@ from tirefmu.fitting.temperature.heat_balance import EFFECT, HeatBalance
 from tirefmu.fitting.temperature.optimum import optimum_temperature
 from tirefmu.fitting.temperature.solution import solved
 from tirefmu.fitting.temperature.temperature_fit import FITTED_SHARE, FREE, STARTS, fit_temperature
+from tirefmu.fmu.packaging.binaries import FLAGS
 from tirefmu.measurements import Recording, recording_from
 from tirefmu.tires import Tire
+from tirefmu.tires.code.compiler import find_compiler
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
+sys.path += [str(Path(__file__).parents[1] / "tests" / folder) for folder in ("fitting", "fmu")]
+from programs import random_steps
 from thermal_generator import recording
 
 #: Effects of the forces of measured recordings.
@@ -222,7 +224,8 @@ def cost() -> None:
         medians = []
         for tire in (plain, heated):
             with tempfile.TemporaryDirectory() as folder:
-                medians.append(step_times(tire.in_signs("iso"), inputs, STEPS, Path(folder))[0])
+                program = (find_compiler(), Path(folder), tire.in_signs("iso"), inputs, STEPS, "-O2", *FLAGS)
+                medians.append(random_steps(*program)["median"])
         print(f"a step with {inputs} inputs: {medians[0]:.1f} us without, {medians[1]:.1f} us with temperatures")
 
 

@@ -126,7 +126,7 @@ def compare(first: Tire, second: Tire, recordings: Sequence[Recording] = (), *, 
 
     >>> from tirefmu.tires import published
     >>> old = published("trento_hoosier")
-    >>> [each.name for each in compare(old, old.with_values(PDY1=2.5), names=("old", "new")).differences]
+    >>> [difference.name for difference in compare(old, old.with_values(PDY1=2.5), names=("old", "new")).differences]
     ['PDY1']
     """
     tires = (first.in_signs("iso"), second.in_signs("iso"))

@@ -24,12 +24,13 @@ def write_comparison(
     """
     folder = path_from(folder, "folder")
     figures = comparison_figures(comparison, recordings, signs)
-    page = page_text("tirefmu.comparison", {"short": _short}, comparison=comparison, figures=figures)
+    page = page_text("tirefmu.comparison", {"short": short}, comparison=comparison, figures=figures)
     with writing(folder):
         drawn = write_figures(figures, folder)
         write_page(page, folder / "report.html")
     return [folder / "report.html", *drawn]
 
 
-def _short(value: float | None) -> str:
+def short(value: float | None) -> str:
+    """Return a number with five digits, or a dash where there is none."""
     return "-" if value is None else f"{value:.5g}"

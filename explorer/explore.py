@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import TirefmuError, UnknownName, path_from
+from tirefmu.boundary.errors import UnknownName, path_from, writing
 from tirefmu.boundary.escaping import html_text, script_json
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire, TireLike, tire_from
@@ -53,10 +53,8 @@ def explore(
     """
     path = path_from(path)
     text = page_text(tire, recordings=recordings, compare=compare, intervals=intervals or {})
-    try:
+    with writing(path):
         write_page(text, path)
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 def page_text(

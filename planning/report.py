@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tirefmu.boundary.errors import path_from
+from tirefmu.boundary.errors import path_from, writing
 from tirefmu.measurements import write_table
 from tirefmu.tires.drawing.figure import Figure, Panel, Series
 from tirefmu.tires.drawing.page import page_text, write_page
@@ -39,14 +39,12 @@ def write_plan(result: PlanResult, folder: str | Path, *, command: str = "", nex
         compared=comparison(result), command=command, next_command=next_command,
     )  # fmt: skip
     paths = [folder / name for name in ("program.csv", "steps.csv", "plan.json", "report.html")]
-    try:
+    with writing(folder, PlanError):
         folder.mkdir(parents=True, exist_ok=True)
         write_table(result.program.rows, paths[0])
         write_table(steps, paths[1])
         paths[2].write_text(json.dumps(result.to_json(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
         write_page(page, paths[3])
-    except OSError as error:
-        raise PlanError(f"{folder}: cannot be written ({error.strerror or error})") from None
     return paths
 
 

@@ -76,9 +76,6 @@ class Fits:
                 {key: channel[key] for key in ("recording", "channel", "unit", "fitted_rmse", "fitted_r2")}
                 for channel in result["channels"]
             ]
-            return shown | {
-                "model": result["model"], "verdict": result["verdict"]["word"], "channels": channels,
-                "reasons": result["verdict"]["reasons"],
-            }  # fmt: skip
+            return shown | {"model": result["model"], "verdict": result["verdict"], "channels": channels}
         except (OSError, ValueError, KeyError, TypeError) as error:
-            return shown | {"model": "", "verdict": f"cannot be read: {excerpt(error)}", "channels": [], "reasons": []}
+            return shown | {"model": "", "verdict": f"cannot be read: {excerpt(error)}", "channels": []}

@@ -20,7 +20,7 @@ from tirefmu.measurements.files.reading import READERS
 from tirefmu.project.project_file import SECTIONS
 from tirefmu.project.records import Records, files_of
 from tirefmu.project.steps import Step, reads_results, steps_of
-from tirefmu.project.summaries import headline_of, summary_of
+from tirefmu.project.summaries import summary_of
 from tirefmu.symbolic.models import MODELS, model_named
 from tirefmu.tires import Tire, tire_from
 
@@ -343,12 +343,8 @@ def _step(step: Step, status: int | None, folder: Path) -> Event:
         return shown
     try:
         result = json.loads(step.result.read_text(encoding="utf-8"))
-        headline = headline_of(step.command, result, status)
-        shown |= {
-            "headline": headline.text,
-            "rating": headline.rating,
-            "summary": list(summary_of(step.command, result)),
-        }
+        summary = summary_of(step.command, result, status)
+        shown |= {"headline": summary.text, "rating": summary.rating, "summary": list(summary.lines)}
         if step.command == "diagnose":
             shown["found"] = [str(finding["effect"]) for finding in result["found"]]
     except (OSError, ValueError, KeyError, TypeError) as error:

@@ -16,7 +16,7 @@ FAULTS = tomllib.loads((ROOT / "benchmarks" / "mutants.toml").read_text(encoding
 def test_a_fault_can_be_planted_and_its_tests_exist(fault):
     assert (ROOT / fault["file"]).read_text(encoding="utf-8").count(fault["old"]) == 1
     assert fault["new"] != fault["old"]
-    for test in (one for one in fault["tests"] if one.startswith("tests/")):
+    for test in (entry for entry in fault["tests"] if entry.startswith("tests/")):
         path, _, name = test.partition("::")
         assert not name or f"def {name.partition('[')[0]}(" in (ROOT / path).read_text(encoding="utf-8")
         assert (ROOT / path).exists()

@@ -5,9 +5,9 @@ The names are loaded on first access: SymPy, pandas, CasADi and Matplotlib take 
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from tirefmu.boundary.on_demand import on_demand
 from tirefmu.tires.table_argument import read_tables_with
 
 if TYPE_CHECKING:
@@ -30,34 +30,22 @@ if TYPE_CHECKING:
 
     __version__: str
 
-#: The package or module of each name, and its name there if it is another one.
-_ON_DEMAND = {
-    "CheckResult": "fmu",
-    "Diagnosis": "diagnosis",
-    "Drive": "driving.result",
-    "FitResult": "fitting",
-    "ProofResult": "fmu",
-    "Recording": "measurements",
-    "Tire": "tires",
-    "TirefmuError": "boundary.errors",
-    "VirtualBench": "measurements",
-    "add_proof": "fmu",
-    "bootstrap": "batch.intervals",
-    "check": "fmu",
-    "diagnose": "diagnosis",
-    "diagnose_many": "batch.diagnose_many",
-    "drive": "driving.drive",
-    "draw": "tires.drawing.files",
-    "evaluate": "evaluation",
-    "export": "fmu",
-    "fit": "fitting",
-    "fit_many": "batch.fit_many",
-    "load": "tires:read_tir",
-    "profile": "batch.intervals",
-    "published": "tires",
-    "read_recording": "measurements",
-    "repeat_proof": "fmu",
-    "study": "batch.study",
+#: The names of each package or module; `load` is a name of this one.
+_NAMES = {
+    "batch.diagnose_many": ("diagnose_many",),
+    "batch.fit_many": ("fit_many",),
+    "batch.intervals": ("bootstrap", "profile"),
+    "batch.study": ("study",),
+    "boundary.errors": ("TirefmuError",),
+    "diagnosis": ("Diagnosis", "diagnose"),
+    "driving.drive": ("drive",),
+    "driving.result": ("Drive",),
+    "evaluation": ("evaluate",),
+    "fitting": ("FitResult", "fit"),
+    "fmu": ("CheckResult", "ProofResult", "add_proof", "check", "export", "repeat_proof"),
+    "measurements": ("Recording", "VirtualBench", "read_recording"),
+    "tires": ("Tire", "published"),
+    "tires.drawing.files": ("draw",),
 }
 
 __all__ = [
@@ -90,15 +78,19 @@ __all__ = [
 ]
 
 
+_get, _ = on_demand(__name__, {name: module for module, names in _NAMES.items() for name in names})
+
+
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        from importlib.metadata import version
+        from importlib.metadata import version  # takes as long as the rest of the import
 
         return version("tirefmu")
-    if name not in _ON_DEMAND:
-        raise AttributeError(f"module 'tirefmu' has no attribute {name!r}")
-    module, _, renamed = _ON_DEMAND[name].partition(":")
-    return getattr(import_module(f"tirefmu.{module}"), renamed or name)
+    if name == "load":
+        from tirefmu.tires import read_tir
+
+        return read_tir
+    return _get(name)
 
 
 def __dir__() -> list[str]:

@@ -15,6 +15,7 @@ from typing import Any
 import click
 
 from tirefmu.boundary.errors import TirefmuError, writing
+from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from tirefmu.symbolic import DEFAULT_MODEL
 
 #: The models of the package; the equations take too long to load for a help text.
@@ -23,9 +24,13 @@ _MODELS = json.loads((files("tirefmu.generated") / "MANIFEST.json").read_text(en
 MODEL = click.option(
     "--model", help=f"Model: {', '.join(_MODELS)}.  [default: that of the given tire, else {DEFAULT_MODEL}]"
 )
-SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
+CONVENTIONS = click.Choice(["iso", "sae", "adapted-sae"])
+#: Option of the commands that draw tables in another convention than that of `tables_read`.
+DRAW_SIGNS = click.option(
+    "--draw-signs", type=CONVENTIONS, help="Sign convention of the figures (default: that of --signs, else iso)."
+)
+SIGNS = click.option("--signs", type=CONVENTIONS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 FILE = click.Path(path_type=Path)
-#: Option of the commands that read tables.
 WHERE = click.option(
     "--where",
     metavar="EXPRESSION",
@@ -45,94 +50,57 @@ def all_commands(context: click.Context) -> click.Group:
     return group
 
 
-class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic since click 8.4
-    """``name=number,name=number``."""
-
-    name = "NAME=VALUE,..."
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, float]:
-        """Return the pairs as a mapping."""
-        pairs = {}
-        for part in value.split(","):
-            key, _, number = part.partition("=")
-            try:
-                pairs[key.strip()] = float(number)
-            except ValueError:
-                self.fail(f"{part!r} is not like Fz0=1000", param, ctx)
-            if not isfinite(pairs[key.strip()]):
-                self.fail(f"{part!r} is not finite", param, ctx)
-        return pairs
-
-
-class Weight(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
-    """``FACTOR: EXPRESSION``."""
-
-    name = "FACTOR:EXPRESSION"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        """Return the expression and the factor."""
-        factor, colon, expression = value.partition(":")
+def numbers_by_name(text: str) -> dict[str, float]:
+    """Read ``name=number,name=number``."""
+    pairs = {}
+    for part in text.split(","):
+        key, _, number = part.partition("=")
         try:
-            return expression.strip(), float(factor if colon else "")
+            pairs[key.strip()] = float(number)
         except ValueError:
-            self.fail(f"{value!r} is not like '2: Fz in 200..240 N'", param, ctx)
+            raise click.BadParameter(f"{part!r} is not like Fz0=1000") from None
+        if not isfinite(pairs[key.strip()]):
+            raise click.BadParameter(f"{part!r} is not finite")
+    return pairs
 
 
-class Radius(Pairs):
-    """``R0=number``: the free radius of a tire file without it."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number."""
-        pairs = super().convert(value, param, ctx)
-        if pairs.keys() != {"R0"}:
-            self.fail(f"{value!r} is not like R0=0.3", param, ctx)
-        return pairs["R0"]
-
-
-RADIUS = click.option(
-    "--nominal", "radius", type=Radius(), help="R0 (m) of a tire file without UNLOADED_RADIUS: --nominal R0=0.3."
-)
+def texts_by_channel(text: str) -> dict[str, str]:
+    """Read ``channel=text,channel=text``."""
+    pairs = {}
+    for part in text.split(","):
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if not (key and equals and value):
+            raise click.BadParameter(f"{part!r} is not like Fy=FY")
+        pairs[key] = value
+    return pairs
 
 
-class NamesByChannel(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
-    """``channel=text,channel=text``."""
-
-    name = "CHANNEL=NAME,..."
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, str]:
-        """Return the pairs as a mapping."""
-        pairs = {}
-        for part in value.split(","):
-            key, equals, text = (piece.strip() for piece in part.partition("="))
-            if not (key and equals and text):
-                self.fail(f"{part!r} is not like Fy=FY", param, ctx)
-            pairs[key] = text
-        return pairs
+def numbers(text: str) -> tuple[float, ...]:
+    """Read ``number,number``."""
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise click.BadParameter(f"{text!r} is not like 60,110,160") from None
 
 
-#: Options of the commands that read tables, apart from --where.
-_COLUMNS = click.option("--columns", type=NamesByChannel(),
+def _radius(text: str) -> float:
+    """Read ``R0=number``: the free radius of a tire file without it."""
+    pairs = numbers_by_name(text)
+    if pairs.keys() != {"R0"}:
+        raise click.BadParameter(f"{text!r} is not like R0=0.3")
+    return pairs["R0"]
+
+
+NOMINAL = click.option("--nominal", type=numbers_by_name, metavar="NAME=VALUE,...",
+                       help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")  # fmt: skip
+RADIUS = click.option("--nominal", "radius", type=_radius, metavar="R0=VALUE",
+                      help="R0 (m) of a tire file without UNLOADED_RADIUS: --nominal R0=0.3.")  # fmt: skip
+#: How columns are read.
+_COLUMNS = click.option("--columns", type=texts_by_channel, metavar="CHANNEL=NAME,...",
                         help="Columns by channel, such as Fy=FYC,alpha=-SA (minus: other sign; none: not read). "
                              "Channels: tirefmu columns")  # fmt: skip
-_UNITS = click.option("--units", type=NamesByChannel(), help="Units of columns, such as Fz=lbf,alpha=deg.")
-
-
-def table_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of commands that read tables: --where, --columns, --units."""
-    return WHERE(_COLUMNS(_UNITS(command)))
-
-
-class Numbers(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
-    """``number,number``."""
-
-    name = "NUMBER,..."
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
-        """Return the numbers."""
-        try:
-            return tuple(float(part) for part in value.split(","))
-        except ValueError:
-            self.fail(f"{value!r} is not like 60,110,160", param, ctx)
+_UNITS = click.option("--units", type=texts_by_channel, metavar="CHANNEL=NAME,...",
+                      help="Units of columns, such as Fz=lbf,alpha=deg.")  # fmt: skip
 
 
 def names(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
@@ -202,13 +170,21 @@ def grouped(**groups: type[Any]) -> Callable[[Callable[..., Any]], Callable[...,
     return of
 
 
-def check_input_paths(*paths: Path) -> None:
+def tables_read(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --signs, --where, --columns and --units; the command takes them as one value, `selection`."""
+    command = grouped(selection=TableOptions)(command)
+    for option in (_UNITS, _COLUMNS, WHERE, SIGNS):
+        command = option(command)
+    return command
+
+
+def check_input_paths(*paths: Path | None) -> None:
     """Raise for a missing file, before the packages are loaded that read files.
 
-    A path without an extension may be the name of a published tire.
+    A path without an extension may be the name of a published tire. None is a path that was not given.
     """
     for path in paths:
-        if path.suffix and not path.exists():
+        if path and path.suffix and not path.exists():
             near = get_close_matches(path.name, _neighbors(path), n=1)
             raise TirefmuError(f"{path}: no such file{f': did you mean {near[0]}?' if near else ''}")
 

@@ -21,7 +21,7 @@ KINDS = ("default", "optional", "library")
 def columns() -> list[dict[str, Any]]:
     """Return the columns of tables with their units and names, as JSON values in the order of the contract.
 
-    >>> [each["ttc"] for each in columns() if each["name"] == "alpha"]
+    >>> [column["ttc"] for column in columns() if column["name"] == "alpha"]
     [['SA']]
     """
     return [

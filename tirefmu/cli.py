@@ -9,43 +9,31 @@ from __future__ import annotations
 import io
 import shlex
 import sys
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 from typing import Any
 
 import click
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import command_text, excerpt, file_name, visible
-from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
+from . import commands
 from .arguments import (
+    DRAW_SIGNS,
     FILE,
     RADIUS,
-    SIGNS,
-    Numbers,
     TableOptions,
     check_input_paths,
     check_output_paths,
     command_line,
     common,
-    grouped,
-    table_options,
+    numbers,
+    tables_read,
     write_json,
 )
-from .commands.bench_commands import example, plan
-from .commands.benchmark_command import benchmark
 from .commands.command_help import SectionedGroup, add_examples
-from .commands.diagnose_command import diagnose
-from .commands.drive_command import drive
-from .commands.export_command import export
-from .commands.fit_command import fit
-from .commands.generate_command import generate
-from .commands.host_commands import convert, lint
-from .commands.inspect_command import inspect
-from .commands.list_commands import columns, effects, models, published, schema
-from .commands.many_commands import fit_many, study
-from .commands.page_commands import compare, explore
-from .commands.project_commands import init, run, studio
 
 
 @click.group(cls=SectionedGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -61,7 +49,6 @@ def cli() -> None:
 @click.argument("tire", type=FILE)
 @click.argument("table", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="CSV or Parquet file to write.")
-@click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
 @click.option(
     "--convention",
     type=click.Choice(["tno", "book"]),
@@ -76,7 +63,7 @@ def cli() -> None:
     show_default=True,
     help="MF5.2 to 6.2: alpha* and gamma* are tangent and sine, or the angles.",
 )
-@table_options
+@tables_read
 @click.option("--limits", is_flag=True, help="Clamp the inputs to the valid range of the tire.")
 @click.option("--mirror", is_flag=True, help="Evaluate the tire mounted on the other side of the vehicle.")
 @click.option("--steady", is_flag=True, help="No transient slip: evaluate each row independently.")
@@ -85,7 +72,6 @@ def cli() -> None:
 @click.option("--code", type=click.Choice(["auto", "numpy", "c", "casadi", "batch"]), default="auto",
               show_default=True, help="Generated code to use.")  # fmt: skip
 @common
-@grouped(selection=TableOptions)
 def evaluate(
     tire: Path,
     table: Path,
@@ -145,8 +131,7 @@ def evaluate(
 @cli.command()
 @click.argument("fmu", type=FILE)
 @click.argument("table", type=FILE, required=False)
-@click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
-@table_options
+@tables_read
 @click.option(
     "--tolerance",
     type=click.FloatRange(min=0.0),
@@ -157,7 +142,6 @@ def evaluate(
 @click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and the error over time.")
 @click.option("--report", type=FILE, help="HTML report: verdict, goodness of fit, errors over time and inputs.")
 @common
-@grouped(selection=TableOptions)
 def check(
     fmu: Path, table: Path | None, selection: TableOptions, tolerance: float | None, timeout: float | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
@@ -170,7 +154,7 @@ def check(
     reported as an error. It is native code with your permissions.
     """
     check_output_paths(json_file, report, folder=figures)
-    check_input_paths(fmu, *([table] if table else []))
+    check_input_paths(fmu, table)
     if table is None:
         if selection.arguments or tolerance is not None or figures or report:
             raise TirefmuError("options of tables, --tolerance, --figures and --report need a TABLE")
@@ -254,15 +238,14 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
 @click.argument("tire", type=FILE)
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder to write.")
-@click.option("--loads", type=Numbers(), help="Loads in N (default: those of TABLES, or three over the tire's range).")
-@click.option("--kappa", type=Numbers(), metavar="LOW,HIGH",
+@click.option("--loads", type=numbers, metavar="NUMBER,...",
+              help="Loads in N (default: those of TABLES, or three over the tire's range).")  # fmt: skip
+@click.option("--kappa", type=numbers, metavar="LOW,HIGH",
               help="Range of kappa, such as -1.1,1.1 (default: that of the tire, at most -1,1).")  # fmt: skip
-@click.option("--signs", type=SIGNS, help=f"Convention of TABLES (default: {DEFAULT_SIGNS}).")
-@click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
-@table_options
+@DRAW_SIGNS
+@tables_read
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @common
-@grouped(selection=TableOptions)
 def draw(
     tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None,
     kappa: tuple[float, ...] | None, selection: TableOptions,
@@ -326,32 +309,10 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
     return 0 if summary["ok"] else 1
 
 
-for command in (
-    benchmark,
-    columns,
-    compare,
-    convert,
-    diagnose,
-    drive,
-    effects,
-    example,
-    explore,
-    export,
-    fit,
-    fit_many,
-    generate,
-    init,
-    inspect,
-    lint,
-    models,
-    plan,
-    published,
-    run,
-    schema,
-    studio,
-    study,
-):
-    cli.add_command(command)
+for module in iter_modules(commands.__path__, f"{commands.__name__}."):
+    for value in vars(import_module(module.name)).values():
+        if isinstance(value, click.Command):
+            cli.add_command(value)
 add_examples(cli)
 
 

@@ -15,8 +15,9 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.boundary.errors import TirefmuError
-from tirefmu.diagnosis import diagnose, draw_residual_maps, export_and_simulate, residual_map, write_report
+from tirefmu.batch.diagnose_many import write_answer
+from tirefmu.batch.resumable import made_folder
+from tirefmu.diagnosis import diagnose, draw_residual_maps, residual_map
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.reporting.curves_figure import curves_figure
 from tirefmu.diagnosis.reporting.residual_map import residual_map_figure
@@ -34,7 +35,6 @@ from tirefmu.tires.code import chosen_derivatives, fastest_code
 from tirefmu.tires.drawing.labels import drawn_unit
 from tirefmu.tires.drawing.picture import write_figures
 
-from .arguments import write_json
 from .demo_page import DemoStep, write_demo_page
 from .terminal import Terminal
 
@@ -79,10 +79,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     is true if every check passed. Raises `TirefmuError` if the folder cannot be created.
     """
     began = time.perf_counter()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise TirefmuError(f"{folder}: cannot be created ({error.strerror or error})") from error
+    made_folder(folder)
     truth = bench_tire()
     chapters: list[DemoStep] = []
     # A second process compiles the code of the diagnosis and draws figures; a forked one would inherit threads.
@@ -277,11 +274,7 @@ def _diagnosis(
     terminal.heading("5 Diagnosis.", "Which effect does the reduced tire lack? All known effects are tested")
     with terminal.working("diagnosing"):
         result = diagnose(recording.table, signs=recording.signs, tire=start)
-        path = result.save(folder)
-        simulated = export_and_simulate(result, recording, folder)
-        write_report(result, recording, folder / "report.html", simulated)
-    written = {"tire": "improved.tir", "base_tire": "base.tir", "fmu": "improved.fmu", "base_fmu": "base.fmu"}
-    write_json(path, {**result.to_json(**written), "simulated": simulated})
+        simulated = write_answer(result, recording, folder)["simulated"]
     terminal.print(f"  {result.verdict}")
     for finding in result.found:
         values = ", ".join(

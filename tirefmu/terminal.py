@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from shutil import get_terminal_size
 from textwrap import wrap
@@ -62,6 +61,11 @@ class Terminal:
         console = partial(Console, quiet=quiet, highlight=False, markup=False, emoji=False)
         self._out = console(soft_wrap=True, width=width)
         self._status = console(stderr=True, soft_wrap=True)
+        # Each shows progress until the end of its with block.
+        self.working = partial(progress.showing, self._status)
+        self.counting = partial(progress.counting, self._status)
+        self.fitting = partial(progress.fitting, self._status)
+        self.stages = partial(progress.showing_stages, self._status)
 
     def print(self, *lines: str) -> None:
         """Print lines literally."""
@@ -77,27 +81,9 @@ class Terminal:
         for number, line in enumerate(wrapped(begin + visible(text))):
             self._out.print(Text.assemble((line[: len(begin)], style), line[len(begin) :]) if number == 0 else line)
 
-    def working(self, what: str) -> AbstractContextManager[object]:
-        """Show the current activity until it ends."""
-        return progress.showing(self._status, what)
-
     def begin(self, line: str) -> None:
         """Print a line of progress."""
         self._status.print(visible(line))
-
-    def counting(
-        self, what: str, *, singly: bool = False, expected: tuple[int, float] | None = None
-    ) -> AbstractContextManager[Callable[[int, int], None]]:
-        """Show how many parts of a computation are finished, and the time left (`progress.counting`)."""
-        return progress.counting(self._status, what, singly=singly, expected=expected)
-
-    def fitting(self) -> AbstractContextManager[progress.FitProgress]:
-        """Show stage, iteration and cost of a running fit, and the time left."""
-        return progress.fitting(self._status)
-
-    def stages(self, stages: Sequence[tuple[str, float]]) -> AbstractContextManager[progress.Stages]:
-        """Show stages whose names and work are known, and the time left."""
-        return progress.showing_stages(self._status, stages)
 
     def selection(self, *recordings: Recording) -> None:
         """Print how many rows of each recording were selected, if rows were selected."""

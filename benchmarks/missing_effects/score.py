@@ -99,22 +99,22 @@ def summary(outcomes: Sequence[Outcome]) -> dict[str, float | int | None]:
     `false_names`, `false_unknown` of `nulls`. `unknown_found`, `variables` of `unknown`. `brier`: the sum of squared
     errors of the probabilities, per case. `calibration`: `calibration_error`. `closed`, `least_closed`: median, least.
     """
-    by_kind = {kind: [one for one in outcomes if one.case.truth.kind in kind.split()]
+    by_kind = {kind: [judged for judged in outcomes if judged.case.truth.kind in kind.split()]
                for kind in ("single double", "null", "unknown")}  # fmt: skip
     named, nulls, unknown = by_kind.values()
-    closed = [one.closed for one in outcomes if np.isfinite(one.closed)]
-    squares = [sum((p - true) ** 2 for p, true in one.claims) for one in outcomes]
-    seconds = [one.answer.cpu_seconds for one in outcomes]
+    closed = [judged.closed for judged in outcomes if np.isfinite(judged.closed)]
+    squares = [sum((p - true) ** 2 for p, true in judged.claims) for judged in outcomes]
+    seconds = [judged.answer.cpu_seconds for judged in outcomes]
     return {
-        "cases": len(outcomes), "failed": sum(bool(one.answer.failed) for one in outcomes),
-        "named": len(named), "exact": sum(one.exact for one in named),
-        "extra": sum(bool(set(one.answer.found) - one.truth) for one in named),
-        "nulls": len(nulls), "false_names": sum(bool(set(one.answer.found) - {UNKNOWN}) for one in nulls),
-        "false_unknown": sum(UNKNOWN in one.answer.found for one in nulls),
-        "unknown": len(unknown), "unknown_found": sum(one.exact for one in unknown),
-        "variables": sum(one.variables for one in unknown),
+        "cases": len(outcomes), "failed": sum(bool(judged.answer.failed) for judged in outcomes),
+        "named": len(named), "exact": sum(judged.exact for judged in named),
+        "extra": sum(bool(set(judged.answer.found) - judged.truth) for judged in named),
+        "nulls": len(nulls), "false_names": sum(bool(set(judged.answer.found) - {UNKNOWN}) for judged in nulls),
+        "false_unknown": sum(UNKNOWN in judged.answer.found for judged in nulls),
+        "unknown": len(unknown), "unknown_found": sum(judged.exact for judged in unknown),
+        "variables": sum(judged.variables for judged in unknown),
         "brier": float(np.mean(squares)) if squares else None,
-        "calibration": calibration_error([claim for one in outcomes for claim in one.claims]),
+        "calibration": calibration_error([claim for judged in outcomes for claim in judged.claims]),
         "closed": float(np.median(closed)) if closed else None, "least_closed": min(closed, default=None),
         "cpu_seconds": float(np.median(seconds)) if seconds else None,
     }  # fmt: skip
@@ -122,8 +122,8 @@ def summary(outcomes: Sequence[Outcome]) -> dict[str, float | int | None]:
 
 def scores(outcomes: Sequence[Outcome]) -> dict[str, dict[str, float | int | None]]:
     """Return the `summary` of the recordings of tires and of those of other systems."""
-    tiers = {"tires": [one for one in outcomes if one.case.about["system"] == "tire"],
-             "systems": [one for one in outcomes if one.case.about["system"] != "tire"]}  # fmt: skip
+    tiers = {"tires": [judged for judged in outcomes if judged.case.about["system"] == "tire"],
+             "systems": [judged for judged in outcomes if judged.case.about["system"] != "tire"]}  # fmt: skip
     return {tier: summary(found) for tier, found in tiers.items() if found}
 
 

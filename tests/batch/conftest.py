@@ -18,12 +18,25 @@ def cluster(tmp_path_factory):
         yield cluster
 
 
+@pytest.fixture
+def kill_once(cluster):
+    """Return a progress function that kills a busy worker at its first call; it has to be called."""
+    killed = []
+
+    def progress(*_: object) -> None:
+        if not killed:
+            killed.append(kill_a_busy_worker(cluster))
+
+    yield progress
+    assert killed
+
+
 def kill_a_busy_worker(cluster) -> str:
     """Kill a worker that computes, and return its address."""
     from distributed import Client
 
     with Client(cluster.scheduler_address) as client:
         busy = {address for address, keys in client.processing().items() if keys}
-    nanny = next(one for one in cluster.workers.values() if one.worker_address in busy)
+    nanny = next(worker for worker in cluster.workers.values() if worker.worker_address in busy)
     os.kill(nanny.pid, signal.SIGKILL)
     return nanny.worker_address

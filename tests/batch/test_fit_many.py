@@ -11,8 +11,9 @@ import sys
 import pandas as pd
 import pytest
 
-from tirefmu.batch.fit_many import fit_many, run, task_of
+from tirefmu.batch.fit_many import Batch, fit_many, run, task_of
 from tirefmu.batch.jobs import FitJob, read_jobs
+from tirefmu.batch.records import JobResult
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
@@ -59,7 +60,7 @@ def jobs(tmp_path_factory):
 @pytest.fixture(scope="module")
 def batch(jobs, tmp_path_factory):
     seen = []
-    found = fit_many(jobs, tmp_path_factory.mktemp("out"), workers=2, progress=lambda *each: seen.append(each))
+    found = fit_many(jobs, tmp_path_factory.mktemp("out"), workers=2, progress=lambda *report: seen.append(report))
     assert [(finished, of) for _, finished, of in seen] == [(1, 4), (2, 4), (3, 4), (4, 4)]
     return found
 
@@ -69,7 +70,7 @@ def test_the_tires_are_those_of_single_fits(jobs, batch):
 
 
 def test_a_tire_that_cannot_be_fitted_is_a_row_with_its_reason(batch):
-    assert [one.name for one in batch.results] == ["front", "rear", "broken", "odd"]
+    assert [result.name for result in batch.results] == ["front", "rear", "broken", "odd"]
     front, _, broken, odd = batch.results
     assert front.channels["Fy"]["r2"] > 0.9
     assert broken.status == odd.status == "failed"
@@ -89,16 +90,18 @@ def test_resuming_computes_only_what_is_missing_lost_or_changed(jobs, batch):
     lost["result"]["status"] = "lost"
     (batch.folder / "odd.json").write_text(json.dumps(lost), encoding="utf-8")
     again = []
-    resumed = fit_many(jobs, batch.folder, workers=1, resume=True, progress=lambda one, *_: again.append(one.name))
+    resumed = fit_many(
+        jobs, batch.folder, workers=1, resume=True, progress=lambda result, *_: again.append(result.name)
+    )
     assert sorted(again) == ["front", "odd"]
-    assert [(one.name, one.status, one.values) for one in resumed.results] == [
-        (one.name, one.status, one.values) for one in batch.results
+    assert [(result.name, result.status, result.values) for result in resumed.results] == [
+        (result.name, result.status, result.values) for result in batch.results
     ]
     other = jobs.with_name("other.csv")
     unchanged = other.read_bytes()
     try:
         other.write_bytes(unchanged[: unchanged.rstrip().rindex(b"\n") + 1])
-        fit_many(jobs, batch.folder, workers=1, resume=True, progress=lambda one, *_: again.append(one.name))
+        fit_many(jobs, batch.folder, workers=1, resume=True, progress=lambda result, *_: again.append(result.name))
         assert sorted(again) == ["front", "odd", "rear"]
     finally:
         other.write_bytes(unchanged)
@@ -125,8 +128,17 @@ def test_the_command_reports_each_tire(jobs, tmp_path, capsys):
     assert "broken: failed:" in out
     assert "0 of 2 tires are usable" in out
     assert not json.loads((tmp_path / "o.json").read_text())["ok"]
-    assert main(["fit-many", str(tmp_path / "none.toml"), "-o", str(tmp_path / "out")]) == 2
-    assert "no such file or folder" in capsys.readouterr().err
+
+
+def test_the_summary_rates_tires_and_begins_with_the_worst(tmp_path):
+    words = ("good", "usable with limits", "failed")
+    Batch(tuple(JobResult(word[:4], word) for word in words), tmp_path).write_summary()
+    page = (tmp_path / "summary.html").read_text(encoding="utf-8")
+    assert '<p class="verdict bad">1 failed; 1 good; 1 usable with limits</p>' in page
+    for word, rating in zip(words, ("good", "limited", "bad"), strict=True):
+        assert f'<td class="{rating}">{word}</td>' in page
+    Batch((JobResult("front", "good"),), tmp_path).write_summary()
+    assert '<p class="verdict good">1 good</p>' in (tmp_path / "summary.html").read_text(encoding="utf-8")
 
 
 def test_names_that_are_no_file_names_are_refused(tmp_path):

@@ -54,7 +54,7 @@ def folder(manoeuvre, tmp_path_factory):
 def test_each_run_is_the_tire_with_its_values(tire, fmu, folder, manoeuvre, tmp_path, monkeypatch):
     monkeypatch.setattr("tirefmu.batch.study.ROWS_OF_TASK", 4 * len(manoeuvre))  # two tasks
     counts = []
-    table = study(fmu, folder / "study.toml", tmp_path, workers=1, progress=lambda *each: counts.append(each))
+    table = study(fmu, folder / "study.toml", tmp_path, workers=1, progress=lambda *report: counts.append(report))
     assert counts == [(4, 6), (6, 6)]
     assert table["run"].tolist() == list(range(6))
     assert (table["reason"] == "").all()
@@ -63,10 +63,10 @@ def test_each_run_is_the_tire_with_its_values(tire, fmu, folder, manoeuvre, tmp_
     for _, row in table.iterrows():
         other = replace(tire, values={**tire.values, "LMUY": row["LMUY"], "LKY": row["LKY"]})
         expected = other.evaluate(manoeuvre, hold=True)
-        own = series[series["run"] == row["run"]]
+        rows = series[series["run"] == row["run"]]
         for name in ("Fy", "Mz"):
             size = expected[name].abs().max()
-            np.testing.assert_allclose(own[name], expected[name], atol=1e-9 * size)
+            np.testing.assert_allclose(rows[name], expected[name], atol=1e-9 * size)
             assert row[f"{name}_max"] == pytest.approx(expected[name].max(), abs=1e-9 * size)
             assert row[f"{name}_end"] == pytest.approx(expected[name].iloc[-1], abs=1e-9 * size)
 

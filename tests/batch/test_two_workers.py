@@ -17,22 +17,7 @@ from tirefmu.fmu import export
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
 from tirefmu.tires import Tire, published
 
-from .conftest import kill_a_busy_worker
-
 TIRE = Tire("fiala", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.25, "CALPHA": 15000.0, "UMAX": 1.2, "UMIN": 1.0})
-
-
-@pytest.fixture
-def kill_once(cluster):
-    """Return a progress function that kills a busy worker at its first call; it has to be called."""
-    killed = []
-
-    def progress(*_: object) -> None:
-        if not killed:
-            killed.append(kill_a_busy_worker(cluster))
-
-    yield progress
-    assert killed
 
 
 def test_a_study_is_that_of_one_process(cluster, kill_once, tmp_path, monkeypatch):
@@ -76,12 +61,14 @@ def test_diagnoses_with_their_fmus_are_those_of_one_process(cluster, kill_once, 
     results = diagnose_many(
         tables, tmp_path / "two", scheduler=cluster.scheduler_address, progress=kill_once, **options
     )
-    assert [one.status for one in results] == ["diagnosed", "diagnosed"]
+    assert [result.status for result in results] == ["diagnosed", "diagnosed"]
     for run in ("run0", "run1"):
         for name in ("base.tir", "improved.tir", "base.fmu", "improved.fmu"):
-            one, two = (tmp_path / folder / run / name for folder in ("one", "two"))
-            assert one.read_bytes() == two.read_bytes(), name
-        one, two = (json.loads((tmp_path / folder / run / "diagnosis.json").read_text()) for folder in ("one", "two"))
-        assert one.pop("seconds") > 0.0
-        assert two.pop("seconds") > 0.0
-        assert one == two
+            first, second = (tmp_path / folder / run / name for folder in ("one", "two"))
+            assert first.read_bytes() == second.read_bytes(), name
+        first, second = (
+            json.loads((tmp_path / folder / run / "diagnosis.json").read_text()) for folder in ("one", "two")
+        )
+        assert first.pop("seconds") > 0.0
+        assert second.pop("seconds") > 0.0
+        assert first == second

@@ -45,7 +45,7 @@ def plain(text):
 
 def panels_of(figures, heading):
     """Return the panels of the figure with a heading, by their titles."""
-    (figure,) = [each for each in figures if plain(each.title) == heading]
+    (figure,) = [drawing for drawing in figures if plain(drawing.title) == heading]
     return {plain(panel.title): panel for panel in figure.panels}
 
 
@@ -77,8 +77,8 @@ def test_a_figure_is_drawn_where_the_page_states(figure, command, where, drawn):
     assert set(stems) <= files
     if command == "draw":  # every figure of a tire has the name of the tire in its heading; surfaces are matplotlib's
         shown = [
-            *(panel.title for each in figures["draw"] if hasattr(each, "panels") for panel in each.panels),
-            *(ax.get_title() for each in figures["draw"] if hasattr(each, "axes") for ax in each.axes),
+            *(panel.title for drawing in figures["draw"] if hasattr(drawing, "panels") for panel in drawing.panels),
+            *(ax.get_title() for drawing in figures["draw"] if hasattr(drawing, "axes") for ax in drawing.axes),
         ]
         for name in names:
             assert any(re.match(re.escape(name) + r"(?!\w| and)", plain(title)) for title in shown)
@@ -113,7 +113,7 @@ def test_side_force_over_kappa_at_three_degrees_has_a_curve_for_each_camber(draw
 def test_old_and_new_parameters_have_the_same_axes(drawn):
     figures = drawn[0]["compare"]
     old, new = (panel(figures, "Pure slip: Fy over alpha", name) for name in ("trento_hoosier", "my"))
-    (figure,) = [each for each in figures if old in each.panels]
+    (figure,) = [drawing for drawing in figures if old in drawing.panels]
     assert figure.limits(old) == figure.limits(new)
     assert [line.label for line in levels(old)] == [line.label for line in levels(new)]
     (over_load,) = panels_of(figures, "Cornering stiffness over load").values()
@@ -122,8 +122,8 @@ def test_old_and_new_parameters_have_the_same_axes(drawn):
 
 
 def test_the_small_tire_has_crosses_and_the_full_range_of_slip(drawn):
-    pure, combined = (each for each in drawn[0]["draw"] if hasattr(each, "title"))
-    surfaces = [each for each in drawn[0]["draw"] if hasattr(each, "axes")]
+    pure, combined = (drawing for drawing in drawn[0]["draw"] if hasattr(drawing, "title"))
+    surfaces = [drawing for drawing in drawn[0]["draw"] if hasattr(drawing, "axes")]
     over_kappa = next(panel for panel in pure.panels if plain(panel.x) == "kappa (-)")
     assert over_kappa.x_limits == (-1.1, 1.1)
     for figure in (pure, combined):

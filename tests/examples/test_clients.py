@@ -5,13 +5,10 @@ from __future__ import annotations
 import importlib.util
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-from tirefmu.tires.code.compiler import CompilerError, find_compiler
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
+from .conftest import EXAMPLES
 
 CLIENTS = [
     ("run_fmpy.py", "fmpy", 2),
@@ -27,11 +24,7 @@ CLIENTS = [
 
 
 @pytest.mark.parametrize(("script", "package", "argument"), CLIENTS)
-def test_client(script, package, argument):
-    try:
-        find_compiler()
-    except CompilerError as error:
-        pytest.skip(str(error))
+def test_client(script, package, argument, compiler):
     if importlib.util.find_spec(package) is None:
         pytest.skip("needs the extra cosimulation")
     command = [sys.executable, EXAMPLES / script, str(argument)]
@@ -41,9 +34,8 @@ def test_client(script, package, argument):
     assert ("No semantic error" if package.startswith("fmu_") else "largest difference") in output
 
 
-def test_a_wrong_result_is_reported(monkeypatch, capsys):
-    monkeypatch.syspath_prepend(EXAMPLES)
-    four = importlib.import_module("four_tires")
+def test_a_wrong_result_is_reported(example):
+    four = example("four_tires")
     right = four.expected(four.relaxing_tire())
     assert four.report("right", right) == 0
     right[70, 2, 1] += 1e-6 * (1.0 + abs(right[70, 2, 1]))

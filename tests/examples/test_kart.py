@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+@pytest.fixture(scope="module")
+def kart(example):
+    return example("kart")
 
 
 @pytest.fixture(scope="module")
-def kart():
-    """Return the example as a module."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(EXAMPLES)
-        yield importlib.import_module("kart")
-
-
-@pytest.fixture(scope="module")
-def fmu(kart, tmp_path_factory):
-    try:
-        find_compiler()
-    except CompilerError as error:
-        pytest.skip(str(error))
+def fmu(kart, compiler, tmp_path_factory):
     return kart.export(tmp_path_factory.mktemp("kart"))
 
 
@@ -57,11 +44,11 @@ def test_a_parked_kart_stands(kart, fmu):
     assert kart.parked(kart.cosimulate(fmu, free, 0.005)) == 1
 
 
-def test_the_launch_accelerates_by_the_torque(kart, fmu):
+def test_the_launch_accelerates_by_the_torque(kart, fmu, example):
     """The sum of the torques on the wheels is that of the engine less the thrust on the slope at the loaded radius."""
     rows = kart.cosimulate(fmu, kart.MANOEUVRES["launch"], 0.005)
     gained = (rows[-1] - rows[100]) / (0.005 * (len(rows) - 101))
-    body = importlib.import_module("kart_body")
+    body = example("kart_body")
     thrust = body.MASS * (gained[3] + 9.81 * np.sin(np.arctan(0.03)))
     assert kart.tire().values["UNLOADED_RADIUS"] == kart.RADIUS
     radius = kart.RADIUS - body.MASS * 9.81 / 4.0 / kart.PARAMETERS["VERTICAL_STIFFNESS"]

@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
 from tirefmu.fmu.packaging.binaries import host_platform
-from tirefmu.tires.code.compiler import CompilerError, find_compiler
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture(scope="module")
-def vehicle():
-    """Return the example as a module."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(EXAMPLES)
-        yield importlib.import_module("vehicle")
+def vehicle(example):
+    return example("vehicle")
 
 
 @pytest.fixture(scope="module")
@@ -30,11 +21,7 @@ def printed(vehicle, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def fmus(vehicle, tmp_path_factory):
-    try:
-        find_compiler()
-    except CompilerError as error:
-        pytest.skip(str(error))
+def fmus(vehicle, compiler, tmp_path_factory):
     if host_platform() not in ("x86_64-linux", "x86_64-windows"):
         pytest.skip("pythonfmu has no binary for this machine")
     return vehicle.export(tmp_path_factory.mktemp("vehicle"))
@@ -92,11 +79,11 @@ def test_left_and_right_are_symmetric(printed):
     mirror = np.array([1.0, -1.0, -1.0, -1.0, -1.0, 1.0, 1.0])
     other = np.concatenate([mirror * state[:7], state[7:][swapped]])
     turned = (np.reshape(forces, (4, 3)) * [1.0, -1.0, -1.0])[swapped].ravel()
-    one, two = (np.array(printed.derivatives(*given)) for given in (
+    first, second = (np.array(printed.derivatives(*given)) for given in (
         (state, (steer, *brakes), forces), (other, (-steer, *brakes), turned)
     ))  # fmt: skip
-    assert two[:7] == pytest.approx(mirror * one[:7], abs=1e-9)
-    assert two[7:] == pytest.approx(one[7:][swapped], abs=1e-9)
+    assert second[:7] == pytest.approx(mirror * first[:7], abs=1e-9)
+    assert second[7:] == pytest.approx(first[7:][swapped], abs=1e-9)
 
 
 def test_the_vehicles_fmu_is_valid(fmus):

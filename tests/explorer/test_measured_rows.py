@@ -23,13 +23,13 @@ def bench():
 
 def test_each_included_row_is_in_one_condition(bench):
     found = measured_rows([bench], INPUTS)
-    rows = sorted(index for each in found for index in each.table.index)
+    rows = sorted(index for condition in found for index in condition.table.index)
     assert rows == np.flatnonzero(exclude_rows(bench).included).tolist()
-    assert [round(each.levels["Fz"], -1) for each in found].count(900.0) == 2
+    assert [round(condition.levels["Fz"], -1) for condition in found].count(900.0) == 2
     iso = bench.with_signs("iso").table
-    for each in found:
-        assert f"{len(each.table)} rows" in each.title
-        assert (each.table["Fy"] == iso.loc[each.table.index, "Fy"]).all()
+    for condition in found:
+        assert f"{len(condition.table)} rows" in condition.title
+        assert (condition.table["Fy"] == iso.loc[condition.table.index, "Fy"]).all()
 
 
 def test_conditions_with_few_rows_are_not_listed(bench):
@@ -44,12 +44,12 @@ def test_conditions_with_few_rows_are_not_listed(bench):
 def test_columns_are_those_rows_as_floats(bench, most):
     conditions = measured_rows([bench], INPUTS)
     data = rows_data(conditions, most)
-    assert data["total"] == sum(len(each.table) for each in conditions)
-    assert sum(each["rows"] for each in data["conditions"]) <= most
-    for each, condition in zip(data["conditions"], conditions, strict=True):
-        for name, text in each["columns"].items():
+    assert data["total"] == sum(len(condition.table) for condition in conditions)
+    assert sum(drawn["rows"] for drawn in data["conditions"]) <= most
+    for drawn, condition in zip(data["conditions"], conditions, strict=True):
+        for name, text in drawn["columns"].items():
             values = np.frombuffer(base64.b64decode(text), dtype="<f4")
-            assert len(values) == each["rows"]
+            assert len(values) == drawn["rows"]
             assert set(values) <= set(condition.table[name].to_numpy(dtype="<f4"))
             if most > data["total"]:
                 np.testing.assert_array_equal(values, condition.table[name].to_numpy(dtype="<f4"))

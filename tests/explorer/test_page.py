@@ -96,7 +96,7 @@ def test_added_effects_and_their_states(opened, tires, tmp_path):
     effects = {*tires["mf96"].has, "temp_friction", "heat_friction", "hysteresis_force"}
     tire = Tire("mf96", values, effects)
     page = opened(tire)
-    assert set(page.evaluate("now.states.map((each) => each.name)")) == set(tire.states)
+    assert set(page.evaluate("now.states.map((state) => state.name)")) == set(tire.states)
     for off in ([], ["heat_friction"], ["temp_friction", "hysteresis_force"]):
         setting = [[["PDY1", 0.6]], off, [["alpha", 0.8], ["Fz", 0.5]]]
         ((values, found, inputs, forces, text),) = page.evaluate(APPLY.replace("SAVE", "true"), [setting])
@@ -111,24 +111,24 @@ def test_surfaces_are_drawn_from_the_tire(opened, tires):
     """The values are NumPy's, alpha along the rows; arrow keys turn the surface."""
     tire = tires["mf96"]
     page = opened(tire)
-    page.evaluate("inputRows.get('Fz').show(500); view.inputs.Fz = 500; charts.forEach((each) => each.settle?.({}))")
-    drawn = page.evaluate("charts.filter((each) => each.settle).map(({ chart }) => chart.data)")
+    page.evaluate("inputRows.get('Fz').show(500); view.inputs.Fz = 500; charts.forEach((chart) => chart.settle?.({}))")
+    drawn = page.evaluate("charts.filter((chart) => chart.settle).map(({ chart }) => chart.data)")
     for name, surface in zip(("Fx", "Fy"), drawn, strict=True):
         alpha, kappa = np.meshgrid(np.radians(surface["xs"]), surface["ys"])
         expected = tire.forces(alpha=alpha.ravel(), kappa=kappa.ravel(), Fz=500.0, code="numpy")[name]
         assert np.ravel(surface["rows"]) == pytest.approx(expected, rel=1e-9, abs=1e-6)
     canvas = page.locator("canvas.surface").first
-    before = canvas.evaluate("(each) => each.toDataURL()")
+    before = canvas.evaluate("(element) => element.toDataURL()")
     canvas.press("ArrowLeft")
-    assert canvas.evaluate("(each) => each.toDataURL()") != before
+    assert canvas.evaluate("(element) => element.toDataURL()") != before
 
 
 def test_charts_out_of_sight_are_drawn_before_they_are_scrolled_to(opened, tires):
     page = opened(tires["mf96"])
-    assert page.evaluate("charts.some((each) => each.visible === false)")
+    assert page.evaluate("charts.some((chart) => chart.visible === false)")
     until(page, "charts.every(({ chart }) => chart.data || chart.plot)")
     assert page.evaluate("scrollY") == 0
-    ink = "charts.filter((each) => each.settle).map(({ chart }) => chart.canvas.toDataURL().length)"
+    ink = "charts.filter((chart) => chart.settle).map(({ chart }) => chart.canvas.toDataURL().length)"
     assert min(page.evaluate(ink)) > 5000  # an empty canvas has some 1000 characters
 
 
@@ -148,7 +148,7 @@ def test_printed_charts_fit_two_in_a_row(opened, tires):
         page.emulate_media(media="screen")
         page.set_viewport_size({"width": width, "height": 900})
         page.evaluate("dispatchEvent(new Event('afterprint'))")
-        until(page, f"({widths}).every((each) => each !== 325)")
+        until(page, f"({widths}).every((width) => width !== 325)")
 
 
 def test_without_scripts_the_page_lists_the_coefficients(browser, tires, tmp_path):
@@ -167,7 +167,7 @@ def test_without_scripts_the_page_lists_the_coefficients(browser, tires, tmp_pat
 def test_curves_are_drawn_from_the_tire(opened, tires):
     """The lines of the charts are the forces and quantities over their axes, for every source."""
     page = opened(tires["mf61"], compare=tires["mf52"])
-    page.evaluate("for (const each of charts) each.update()")
+    page.evaluate("for (const chart of charts) chart.update()")
     curves = "charts.filter(({ chart }) => chart instanceof Chart)"
     drawn = page.evaluate(f"{curves}.map(({{ chart }}) => [chart.title, chart.curves, chart.locus])")
     tire, nominal = tires["mf61"], {name: tires["mf61"].nominal(name) for name in tires["mf61"].inputs}
@@ -209,7 +209,7 @@ def test_moving_curves_have_fewer_points_and_those_at_rest_are_all_of_the_tires(
     """Curves that did not change are not computed again; those of every tire follow an input. Axes do not shrink."""
     tire = tires["mf96"]
     page = opened(tire, fragment="#loads=5")
-    curves = "charts[0].chart.curves.map((each) => each.y)"
+    curves = "charts[0].chart.curves.map((curve) => curve.y)"
     # Charts out of sight are drawn one after another; the last of them ends what the page does on its own.
     until(page, "charts.every(({ chart }) => !(chart instanceof Chart) || chart.curves[0]?.y.length === 201)")
     counted = """(change) => {
@@ -218,7 +218,7 @@ def test_moving_curves_have_fewer_points_and_those_at_rest_are_all_of_the_tires(
       sweep = (...given) => (count += 1, original(...given));
       change === "PDY1" ? now.set("PDY1", 0.5 * now.values.get("PDY1")) : (view.inputs.Fz = change);
       const visible = charts.filter(({ chart }) => chart instanceof Chart);
-      for (const each of visible) each.update(true);
+      for (const chart of visible) chart.update(true);
       sweep = original;
       return [count, visible.map(({ chart }) => chart.curves[0].y.length)];
     }"""
@@ -243,7 +243,7 @@ def test_moving_curves_have_fewer_points_and_those_at_rest_are_all_of_the_tires(
 def test_an_input_is_changed_where_it_differs_from_the_selected_condition(opened, tires, bench):
     """The words beside a slider, those of the status line and the address agree; reset returns to the condition."""
     page = opened(tires["mf96"], recordings=[bench])
-    marked = "[...document.querySelectorAll('#inputs .row.changed label')].map((each) => each.textContent)"
+    marked = "[...document.querySelectorAll('#inputs .row.changed label')].map((label) => label.textContent)"
     status = "document.getElementById('status').textContent"
     for condition in range(page.evaluate("measured.conditions.length")):
         page.evaluate(f"chooseCondition({condition})")
@@ -305,7 +305,7 @@ def test_measured_rows_and_their_residuals(opened, tires, bench):
     rows = page.evaluate(
         "[...document.querySelectorAll('#quality tbody tr')].map((r) => [...r.cells].map((c) => c.textContent))"
     )
-    titles = page.evaluate("measured.conditions.map((each) => each.title)")
+    titles = page.evaluate("measured.conditions.map((condition) => condition.title)")
     assert sum("alpha swept, Fz " in title for title in titles) == 2, titles
     columns = page.evaluate(
         "measured.conditions.map((c) => Object.fromEntries(Object.entries(c.columns).map(([k, v]) => [k, [...v]])))"
@@ -320,7 +320,7 @@ def test_measured_rows_and_their_residuals(opened, tires, bench):
         assert int(row[1]) == len(measured)
         assert float(row[2]) == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-4)
         assert float(row[3]) == pytest.approx(1.0 - np.mean(error**2) / np.var(measured), rel=1e-4)
-    sweep = page.evaluate("measured.conditions.find((each) => each.slip === 'kappa').texts.sweep")
+    sweep = page.evaluate("measured.conditions.find((condition) => condition.slip === 'kappa').texts.sweep")
     page.locator("#condition-sweep").select_option(label=sweep)
     assert page.evaluate("view.over") == "kappa"
     assert page.evaluate("view.inputs.Fz") == pytest.approx(700.0, rel=0.01)
@@ -381,7 +381,7 @@ def test_no_chart_is_empty(opened, tires):
 def test_key_figures_are_those_of_the_curves(opened, tires):
     tire = tires["mf61"]
     page = opened(tire)
-    figures = {each["title"]: each for each in page.evaluate(
+    figures = {figure["title"]: figure for figure in page.evaluate(
         "keyFigures(now, view.inputs, { alpha: range('alpha'), kappa: range('kappa') })")}  # fmt: skip
     alpha = np.linspace(*tire.ranges["alpha"], 20001)
     side = tire.forces(alpha=alpha)["Fy"]
@@ -401,8 +401,8 @@ def test_accessible_and_without_sideways_scrolling(opened, tires, bench, width, 
                   intervals={"PDY1": (2.6, 2.8)})  # fmt: skip
     until(page, "document.querySelectorAll('#numbers tbody tr').length > 0")
     page.locator("#slider-PDY1").scroll_into_view_if_needed()
-    page.evaluate("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+    page.evaluate("document.querySelectorAll('details').forEach((section) => { section.open = true; })")
     violations = axe.Axe().run(page).response["violations"]
-    assert not violations, [(each["id"], each["nodes"][0]["html"][:200]) for each in violations]
+    assert not violations, [(violation["id"], violation["nodes"][0]["html"][:200]) for violation in violations]
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     assert "95 % interval 2.6 to 2.8" in page.locator(".row", has=page.locator("#slider-PDY1")).inner_text()

@@ -48,7 +48,7 @@ def test_a_chart_reads_hides_and_zooms(report):
     panel = figure.panels[0]
     chart = page.locator(".charts figure").first
     chart.locator("canvas[role=img]").wait_for()
-    assert page.locator(".charts canvas[role=img]").count() < sum(len(each.panels) for each in report[0])
+    assert page.locator(".charts canvas[role=img]").count() < sum(len(chart.panels) for chart in report[0])
     line = next(series for series in panel.series if series.kind == "line")
     alpha, force = line.points
     toggle = chart.get_by_role("button", name="points")
@@ -104,4 +104,4 @@ def test_the_charts_are_accessible(report):
     _, page = report
     page.locator(".charts canvas[role=img]").first.wait_for()
     violations = axe.Axe().run(page).response["violations"]
-    assert [(each["id"], each["nodes"][0]["html"]) for each in violations] == []
+    assert [(violation["id"], violation["nodes"][0]["html"]) for violation in violations] == []

@@ -112,7 +112,7 @@ def test_the_temperature_of_the_tire_is_an_input_and_its_course_one_chart(opened
     assert {name for name, style, _ in nodes if style == "now"} == {"T_surface", "T_bulk", "T_carcass", "T_gas"}
     assert {start for name, _, start in nodes if name == "T_surface"} == {370.0}
     assert "T_surface" not in page.evaluate(
-        "[...document.getElementById('time-input').options].map((one) => one.value)"
+        "[...document.getElementById('time-input').options].map((option) => option.value)"
     )
 
 

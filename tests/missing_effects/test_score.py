@@ -32,13 +32,13 @@ def perfect(case):
 
 def test_a_perfect_answer_has_a_perfect_score(cases):
     found = scores([outcome(case, perfect(case)) for case in cases])
-    assert {tier: one["cases"] for tier, one in found.items()} == {"tires": 24, "systems": 6}
-    for one in found.values():
-        assert one["exact"] == one["named"]
-        assert one["unknown_found"] == one["variables"] == one["unknown"]
-        assert one["extra"] == one["false_names"] == one["false_unknown"] == one["failed"] == 0
-        assert one["brier"] == one["calibration"] == 0.0
-        assert one["closed"] == one["least_closed"] == 1.0
+    assert {tier: score["cases"] for tier, score in found.items()} == {"tires": 24, "systems": 6}
+    for score in found.values():
+        assert score["exact"] == score["named"]
+        assert score["unknown_found"] == score["variables"] == score["unknown"]
+        assert score["extra"] == score["false_names"] == score["false_unknown"] == score["failed"] == 0
+        assert score["brier"] == score["calibration"] == 0.0
+        assert score["closed"] == score["least_closed"] == 1.0
 
 
 def test_nothing_as_an_answer_closes_nothing_and_names_nothing(cases):
@@ -135,7 +135,7 @@ def case_of(name, hidden):
         tables.append((x, system.outputs(np.array([high for _, high in system.values]), x, hidden)))
     (x, y), (at, true) = tables
     rng = np.random.default_rng(5)
-    noisy = {key: one + 0.008 * np.std(one) * rng.standard_normal(len(one)) for key, one in y.items()}
+    noisy = {key: values + 0.008 * np.std(values) * rng.standard_normal(len(values)) for key, values in y.items()}
     candidates = {key: text for key, (text, _) in system.effects.items()}
     about = {"system": name, "channels": system.channels, "base": system.base, "candidates": candidates}
     return Case(about, pd.DataFrame({**x, **noisy}), pd.DataFrame(at)), true
@@ -161,7 +161,7 @@ def test_the_evidence_of_the_diagnosis_explains_systems_that_are_not_tires(name,
         assert np.std(answer.forces[channel] - force) < 0.05 * np.std(force)
 
 
-@pytest.mark.parametrize("entry", [one for one in ENTRIES if one != "diagnosis"])
+@pytest.mark.parametrize("entry", [name for name in ENTRIES if name != "diagnosis"])
 def test_every_entry_answers(entry):
     if entry in NEED_EXTRA:
         pytest.importorskip("sklearn")
@@ -177,10 +177,10 @@ def test_every_entry_answers(entry):
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_projected_residual_and_features_have_nothing_that_the_base_explains(name):
-    for one in channels_of(case_of(name, {})[0]).values():
-        base = one.base[: len(one.y)] / np.linalg.norm(one.base[: len(one.y)], axis=0)
-        for projected in one.projected:
-            assert np.abs(base.T @ projected).max() < 1e-9 * np.linalg.norm(one.y / one.noise)
+    for channel in channels_of(case_of(name, {})[0]).values():
+        base = channel.base[: len(channel.y)] / np.linalg.norm(channel.base[: len(channel.y)], axis=0)
+        for projected in channel.projected:
+            assert np.abs(base.T @ projected).max() < 1e-9 * np.linalg.norm(channel.y / channel.noise)
 
 
 def test_an_entry_without_its_packages_names_the_extra(monkeypatch):
@@ -210,21 +210,5 @@ def test_command_writes_recordings_runs_an_entry_and_scores_answers(tmp_path, ca
     assert "systems" in capsys.readouterr().out
     assert main(["benchmark", "--score", str(folder / "answers" / "stepwise"), "--seed", "2"]) == 2
     assert "tire_01.json" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--list", "-o", "x"], "one of -o FOLDER, --score ANSWERS and --list"),
-        (["--score", "none", "--seed", "1"], "none: no such folder"),
-        (["--score", "."], "--score needs --seed"),
-        (["--entry", "stepwise"], "needs one of"),
-        (["--list", "--entry", "stepwise"], "--entry needs -o FOLDER"),
-        (["-o", "x", "--entry", "stepwize"], "did you mean stepwise"),
-        (["-o", "x", "--entry", "stepwise", "--only", "tire_99"], "unknown recording 'tire_99'"),
-    ],
-)
-def test_misuse_is_one_line(arguments, message, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["benchmark", *arguments]) == 2
-    assert message in capsys.readouterr().err.strip().split("\n")[-1]
+    assert main(["benchmark", "-o", str(folder), "--entry", "stepwise", "--only", "tire_99"]) == 2
+    assert "unknown recording 'tire_99'" in capsys.readouterr().err

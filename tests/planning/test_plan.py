@@ -52,7 +52,7 @@ def test_program_respects_the_limits_of_the_bench(result):
 def test_intervals_shrink_with_time_and_beat_two_sweeps(result):
     widths = [at["intervals"] for at in result.prediction.over_time()]
     for name in ("stiffness_y", "friction_y"):
-        series = [one[name] for one in widths]
+        series = [width[name] for width in widths]
         assert series[-1] < series[0]
         assert result.prediction.widths[name] < result.today.widths[name]
 
@@ -85,22 +85,22 @@ def test_predicted_intervals_are_those_of_simulated_estimates():
     moved = [residual({n: tire.values[n] + h}, inputs) for n, h in zip(names, steps, strict=True)]
     jacobian = np.array([(m - base) / 1e-5 for m in moved])
     deviation = {"Fx": [], "Fy": [], "Mz": []}
-    recordings = []
+    noises = []
     for seed in range(120):
         table = VirtualBench(tire, bench.noise, seed=seed).run(program).with_signs("adapted-sae").table
         computed = residual({}, {name: table[name].to_numpy() for name in tire.inputs})
         difference = np.array([table[c].to_numpy() - f for c, f in zip(deviation, computed, strict=True)])
-        recordings.append(difference)
-    weights = 1.0 / np.sqrt(np.mean(np.square(recordings), axis=(0, 2)))
+        noises.append(difference)
+    weights = 1.0 / np.sqrt(np.mean(np.square(noises), axis=(0, 2)))
     rows = (jacobian * weights[:, None]).reshape(len(names), -1)
     gain = np.linalg.solve(rows @ rows.T + np.eye(len(names)), rows)
     shrinkage, random = gain @ rows.T - np.eye(len(names)), np.random.default_rng(0)
     estimates = np.array([
-        gain @ (one * weights[:, None]).ravel() + shrinkage @ random.standard_normal(len(names)) for one in recordings
+        gain @ (noise * weights[:, None]).ravel() + shrinkage @ random.standard_normal(len(names)) for noise in noises
     ])  # fmt: skip
     for name in ("PKY1", "PDY1"):
         achieved = np.sqrt(np.mean(estimates[:, names.index(name)] ** 2))
-        target = next(one for one in planned.prediction.targets if one.name == name)
+        target = next(prediction for prediction in planned.prediction.targets if prediction.name == name)
         predicted = np.sqrt(np.sum(target.squares[0] * planned.prediction.covariances[0]))
         assert predicted == pytest.approx(achieved, rel=0.2)  # the error of 120 estimates is 6 %, three times that
 

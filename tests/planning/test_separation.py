@@ -38,7 +38,7 @@ def test_more_time_gives_more_evidence():
     )
     assert short.program.seconds <= 36.0 < long.program.seconds <= 72.0
     pairs = list(zip(short.separations, long.separations, strict=True))
-    assert {(one.effect, one.rival) for one in short.separations} == {
+    assert {(separation.effect, separation.rival) for separation in short.separations} == {
         ("load_friction", "load_curvature"), ("load_curvature", "load_friction"),
     }  # fmt: skip
     assert all(before.evidence < after.evidence for before, after in pairs)
@@ -82,7 +82,7 @@ def test_command_after_a_diagnosis(tmp_path, capsys):
     command = ["plan", "--bench", str(bench), "--after", str(folder), "-o", str(tmp_path / "next")]
     assert main([*command, "--minutes", "1", "--json", "-", "--quiet"]) == 0
     content = json.loads(capsys.readouterr().out)
-    assert {one["effect"] for one in content["separations"]} == {"conicity", "load_friction"}
+    assert {separation["effect"] for separation in content["separations"]} == {"conicity", "load_friction"}
     assert content["seconds"] <= 60.0
     assert main([*command, "--between", "conicity,plysteer"]) == 2
     assert "exclude each other" in capsys.readouterr().err

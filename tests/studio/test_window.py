@@ -10,6 +10,7 @@ import pytest
 
 from tirefmu.cli import main
 from tirefmu.evaluation import predicted_outputs
+from tirefmu.fitting import fit
 from tirefmu.measurements import recording_from, write_table
 from tirefmu.project.records import Records
 from tirefmu.project.steps import steps_of
@@ -34,7 +35,7 @@ def test_the_tables_are_shown_with_the_state_of_each_row(window):
     cell = table["grid"][1]
     page.edit("set", section="data", key="exclude", value=[cell["expression"]])
     (table,) = page.result("data")
-    again = next(each for each in table["grid"] if each["expression"] == cell["expression"])
+    again = next(entry for entry in table["grid"] if entry["expression"] == cell["expression"])
     assert again["excluded"] == cell["rows"]
     assert table["counts"]["excluded by the project"] == cell["rows"]
     page.edit("set", section="fit", key="hold_out", value=None)
@@ -62,15 +63,15 @@ def test_a_wrong_unit_is_refused_with_a_correction_that_the_project_file_has(win
     table = right.assign(Fz=right["Fz"] / 4.4482216152605)
     write_table(table, path)
     (shown,) = window.page.result("data")
-    assert any("Fz is in lbf" in each["text"] and each["serious"] for each in shown["findings"])
-    correction = {each["text"]: each for each in shown["corrections"]}["Fz is in lbf"]
+    assert any("Fz is in lbf" in finding["text"] and finding["serious"] for finding in shown["findings"])
+    correction = {offer["text"]: offer for offer in shown["corrections"]}["Fz is in lbf"]
     assert correction["keys"] == {"units": {"Fz": "lbf"}}
     window.page.edit("correct", keys=correction["keys"])
     assert 'units = {Fz = "lbf"}' in window.state.text()
     (shown,) = window.page.result("data")
-    assert not [each for each in shown["findings"] if each["serious"]]
+    assert not [finding for finding in shown["findings"] if finding["serious"]]
     assert shown["corrections"] == []
-    meanings = {each["channel"]: each for each in shown["meanings"]}
+    meanings = {meaning["channel"]: meaning for meaning in shown["meanings"]}
     assert (meanings["Fz"]["taken_for"], meanings["Fz"]["unit"]) == ("wheel load, lbf", "lbf")
     read = recording_of(path, window.state.project()).table["Fz"]
     np.testing.assert_allclose(read, right["Fz"], rtol=1e-9)
@@ -133,8 +134,8 @@ def test_a_stale_change_of_a_second_page_is_refused(window):
 def test_errors_of_sliders_are_those_of_python(window):
     page = window.page
     tire = page.result("tire", tire="live")
-    values = {each["name"]: each["value"] for each in tire["coefficients"]}
-    effects = [each["name"] for each in tire["effects"] if each["on"]]
+    values = {coefficient["name"]: coefficient["value"] for coefficient in tire["coefficients"]}
+    effects = [effect["name"] for effect in tire["effects"] if effect["on"]]
     for change in ({}, {"PDY1": values["PDY1"] * 1.1}):
         content = {"tire": "live", "model": "mf96", "effects": effects, "values": values | change}
         found = page.result("errors", condition=0, **content)
@@ -191,7 +192,7 @@ def test_a_thousand_malformed_messages_change_nothing(window):
            {"a": "b"}, {"a": 1.0}, "\ud800", "live", "result", "9" * 5000]  # fmt: skip
     names = ["version", "section", "key", "value", "tables", "table", "first", "last", "how", "channel", "tire",
              "model", "effects", "values", "keys", "condition", "steps", "fit", "text", "id"]  # fmt: skip
-    actions = [each for each in window.server.window._actions if each not in ("run", "stop")]
+    actions = [action for action in window.server.window._actions if action not in ("run", "stop")]
     for _ in range(1000):
         message = {name: rng.choice(odd) for name in rng.sample(names, rng.randrange(len(names)))}
         message["do"] = rng.choice([*actions, *odd])
@@ -215,8 +216,8 @@ def test_the_step_that_the_window_runs_is_that_of_the_command(window, monkeypatc
     assert main([*started["inspect"], "--quiet"]) == 0
     (inspect, *others) = window.page.result("state")["steps"]
     assert (inspect["status"], inspect["headline"]) == (0, "data ready for a fit")
-    assert [each["status"] for each in others] == [None] * len(others)
-    assert [each["name"] for each in (inspect, *others)] == [step.name for step in steps_of(window.state.project())]
+    assert [step["status"] for step in others] == [None] * len(others)
+    assert [step["name"] for step in (inspect, *others)] == [step.name for step in steps_of(window.state.project())]
     assert window.page.call("run", steps=["rm"])["error"]
 
 
@@ -240,10 +241,24 @@ def test_property_files_and_code_are_steps_of_the_project(window):
             for path in step.outputs:
                 path.touch()
             records.add(step, 0, 0.0)
-    shown = {each["command"]: each for each in page.result("state")["steps"]}
+    shown = {step["command"]: step for step in page.result("state")["steps"]}
     assert shown["convert"]["files"] == ["convert_adams.json", "tire_adams.tir"]
     assert {"generate_cpp.json"} < set(shown["generate"]["files"])
     assert (shown["convert"]["headline"], shown["generate"]["headline"]) == (
         "property file, model mf52", "code in cpp")  # fmt: skip
     for name in shown["generate"]["files"]:
         assert window.client.get(f"/{TOKEN}/results/{name}").status_code == 200
+
+
+def test_a_kept_fit_is_shown_with_its_verdict_and_errors(window, bench_file):
+    result = fit(bench_file, "mf96", effects=[], recipe="joint", iterations=1)
+    results = window.state.folder / "results"
+    results.mkdir()
+    result.tire.save(results / "tire.tir")
+    (results / "fit.json").write_text(json.dumps(result.to_json()))
+    fits = window.server.window.fits
+    assert fits.keep(results, window.state.text()) == 1
+    assert fits.keep(results, window.state.text()) is None  # the latest one is kept once
+    (shown,) = window.page.result("state")["fits"]
+    assert (shown["model"], shown["verdict"]) == ("mf96", result.verdict.word)
+    assert [channel["fitted_rmse"] for channel in shown["channels"]] == [c.fitted_rmse for c in result.channels]

@@ -20,7 +20,7 @@ def test_a_command_reports_its_end_and_can_be_stopped(tmp_path, monkeypatch):
         events.append(event)
 
     async def until(kind, count):
-        while sum(each["event"] == kind for each in events) < count:
+        while sum(event["event"] == kind for event in events) < count:
             await asyncio.sleep(0.02)
 
     async def run():
@@ -39,7 +39,7 @@ def test_a_command_reports_its_end_and_can_be_stopped(tmp_path, monkeypatch):
             await work.close()
 
     asyncio.run(asyncio.wait_for(run(), 120))
-    first, second = (each for each in events if each["event"] == "ended")
+    first, second = (event for event in events if event["event"] == "ended")
     assert (first["status"], first["message"]) == (2, "missing.tir: no such file")
     assert second["message"] == "stopped"
     assert not (tmp_path / "run.csv").exists()

@@ -45,8 +45,8 @@ def test_every_form_of_a_table_is_the_same_recording(forms, bench):
         found = recording_from(table)
         assert found.signs == "iso", form
         pd.testing.assert_frame_equal(found.table, bench.table, rtol=1e-12)
-    (one,) = recordings_from(forms["DataFrame"])
-    assert [len(each) for each in recordings_from(list(forms.values()))] == [len(one)] * 4
+    (single,) = recordings_from(forms["DataFrame"])
+    assert [len(recording) for recording in recordings_from(list(forms.values()))] == [len(single)] * 4
 
 
 def test_every_form_of_a_tire_evaluates_every_form_of_a_table(forms, tires, bench):

@@ -163,5 +163,5 @@ def test_coefficients_that_the_model_ignores_are_named(command, golden, tmp_path
     path = tmp_path / "given.tir"
     path.write_text(text.replace(section, f"{section}\nPKY6 = -0.9\nPKY7 = 0.0"), encoding="utf-8")
     reading = read_tir_with_notes(path)
-    assert [each["key"] for each in describe(reading.tire)["ignored"]] == ["PKY6"]
+    assert [coefficient["key"] for coefficient in describe(reading.tire)["ignored"]] == ["PKY6"]
     assert "given but ignored by mf52: PKY6 = -0.9\n" in command("info", path).out

@@ -61,20 +61,3 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path, capsys):
     provenance = page.split("<h2>Provenance</h2>")[1]
     assert "tirefmu diagnose " in provenance
     assert "SHA-256 of the values" in provenance
-
-
-@pytest.mark.parametrize(
-    ("more", "message"),
-    [
-        (["--effect", "missing.toml"], "missing.toml: no such file"),
-        (["--nominal", "Fz0=3,R0=0.3"], "nominal Fz0 = 3 N is far from the median of Fz"),
-    ],
-)
-def test_bad_input_is_one_line(recording, tmp_path, capsys, more, message):
-    nominal = [] if "--nominal" in more else ["--nominal", "Fz0=3000,R0=0.3"]
-    arguments = ["diagnose", str(recording), "--signs", "adapted-sae", *nominal, *more]
-    assert main([*arguments, "-o", str(tmp_path / "answer"), "--quiet"]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert len(error.strip().splitlines()) == 1
-    assert not (tmp_path / "answer").exists()

@@ -90,8 +90,8 @@ def test_parts_are_those_of_the_file_in_any_order_of_requests(rows, tmp_path):
     """Two readers of one file do not disturb each other: the process reads from the requested row."""
     write_table(rows, tmp_path / "in.parquet")
     table = LargeTable.of(tmp_path / "in.parquet")
-    for one, other in zip(table.parts(), table.parts(), strict=True):
-        pd.testing.assert_frame_equal(one, other)
+    for part, other in zip(table.parts(), table.parts(), strict=True):
+        pd.testing.assert_frame_equal(part, other)
     whole = pd.concat(table.parts(), ignore_index=True)
     pd.testing.assert_frame_equal(whole, rows, check_dtype=False)
 

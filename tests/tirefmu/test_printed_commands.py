@@ -15,7 +15,6 @@ import pytest
 import tirefmu
 from tirefmu.boundary.errors import LISTED_BY
 from tirefmu.cli import cli
-from tirefmu.commands.command_help import EXAMPLES
 from tirefmu.commands.fit_command import _testable
 from tirefmu.measurements import Recording
 from tirefmu.progress import FitProgress
@@ -63,11 +62,6 @@ def test_no_command_line_is_put_together_without_quotes():
     assert {*SENTENCES, *(text for text in LISTED_BY.values() if begun.match(text))} <= found
     for line in found.difference(SENTENCES):
         accepted(line)
-
-
-@pytest.mark.parametrize("line", [line for lines in EXAMPLES.values() for line in lines])
-def test_the_examples_of_the_help(line):
-    accepted(f"tirefmu {line}")
 
 
 @pytest.fixture
@@ -160,7 +154,7 @@ def test_a_fit_prints_the_diagnosis_of_its_residual(folder, command):
     late(0.15).to_csv(data / HOSTILE, index=False)
     fit = ["fit", data / HOSTILE, "--model", "mf61", "--nominal", "Fz0=800,R0=0.25", "--where", "t > 1", "--all-rows"]
     printed = command(*fit, "-o", "my tire.tir", "--json", "fit.json")
-    (finding,) = [each for each in json.loads(Path("fit.json").read_text())["data_findings"] if each["effects"]]
+    (finding,) = [row for row in json.loads(Path("fit.json").read_text())["data_findings"] if row["effects"]]
     assert finding["command"] in printed.out
     name, options = accepted(finding["command"])
     assert (name, options["where"], options["candidates"]) == ("diagnose", "t > 1", ("relax_lat",))

@@ -40,15 +40,6 @@ def test_the_time_left_grows_with_the_remaining_work(done, left, more, seconds):
     assert after([*done, *(2.0 * work for work in left)], times).left() == pytest.approx(2.0 * found)
 
 
-@given(stages=st.lists(WORK, min_size=2, max_size=6), pace=WORK)
-def test_every_stage_at_the_same_pace_reduces_the_time_left_by_its_own(stages, pace):
-    forecasts = [after(stages, [pace * work for work in stages[:number]]).left() for number in range(len(stages) + 1)]
-    assert forecasts[0] is None  # nothing is known before a stage has ended
-    assert forecasts[-1] == 0.0
-    for number in range(1, len(stages)):
-        assert forecasts[number] - forecasts[number + 1] == pytest.approx(pace * stages[number])
-
-
 @given(stages=st.lists(WORK, min_size=3, max_size=6), running=st.floats(0.0, 1e9))
 def test_within_a_stage_the_time_left_never_ends_before_the_stages_that_follow(stages, running):
     forecast = after(stages, [stages[0]])

@@ -18,7 +18,6 @@ from tirefmu.terminal import LINE, Terminal, wrapped
 from tirefmu.tires import published
 
 from ..hostile import HOSTILE, is_plain
-from .conftest import EFFECTS
 
 
 @pytest.mark.parametrize("text", HOSTILE)
@@ -107,20 +106,22 @@ def test_a_terminal_without_a_character_still_shows_the_line(monkeypatch, tmp_pa
     assert screen.getvalue().startswith(rb"Stra\xdfe \u65e5: ")
 
 
-def test_no_line_is_longer_than_the_limit(command, bench_csv, published_fmu, tmp_path, monkeypatch):
+def test_no_line_is_longer_than_the_limit(chain, command, bench_csv, published_fmu, tmp_path, monkeypatch):
     """Except for a command to enter: all tables and texts of the main commands, on a recording with few rows."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(bench_csv, "bench.csv")
     shutil.copy(published_fmu, "trento.fmu")
-    fit = f"fit bench.csv --model mf96 --nominal Fz0=220,R0=0.23 --effects {EFFECTS} --all -o my.tir"
+    folder, outcomes = chain
+    shutil.copy(folder / "fitted.tir", "my.tir")
+    # Figures take longer than all commands.
+    monkeypatch.setattr("tirefmu.comparison.report.write_figures", lambda _, folder: folder.mkdir() or [])
     lines = [
-        "inspect bench.csv --all", fit, "info my.tir --all", "info trento_hoosier", "effects", "effects camber_thrust",
+        "inspect bench.csv --all", "info my.tir --all", "info trento_hoosier", "effects", "effects camber_thrust",
         "columns", "models", "lint my.tir --for carsim", "convert my.tir --for adams -o adams.tir",
         "compare my.tir trento_hoosier -o comparison", "check trento.fmu bench.csv", "export my.tir -o my.fmu",
         "explore my.tir bench.csv -o my.html",
     ]  # fmt: skip
-    for line in lines:
-        done = command(*line.split())
+    for done in (outcomes["fit"], *(command(*line.split()) for line in lines)):
         assert done.status in (0, 1), done.err
         printed = [re.sub(r"\(?tirefmu [a-z]+ .*", "", shown) for shown in (done.out + done.err).splitlines()]
         assert printed

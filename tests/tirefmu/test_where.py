@@ -2,49 +2,33 @@
 
 from __future__ import annotations
 
-import json
-
 import pandas as pd
 import pytest
 
 WHERE = "Fz in 700 +- 100 N and gamma in 0 +- 0.5 deg"
+#: By command: what precedes the table, and what follows it.
+COMMANDS = {
+    "evaluate": (["trento.tir"], ["-o", "out.csv"]),
+    "check": (["trento.fmu"], []),
+    "inspect": ([], ["--table", "out.csv"]),
+    "fit": ([], ["--model", "mf96", "--effects", "none", "--rows", "equal", "-o", "new.tir"]),
+    "explore": (["trento.tir"], ["-o", "page.html"]),
+}
 
 
-@pytest.fixture(scope="module")
-def chosen(bench_csv):
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_rows_are_those_of_the_expression(
+    name, command, bench_csv, published_tir, published_fmu, tmp_path, monkeypatch
+):
     table = pd.read_csv(bench_csv)
-    return int(((table["Fz"] - 700.0).abs().le(100.0) & table["gamma"].abs().le(0.0087266)).sum())
-
-
-def test_evaluate(command, published_tir, bench_csv, tmp_path, chosen):
-    outcome = command("evaluate", published_tir, bench_csv, "--where", WHERE, "-o", tmp_path / "out.csv")
-    assert outcome.status == 0, outcome.err
-    assert outcome.out.startswith(f"{bench_csv.name}: {chosen} of ")
-    assert len(pd.read_csv(tmp_path / "out.csv")) == chosen
-
-
-def test_check(command, published_fmu, bench_csv, tmp_path, chosen):
-    path = tmp_path / "check.json"
-    outcome = command("check", published_fmu, bench_csv, "--where", WHERE, "--json", path)
-    assert outcome.status == 0, outcome.err
-    assert f"{chosen} of " in outcome.out
-
-
-def test_fit_by_a_file(command, bench_csv, tmp_path, chosen):
-    (tmp_path / "crop.where").write_text(WHERE, encoding="utf-8")
-    outcome = command(
-        "fit", bench_csv, "--where", tmp_path / "crop.where", "--model", "mf96", "--effects", "none", "--rows", "equal",
-        "-o", tmp_path / "t.tir", "--json", tmp_path / "fit.json",
-    )  # fmt: skip
-    assert outcome.status in (0, 1), outcome.err
-    fitted = json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))
-    assert {channel["rows"] for channel in fitted["channels"]} == {chosen}
-
-
-@pytest.mark.parametrize("line", ["fit {} -o new.tir", "diagnose {} -o new", "evaluate trento_hoosier {} -o new.csv"])
-def test_an_invalid_expression_is_refused_before_anything_is_written(command, bench_csv, tmp_path, monkeypatch, line):
+    selected = (table["Fz"] - 700.0).abs().le(100.0) & table["gamma"].abs().le(0.0087266)
     monkeypatch.chdir(tmp_path)
-    outcome = command(*line.format(bench_csv).split(), "--where", "pressure > 3 kPa")
-    assert outcome.status == 2
-    assert "where 'pressure > 3 kPa': unknown name 'pressure': did you mean p?" in outcome.err
-    assert list(tmp_path.iterdir()) == []
+    paths = {"trento.tir": published_tir, "trento.fmu": published_fmu}
+    (tmp_path / "crop.where").write_text(WHERE, encoding="utf-8")
+    before, after = COMMANDS[name]
+    where = "crop.where" if name == "fit" else WHERE
+    outcome = command(name, *(paths[part] for part in before), bench_csv, *after, "--where", where)
+    assert outcome.status in (0, 1), outcome.err
+    assert f"{selected.sum()} of " in outcome.out
+    if "out.csv" in after:
+        assert len(pd.read_csv("out.csv")) == selected.sum()

@@ -73,7 +73,7 @@ def plan(
         sys.stdout.write(example_text())
         return 0
     check_output_paths(json_file, folder=output)
-    check_input_paths(*(path for path in (tire, bench, compare) if path is not None))
+    check_input_paths(tire, bench, compare)
     pairs = [aim.between] if aim.between else []
     if aim.after is not None:
         from tirefmu.planning.separation import pairs_of
@@ -159,7 +159,7 @@ def example(
     check_output_paths(output, json_file)
     if program not in TIRES and tire is None:
         raise TirefmuError(f"--program {program} needs --tire; the programs {' and '.join(TIRES)} have a tire")
-    check_input_paths(*(path for path in (tire, bench, None if program in TIRES else Path(program)) if path))
+    check_input_paths(tire, bench, None if program in TIRES else Path(program))
     from tirefmu.measurements import Noise, VirtualBench, small_tire_program, trento_program, write_table
     from tirefmu.planning.bench_file import read_bench
     from tirefmu.planning.program import program_from

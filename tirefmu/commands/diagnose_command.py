@@ -9,13 +9,11 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import command_text
-from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from ..arguments import (
     FILE,
     MODEL,
-    SIGNS,
-    Pairs,
+    NOMINAL,
     Spread,
     TableOptions,
     check_input_paths,
@@ -24,13 +22,12 @@ from ..arguments import (
     common,
     grouped,
     names,
-    table_options,
+    tables_read,
     write_json,
 )
 
-#: What follows the steps of the diagnosis, and its time relative to their first one.
-FMUS, REPORT = "building both FMUs and simulating them", "writing the report"
-FURTHER = {FMUS: 8.0, REPORT: 18.0}
+#: Times of the FMUs and of the report, relative to the first step of the diagnosis.
+FURTHER = (8.0, 18.0)
 
 
 @click.command()
@@ -38,9 +35,8 @@ FURTHER = {FMUS: 8.0, REPORT: 18.0}
 @click.option("--tire", type=FILE, help="Tire as baseline model, instead of --model, --effects and --nominal.")
 @MODEL
 @click.option("--effects", callback=names, help="Effects of the baseline model in addition to its core, or 'none'.")
-@click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
-@click.option("--signs", type=SIGNS, help=f"Convention of the table (default: {DEFAULT_SIGNS}).")
-@table_options
+@NOMINAL
+@tables_read
 @click.option("--turn-slip", "turning", is_flag=True,
               help="The bench turns the wheel plane: phit = -(d alpha/dt)/V where phit is not recorded.")  # fmt: skip
 @click.option("--candidates", callback=names, help="Test these effects only.")
@@ -53,7 +49,7 @@ FURTHER = {FMUS: 8.0, REPORT: 18.0}
 @click.option("--resume", is_flag=True, help="Of several recordings: keep the results of the folder that are valid.")
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis.json, report.html, tires, FMUs.")
 @common
-@grouped(selection=TableOptions, spread=Spread)
+@grouped(spread=Spread)
 def diagnose(
     tables: tuple[Path, ...], selection: TableOptions, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
     others: tuple[Path, ...], turning: bool, fmus: bool, spread: Spread, resume: bool, output: Path, quiet: bool,
@@ -71,7 +67,7 @@ def diagnose(
     if others and not fmus:
         raise TirefmuError("--holdout needs the FMUs; remove --no-fmu")
     given = {name: value for name, value in baseline.items() if value is not None}
-    check_input_paths(*others, *user_files, *([given["tire"]] if "tire" in given else []))
+    check_input_paths(*others, *user_files, given.get("tire"))
     if len(tables) > 1 or tables[0].is_dir():
         if others:
             raise TirefmuError("--holdout is for one recording")
@@ -87,8 +83,8 @@ def diagnose(
         raise TirefmuError("--workers, --scheduler and --resume are for several recordings")
     (table,) = tables
     check_input_paths(table)
+    from tirefmu.batch.diagnose_many import FMUS, REPORT, write_answer
     from tirefmu.diagnosis import diagnose as run
-    from tirefmu.diagnosis import export_and_simulate, write_report
     from tirefmu.diagnosis.diagnose import STEPS
     from tirefmu.estimation.turn_slip import with_turn_slip
     from tirefmu.measurements import check_columns, data_findings, recordings_from
@@ -109,32 +105,26 @@ def diagnose(
     if "tire" in given:
         given["tire"] = tire_from(given["tire"])
     tested = [*map(user_effect, user_files), *(candidates or ())] or None
-    steps = {**STEPS, **{step: work for step, work in FURTHER.items() if fmus or step != FMUS}}
+    further_steps = dict(zip((FMUS, REPORT), FURTHER, strict=True))
+    steps = {**STEPS, **{step: work for step, work in further_steps.items() if fmus or step != FMUS}}
     with terminal.stages(list(steps.items())) as stages:
 
         def progress(sentence: str) -> None:
             (stages.begin if sentence in steps else stages.event)(sentence)
 
         result = run(recording, **given, candidates=tested, progress=progress)
-        path = result.save(output)
-        written = {"tire": "improved.tir", "base_tire": "base.tir"}
-        simulated: dict[str, Any] = {}
-        if fmus:
-            stages.begin(FMUS)
-            simulated = export_and_simulate(result, recording, output, further)
-            written |= {"fmu": "improved.fmu", "base_fmu": "base.fmu"}
-        stages.begin(REPORT)
-        summary = {**result.to_json(**written), "simulated": simulated}
-        write_json(path, summary)
-        write_report(result, recording, output / "report.html", simulated, command=command_line())
-    ok = bool(simulated.get("ok", True))
+        summary = write_answer(
+            result, recording, output, fmus=fmus, others=further, command=command_line(), begin=stages.begin
+        )
+    ok = bool(summary["simulated"].get("ok", True))
     write_json(json_file, {"ok": ok, **summary})
     terminal.print(result.verdict)
     for line in _error_lines(summary):
         terminal.print(line)
     if ignored := result.recording["ignored_columns"]:
         terminal.print(f"note: ignored, no tested model has them: {', '.join(ignored)}")
-    written_names = [*written.values(), *(f"{effect.name}.toml" for effect in result.proposed)]
+    keys = ("tire", "base_tire", *(("fmu", "base_fmu") if fmus else ()))
+    written_names = [*(summary[key] for key in keys), *(f"{effect.name}.toml" for effect in result.proposed)]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
     tire, fmu = output / "improved.tir", output / "improved.fmu"
     check, export = ("check", fmu, table, *selection.arguments), ("export", tire, "-o", fmu)

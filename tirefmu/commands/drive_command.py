@@ -6,23 +6,10 @@ from pathlib import Path
 
 import click
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import writing
 from tirefmu.boundary.json_schema import write_toml
 
-from ..arguments import FILE, check_input_paths, check_output_paths, command_line, common, write_json
-
-
-class Columns(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic in newer versions of click only
-    """``NAME=HEADER,...``."""
-
-    name = "NAME=HEADER,..."
-
-    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, str]:
-        """Return the header of each name."""
-        pairs = [part.partition("=") for part in value.split(",")]
-        if not all(name.strip() and sign and header.strip() for name, sign, header in pairs):
-            self.fail(f"{value!r} is not like steer=SteeringAngle,ay=AccY [g]", param, ctx)
-        return {name.strip(): header.strip() for name, _, header in pairs}
+from ..arguments import FILE, check_input_paths, check_output_paths, command_line, common, texts_by_channel, write_json
 
 
 @click.command()
@@ -31,7 +18,8 @@ class Columns(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # gener
 @click.option("--tire", type=FILE, help="Tire of the front axle, and of the rear one without --rear.")
 @click.option("--rear", type=FILE, help="Tire of the rear axle.")
 @click.option("-o", "--output", type=FILE, help="Folder to write: drive.json, wheels.csv, tires, report.html.")
-@click.option("--columns", type=Columns(), help="Headers of channels that have other names in the log.")
+@click.option("--columns", type=texts_by_channel, metavar="NAME=HEADER,...",
+              help="Headers of channels that have other names in the log.")  # fmt: skip
 @click.option("--fmus", is_flag=True, help="Simulate the vehicle on four tire FMUs, and write those of the new tires.")
 @click.option("--example", type=FILE, is_flag=False, flag_value=Path("car.toml"),
               help="Write a commented car file (car.toml) and its JSON Schema, and stop.")  # fmt: skip
@@ -50,7 +38,7 @@ def drive(
     if log is None or vehicle is None or tire is None or output is None:
         raise click.UsageError("LOG, --vehicle, --tire and -o are required; --example FILE writes a car file")
     check_output_paths(json_file, folder=output)
-    check_input_paths(log, vehicle, tire, *([rear] if rear else []))
+    check_input_paths(log, vehicle, tire, rear)
     from tirefmu.driving.drive import drive as run
     from tirefmu.driving.report import write_drive
 
@@ -81,9 +69,7 @@ def _template(example: Path, quiet: bool) -> int:
 
     from ..terminal import Terminal
 
-    try:
+    with writing(example):
         write_toml(example, example_text(), car_schema())
-    except OSError as error:
-        raise TirefmuError(f"{example}: cannot be written ({error.strerror or error})") from error
     Terminal(quiet).print(f"written: {example}")
     return 0

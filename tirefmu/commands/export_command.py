@@ -15,12 +15,12 @@ from tirefmu.boundary.escaping import command_text
 from ..arguments import (
     FILE,
     RADIUS,
-    SIGNS,
+    TableOptions,
     check_input_paths,
     check_output_paths,
     common,
     grouped,
-    table_options,
+    tables_read,
     write_json,
 )
 
@@ -37,30 +37,17 @@ class InterfaceOptions:
 
 @dataclass(frozen=True)
 class Proof:
-    """The table of a proof, how it is read, and the result of the fit; `table` may be "none"."""
+    """The table of a proof, and the result of the fit; `table` may be "none"."""
 
     table: str
     fit: Path | None
-    signs: str | None
-    where: str | None
-    columns: dict[str, str] | None
-    units: dict[str, str] | None
-
-    def __post_init__(self) -> None:
-        if self.path is None and (self.fit or any(self.reading.values())):
-            raise TirefmuError("--fit, --signs, --where, --columns, --units belong to a proof: give --proof TABLE")
-
-    @property
-    def reading(self) -> dict[str, Any]:
-        """How the table is read."""
-        return {"signs": self.signs, "where": self.where, "columns": self.columns, "units": self.units}
 
     @property
     def path(self) -> Path | None:
         """The path of the table; None without a proof."""
         return None if self.table == "none" else Path(self.table)
 
-    def export(self, tire: Any, target: Path, **options: Any) -> Path:
+    def export(self, tire: Any, target: Path, selection: TableOptions, **options: Any) -> Path:
         """Write an FMU, with its proof if there is a table; either the complete file is written or none."""
         from tirefmu.fmu import add_proof, export
         from tirefmu.fmu.proof.verdict import read_verdict
@@ -68,7 +55,7 @@ class Proof:
 
         if self.path is None:
             return export(tire, target, **options)
-        recording = recording_from(self.path, **self.reading)
+        recording = recording_from(self.path, **vars(selection))
         verdict = None if self.fit is None else read_verdict(self.fit)
         with TemporaryDirectory(prefix="tirefmu-") as folder:
             # The same file name: it determines the model identifier.
@@ -113,14 +100,13 @@ class Proof:
     help="Put a proof into the FMU, which `check` repeats without data. It contains the inputs of TABLE.",
 )
 @click.option("--fit", type=FILE, help="With --proof: JSON of the fit, whose verdict becomes part of the proof.")
-@click.option("--signs", type=SIGNS, help="With --proof: convention of its table.")
-@table_options
+@tables_read
 @common
 @grouped(interface=InterfaceOptions, proof=Proof)
 def export(
     tires: tuple[Path, ...], output: Path | None, ssp: Path | None, vehicle: Path | None, radius: float | None,
-    interface: InterfaceOptions, proof: Proof, kind: str, platforms: str, road: Path | None, arrays: bool, quiet: bool,
-    json_file: Path | None,
+    interface: InterfaceOptions, proof: Proof, selection: TableOptions, kind: str, platforms: str, road: Path | None,
+    arrays: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Export TIRE as an FMU.
 
@@ -138,12 +124,14 @@ def export(
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
     if (road or arrays) and (ssp or kind != "native"):
         raise TirefmuError("--road and --arrays are for one native FMU")
+    if proof.path is None and (proof.fit or selection.arguments):
+        raise TirefmuError("--fit, --signs, --where, --columns, --units belong to a proof: give --proof TABLE")
     if proof.path and (ssp or arrays or kind not in ("native", "pythonfmu")):
         raise TirefmuError("--proof is for one FMU with scalar inputs: omit --ssp, --arrays and other kinds")
     if vehicle and not ssp:
         raise TirefmuError("--vehicle is part of a system: give --ssp")
     check_output_paths(target, json_file)
-    check_input_paths(*tires, *(path for path in (road, vehicle, proof.path, proof.fit) if path))
+    check_input_paths(*tires, road, vehicle, proof.path, proof.fit)
     from tirefmu.fmu import export_parameters, export_sti, export_system
     from tirefmu.fmu.description.standstill import with_lengths
     from tirefmu.tires import tire_from
@@ -165,7 +153,7 @@ def export(
             written = export_sti(loaded[0], target, platforms=platforms)
         else:
             options = {**shared, "quantities": interface.quantities, "kind": kind, "platforms": platforms}
-            written = proof.export(loaded[0], target, **options, road=road, arrays=arrays)
+            written = proof.export(loaded[0], target, selection, **options, road=road, arrays=arrays)
     size = written.stat().st_size
     what = "ssp" if ssp else kind if kind in ("ssv", "sti") else "fmu"
     described = {} if kind == "sti" else {"fmi": version, "inputs": inputs}

@@ -10,25 +10,23 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import writing
 from tirefmu.boundary.escaping import command_text, file_name
-from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from ..arguments import (
     FILE,
     MODEL,
-    SIGNS,
-    Pairs,
+    NOMINAL,
     Spread,
     TableOptions,
-    Weight,
     check_input_paths,
     check_output_paths,
     command_line,
     common,
     grouped,
     names,
-    table_options,
+    numbers_by_name,
+    tables_read,
     write_json,
 )
 
@@ -45,6 +43,15 @@ class Checks:
     folds: int | None
     replicates: int | None
     profiled: tuple[str, ...]
+
+
+def _weight(text: str) -> tuple[str, float]:
+    """Read ``FACTOR: EXPRESSION``."""
+    factor, colon, expression = text.partition(":")
+    try:
+        return expression.strip(), float(factor if colon else "")
+    except ValueError:
+        raise click.BadParameter(f"{text!r} is not like '2: Fz in 200..240 N'") from None
 
 
 @click.command()
@@ -84,17 +91,18 @@ class Checks:
                    "extrapolation, a single one (curvature:E_y), or all.")  # fmt: skip
 @click.option("--loss", default="squares", show_default=True,
               help="Loss function: squares; huber or cauchy for data with outliers.")  # fmt: skip
-@click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
-@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@table_options
+@NOMINAL
+@tables_read
 @click.option("--all-rows", "screening", is_flag=True, callback=lambda context, option, given: not given,
               help="Do not exclude rows (warm-up, transitions, outliers).")  # fmt: skip
 @click.option("--rows", default="condition", show_default=True,
               help="Weights of rows: condition (equal per operating condition), equal, independent (by effective "
                    "sample size), or load (errors relative to the load).")  # fmt: skip
-@click.option("--weight", "weights", type=Weight(), multiple=True, callback=lambda context, option, given: dict(given),
+@click.option("--weight", "weights", type=_weight, metavar="FACTOR:EXPRESSION", multiple=True,
+              callback=lambda context, option, given: dict(given),
               help="Multiply the weights of rows by a factor: '2: Fz in 200..240 N'. Repeatable.")  # fmt: skip
-@click.option("--fix", "fixed", type=Pairs(), callback=lambda context, option, given: given or {},
+@click.option("--fix", "fixed", type=numbers_by_name, metavar="NAME=VALUE,...",
+              callback=lambda context, option, given: given or {},
               help="Coefficients that are not fitted, with their values in ISO-W: PCY1=1.3,PHY1=0.")  # fmt: skip
 @click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
               help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
@@ -118,7 +126,7 @@ class Checks:
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @click.option("--all", "every", is_flag=True, help="List every coefficient, constraint and stage.")
 @common
-@grouped(selection=TableOptions, checks=Checks, spread=Spread)
+@grouped(checks=Checks, spread=Spread)
 def fit(
     tables: tuple[Path, ...], model: str | None, output: Path, selection: TableOptions, resume: bool, checks: Checks,
     spread: Spread, figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
@@ -191,10 +199,8 @@ def fit(
 
         with terminal.working("drawing figures"):
             drawn = figures_of(result, recordings)
-            try:
+            with writing(figures):
                 write_figures(drawn, figures)
-            except OSError as error:
-                raise TirefmuError(f"{figures}: figures cannot be written: {error.strerror or error}") from None
         terminal.print(f"figures: {len(drawn)} in {figures}")
     if report:
         from tirefmu.fitting.reporting.report import write_report

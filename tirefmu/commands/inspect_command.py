@@ -8,18 +8,15 @@ import click
 
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import command_text, file_name
-from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 
 from ..arguments import (
     FILE,
-    SIGNS,
     TableOptions,
     check_input_paths,
     check_output_paths,
     command_line,
     common,
-    grouped,
-    table_options,
+    tables_read,
     write_json,
 )
 
@@ -30,13 +27,11 @@ MAX_ROWS = 14
 @click.command()
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option("-o", "--output", type=FILE, help="HTML page with tables and figures.")
-@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@table_options
+@tables_read
 @click.option("--table", "selected", type=FILE,
               help="Write the selected rows of one table as CSV or Parquet, in SI units.")  # fmt: skip
 @click.option("--all", "every", is_flag=True, help="List every operating condition, sweep and excluded row.")
 @common
-@grouped(selection=TableOptions)
 def inspect(
     tables: tuple[Path, ...], output: Path | None, selection: TableOptions, selected: Path | None,
     every: bool, quiet: bool, json_file: Path | None,

@@ -10,17 +10,17 @@ import click
 from tirefmu.boundary.errors import TirefmuError
 
 from ..arguments import (
+    CONVENTIONS,
     FILE,
     MODEL,
-    SIGNS,
     WHERE,
-    Pairs,
     Spread,
     check_input_paths,
     check_output_paths,
     common,
     grouped,
     names,
+    numbers_by_name,
     write_json,
 )  # fmt: skip
 
@@ -40,8 +40,9 @@ if TYPE_CHECKING:
 @click.option("--effects", callback=names, help="Of a folder: exactly these effects, or 'none'.")
 @click.option("--without", callback=names, help="Of a folder: all effects except these.")
 @click.option("--recipe", help="Of a folder: recipe or TOML file.")
-@click.option("--nominal", type=Pairs(), help="Of a folder: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
-@click.option("--signs", type=SIGNS, help="Of a folder: convention of the tables.")
+@click.option("--nominal", type=numbers_by_name, metavar="NAME=VALUE,...",
+              help="Of a folder: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")  # fmt: skip
+@click.option("--signs", type=CONVENTIONS, help="Of a folder: convention of the tables.")
 @WHERE
 @common
 @grouped(spread=Spread)

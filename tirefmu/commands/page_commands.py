@@ -6,17 +6,14 @@ from pathlib import Path
 
 import click
 
-from tirefmu.measurements.files.formats import DEFAULT_SIGNS
-
 from ..arguments import (
+    DRAW_SIGNS,
     FILE,
-    SIGNS,
     TableOptions,
     check_input_paths,
     check_output_paths,
     common,
-    grouped,
-    table_options,
+    tables_read,
     write_json,
 )
 
@@ -26,12 +23,10 @@ from ..arguments import (
 @click.argument("tire2", type=FILE)
 @click.argument("tables", type=FILE, nargs=-1)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for report.html and the figures.")
-@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@click.option("--draw-signs", type=SIGNS, help="Sign convention of the figures (default: that of --signs, else iso).")
-@table_options
+@DRAW_SIGNS
+@tables_read
 @click.option("--all", "every", is_flag=True, help="List every coefficient that differs.")
 @common
-@grouped(selection=TableOptions)
 def compare(
     tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, selection: TableOptions, draw_signs: str | None,
     every: bool, quiet: bool, json_file: Path | None,
@@ -43,7 +38,7 @@ def compare(
     check_output_paths(json_file, folder=output)
     check_input_paths(tire, tire2, *tables)
     from tirefmu.comparison.comparison import compare as run
-    from tirefmu.comparison.report import write_comparison
+    from tirefmu.comparison.report import short, write_comparison
     from tirefmu.measurements import recordings_from
     from tirefmu.tires import tire_from
 
@@ -64,22 +59,18 @@ def compare(
     quality = []
     for error in result.errors:
         pairs = zip(error.rmse, error.r2, strict=True)
-        numbers = [_short(number) for pair in pairs for number in pair]
+        numbers = [short(number) for pair in pairs for number in pair]
         quality.append([error.recording, error.channel, str(error.rows), *numbers])
     if quality:
         columns = [f"{what} {name}" for name in result.names for what in ("RMSE", "R2")]
         terminal.table("", (["recording", "channel", "rows", *columns], quality))
     values = [
-        [difference.name, _short(difference.first), _short(difference.second), difference.unit, difference.description]
+        [difference.name, short(difference.first), short(difference.second), difference.unit, difference.description]
         for difference in result.differences
     ]
     terminal.table("", (["coefficient", *result.names, "unit", "description"], values), most=10_000 if every else 12)
     terminal.print(f"report: {written[0]}")
     return 0
-
-
-def _short(value: float | None) -> str:
-    return "-" if value is None else f"{value:.5g}"
 
 
 @click.command()
@@ -88,10 +79,8 @@ def _short(value: float | None) -> str:
 @click.option("-o", "--output", type=FILE, required=True, help="HTML page to write.")
 @click.option("--compare", type=FILE, help="Second tire, of any model.")
 @click.option("--fit", "fit_json", type=FILE, help="Result of 'fit --json': its 95 % intervals are marked.")
-@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
-@table_options
+@tables_read
 @common
-@grouped(selection=TableOptions)
 def explore(
     tire: Path, tables: tuple[Path, ...], output: Path, compare: Path | None, fit_json: Path | None,
     selection: TableOptions, quiet: bool, json_file: Path | None,
@@ -102,7 +91,7 @@ def explore(
     needs no connection. It saves a changed tire as .tir; its address contains its state.
     """
     check_output_paths(output, json_file)
-    check_input_paths(tire, *tables, *(path for path in (compare, fit_json) if path))
+    check_input_paths(tire, *tables, compare, fit_json)
     from tirefmu.explorer.explore import explore as run
     from tirefmu.explorer.fit_intervals import fit_intervals
     from tirefmu.measurements import recordings_from

@@ -16,14 +16,13 @@ import click
 from tirefmu.boundary.errors import TirefmuError, UnknownName
 from tirefmu.boundary.escaping import command_text
 from tirefmu.boundary.json_schema import write_toml
-from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from tirefmu.symbolic import DEFAULT_MODEL
 
 from ..arguments import (
     FILE,
     MODEL,
+    NOMINAL,
     SIGNS,
-    Pairs,
     all_commands,
     check_input_paths,
     check_output_paths,
@@ -39,9 +38,9 @@ DEFAULT = Path("tirefmu.toml")
 @click.command()
 @click.argument("tables", type=FILE, nargs=-1)
 @MODEL
-@click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
+@NOMINAL
 @click.option("--effects", callback=names, help="Exactly these effects in addition to the core, or 'none'.")
-@click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
+@SIGNS
 @click.option("-o", "--output", type=FILE, default=DEFAULT, show_default=True, help="Project file to write.")
 @common
 @click.pass_context
@@ -172,7 +171,7 @@ def run(
             "name": outcome.step.name,
             "ok": outcome.status == 0,
             "repeated": outcome.repeated,
-            "summary": list(outcome.summary),
+            "summary": list(outcome.summary.lines),
         }
         for outcome in outcomes
     ]

@@ -21,7 +21,7 @@ from .limited import TimeLimitReached
 from .project_file import Project
 from .records import NAME, Records, files_of
 from .steps import Step, needed, reads_results, steps_of
-from .summaries import Headline, headline_of, summary_of
+from .summaries import Summary, summary_of
 
 #: Name of the page over all results, in their folder.
 INDEX = "index.html"
@@ -37,16 +37,14 @@ class StepOutcome:
 
     - `status`: 0: success; 1: completed, but a check failed.
     - `repeated`: false if the results were up to date.
-    - `headline`: what the step found, in one line.
-    - `summary`: the details, a line each.
+    - `summary`: what the step found.
     - `picture`: the first picture of its page, as the address of an image; empty if there is none.
     """
 
     step: Step
     status: int
     repeated: bool
-    headline: Headline
-    summary: tuple[str, ...]
+    summary: Summary
     picture: str = ""
 
 
@@ -88,9 +86,9 @@ def run_project(
         terminal.begin(f"{number}/{len(steps)} {step.name}" + (f" (all steps: {left})" if left else ""))
         outcome = _run(step, records, command, terminal, force and step in chosen)
         outcomes.append(outcome)
-        state = outcome.headline.text + ("" if outcome.repeated else " (up to date)")
+        state = outcome.summary.text + ("" if outcome.repeated else " (up to date)")
         terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
-        terminal.print(*(f"  {line}" for line in outcome.summary))
+        terminal.print(*(f"  {line}" for line in outcome.summary.lines))
         _write_index(
             project, outcomes, [step.name for i, step in enumerate(steps) if i >= number or step.name in skipped]
         )
@@ -123,8 +121,7 @@ def _run(step: Step, records: Records, command: Command, terminal: Terminal, for
             raise KeyboardInterrupt  # a fit ends with the best values so far, which is no complete step
         records.add(step, status, round(seconds, 1))
     result = _result(step)
-    headline = headline_of(step.command, result, status)
-    return StepOutcome(step, status, repeated, headline, tuple(summary_of(step.command, result)), _picture(step))
+    return StepOutcome(step, status, repeated, summary_of(step.command, result, status), _picture(step))
 
 
 def _seconds_ahead(steps: Sequence[Step], records: Records, force: bool) -> dict[str, float | None]:
@@ -150,9 +147,9 @@ def _picture(step: Step) -> str:
 
 def _unfinished(step: Step, last: str) -> StepOutcome:
     """Return the outcome of a step that was ended; it is not recorded, and the next run repeats it."""
-    headline = Headline(f"no answer within the time limit of {step.time_limit:g} s", "limited")
-    summary = (f"last progress: {last or 'none'}", f"longer: time_limit in [{step.command}] of the project file")
-    return StepOutcome(replace(step, outputs=(), page=None), 1, True, headline, summary)
+    text = f"no answer within the time limit of {step.time_limit:g} s"
+    lines = (f"last progress: {last or 'none'}", f"longer: time_limit in [{step.command}] of the project file")
+    return StepOutcome(replace(step, outputs=(), page=None), 1, True, Summary(text, "limited", lines))
 
 
 def _result(step: Step) -> dict[str, Any]:

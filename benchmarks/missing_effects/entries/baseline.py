@@ -12,4 +12,5 @@ def answer(case: Case) -> Answer:
     """Return that nothing is missing."""
     tire = case.about["system"] == "tire"  # is fitted; columns of other systems are not
     channels = channels_of(case)
-    return Answer(forces=pd.DataFrame({name: one.offset if tire else one.forces([]) for name, one in channels.items()}))
+    forces = {name: channel.offset if tire else channel.forces([]) for name, channel in channels.items()}
+    return Answer(forces=pd.DataFrame(forces))

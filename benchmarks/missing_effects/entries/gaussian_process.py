@@ -24,14 +24,14 @@ def answer(case: Case) -> Answer:
     rows = np.random.default_rng(1).permutation(n)
     train, held = rows[:ROWS], rows[ROWS : 2 * ROWS]
     variables, forces, largest = set[str](), {}, 0.0
-    for name, one in channels_of(case).items():
-        fit = one.forces([])
-        y = one.projected[0]
+    for name, channel in channels_of(case).items():
+        fit = channel.forces([])
+        y = channel.projected[0]
         kernel = ConstantKernel(1.0) * RBF(np.ones(len(x)), (0.1, 1e3)) + WhiteKernel(1.0)
         model = GaussianProcessRegressor(kernel, normalize_y=True, random_state=1).fit(points[train], y[train])
         gain = 1.0 - float(np.var(y[held] - model.predict(points[held])) / np.var(y[held]))
         if gain > GAIN:
-            fit = fit + one.noise * model.predict(points[n:])
+            fit = fit + channel.noise * model.predict(points[n:])
             lengths = model.kernel_.k1.k2.length_scale
             variables |= {key for key, length in zip(x, lengths, strict=True) if length < LENGTH}
         forces[name], largest = fit, max(largest, gain)

@@ -63,7 +63,7 @@ def channels_of(case: Case) -> dict[str, Channel]:
     if case.about["system"] == "tire":
         offsets, bases, responses = tire_responses(case, x)
     else:
-        bases = {channel: np.stack([BASE[one](x) for one in columns], axis=1)
+        bases = {channel: np.stack([BASE[column](x) for column in columns], axis=1)
                  for channel, columns in case.about["base"].items()}  # fmt: skip
         offsets = {channel: np.zeros(rows) for channel in bases}
         responses = {name: RESPONSES[case.about["system"]][name](x) for name in case.about["candidates"]}
@@ -95,8 +95,8 @@ def inputs_of(case: Case) -> dict[str, FloatArray]:
 
 def scaled(x: Mapping[str, FloatArray], n: int) -> dict[str, FloatArray]:
     """Return the varying inputs with mean 0 and deviation 1 over the first n rows."""
-    varying = {name: one for name, one in x.items() if name not in NO_VARIABLES and np.ptp(one[:n]) > 0.0}
-    return {name: (one - np.mean(one[:n])) / np.std(one[:n]) for name, one in varying.items()}
+    varying = {name: values for name, values in x.items() if name not in NO_VARIABLES and np.ptp(values[:n]) > 0.0}
+    return {name: (values - np.mean(values[:n])) / np.std(values[:n]) for name, values in varying.items()}
 
 
 def _products(x: Mapping[str, FloatArray], n: int) -> dict[tuple[str, ...], FloatArray]:
@@ -111,14 +111,14 @@ def regression(case: Case, select: Callable[[Channel], tuple[list[int], FloatArr
     """
     found: dict[str, None] = {}
     variables, probabilities, forces = set[str](), dict[str, float](), {}
-    for channel, one in channels_of(case).items():
-        selected, probability = select(one)
+    for force, channel in channels_of(case).items():
+        selected, probability = select(channel)
         for i in selected:
-            found[one.names[i]] = None
-            variables |= set(one.variables[i])
-        for name, value in zip(one.names, probability.tolist(), strict=True):
+            found[channel.names[i]] = None
+            variables |= set(channel.variables[i])
+        for name, value in zip(channel.names, probability.tolist(), strict=True):
             probabilities[name] = max(probabilities.get(name, 0.0), value)
-        forces[channel] = one.forces(selected)
+        forces[force] = channel.forces(selected)
     return Answer(tuple(found), probabilities, tuple(sorted(variables)), pd.DataFrame(forces))
 
 

@@ -15,12 +15,12 @@ THRESHOLDS, MODELS, SHARE = (0.05, 0.1, 0.3, 1.0), 20, 0.5
 
 def answer(case: Case) -> Answer:
     """Return what the ensembles select; the probability is the share of the models with a feature."""
-    return regression(case, lambda one: at_least(SHARE, inclusion(one)))
+    return regression(case, lambda channel: at_least(SHARE, inclusion(channel)))
 
 
-def inclusion(one: Channel) -> FloatArray:
+def inclusion(channel: Channel) -> FloatArray:
     """Return the share of the models that contain each feature, shape (f,)."""
-    y, x = one.projected
+    y, x = channel.projected
     held = np.arange(len(y)) * 10 // len(y) % 5 == 2
 
     def ensemble(rows: npt.NDArray[np.bool_], threshold: float) -> FloatArray:

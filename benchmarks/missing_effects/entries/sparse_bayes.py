@@ -18,9 +18,9 @@ def answer(case: Case) -> Answer:
     return regression(case, selected)
 
 
-def selected(one: Channel) -> tuple[list[int], FloatArray]:
+def selected(channel: Channel) -> tuple[list[int], FloatArray]:
     """Return the features whose coefficients differ from zero, and the probability of each, shape (f,)."""
-    y, x = one.projected
+    y, x = channel.projected
     model = ARDRegression(fit_intercept=False).fit(x, y)
     kept = model.lambda_ < model.threshold_lambda
     distance = np.zeros(x.shape[1])

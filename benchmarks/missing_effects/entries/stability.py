@@ -18,15 +18,15 @@ BLOCKS, PAIRS, FEATURES, SHARE = 40, 25, 3, 0.9
 
 def answer(case: Case) -> Answer:
     """Return the features that most halves select; the probability is the share of the halves."""
-    return regression(case, lambda one: at_least(SHARE, frequency(one)))
+    return regression(case, lambda channel: at_least(SHARE, frequency(channel)))
 
 
-def frequency(one: Channel) -> FloatArray:
+def frequency(channel: Channel) -> FloatArray:
     """Return the share of the halves that select each feature, shape (f,)."""
-    y, x = one.projected
+    y, x = channel.projected
     used = np.flatnonzero(x.std(axis=0) > 1e-6)
     x = x[:, used] / x[:, used].std(axis=0)
-    block, selected = np.arange(len(y)) * BLOCKS // len(y), np.zeros(one.columns.shape[1])
+    block, selected = np.arange(len(y)) * BLOCKS // len(y), np.zeros(channel.columns.shape[1])
     rng = np.random.default_rng(1)
     for _ in range(PAIRS):
         first = np.isin(block, rng.permutation(BLOCKS)[: BLOCKS // 2])

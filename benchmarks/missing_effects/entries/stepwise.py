@@ -17,9 +17,9 @@ def answer(case: Case) -> Answer:
     return regression(case, selected)
 
 
-def selected(one: Channel) -> tuple[list[int], FloatArray]:
+def selected(channel: Channel) -> tuple[list[int], FloatArray]:
     """Return the selected features and one minus the adjusted p value of each, shape (f,)."""
-    y, x = one.projected
+    y, x = channel.projected
     size = np.linalg.norm(x, axis=0)
     x = x / np.where(size > 1e-6 * np.sqrt(len(x)), size, np.inf)
     found, probability = list[int](), np.zeros(x.shape[1])

@@ -77,8 +77,8 @@ def _tire(name: str, draws: Draws, effects: tuple[str, ...]) -> Made:
     other = rounded(other_maneuvers(draws, tire, turning))
     clean = true_forces(tire, inputs, hidden)
     recording, noise = recorded(draws, inputs, clean, tire.radius)
-    variables = next((UNKNOWN[one][0] for one in effects if one in UNKNOWN), ())
-    named = tuple(one for one in effects if one not in UNKNOWN)
+    variables = next((UNKNOWN[effect][0] for effect in effects if effect in UNKNOWN), ())
+    named = tuple(effect for effect in effects if effect not in UNKNOWN)
     kind = "unknown" if variables else ("null", "single", "double")[len(named)]
     about = {
         "case": name, "system": "tire", "inputs": list(inputs), "channels": list(CHANNELS), "base": list(tire.base),
