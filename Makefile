@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: install demo test matrix pages studio docs release fuzz mutants discovery drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench bench-fit bench-languages bench-startup bench-steps bench-streaming performance clean
+.PHONY: install demo test matrix pages studio docs docs-commands release fuzz mutants discovery drives foreign-drive measured-drives missing-effects awkward wrong-tables recovery planning confounded coverage family real temperature wine proofs plugins prebuilt wheel sanitize warnings hosts readers examples perturb workers check generate types bench-languages bench-steps performance clean
 .NOTPARALLEL:
 
 install: $(VENV)/installed  ## the command tirefmu in .venv/bin
@@ -31,11 +31,14 @@ docs: $(VENV)/installed-dev  ## the documentation site in build/site, without co
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 	TIREFMU_NOTEBOOKS=1 $(BIN)/pytest tests/docs $(PYTEST_ARGS)
 
+docs-commands: $(VENV)/installed-dev  ## every block of the documentation, also those that take long
+	TIREFMU_DOCS=1 $(BIN)/pytest tests/docs/test_commands.py $(PYTEST_ARGS)
+
 release: $(VENV)/installed-dev  ## wheel and sdist in dist/, the demo of the wheel in a clean environment, the conda recipe
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[release]"
 	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py tests/test_packages.py
 
-pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider settings per model, accessibility, frame times
+pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider settings per model, accessibility, frame times; every page at two widths
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[browser]"
 	TIREFMU_PAGES=1 $(BIN)/pytest tests/explorer $(PYTEST_ARGS)
 	$(BIN)/python benchmarks/explorer_frames.py
@@ -64,6 +67,13 @@ drives: $(VENV)/installed-dev  ## logs in MDF; made drives with a known truth: e
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[mdf]"
 	$(BIN)/pytest tests/driving -k mdf
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/drives.py $(DRIVES_ARGS)
+
+foreign-drive: $(VENV)/installed-dev  ## a drive of the multi-body car of another program: errors of the curves of its tires
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[foreign-car]"
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/foreign_drive.py
+
+measured-drives: $(VENV)/installed-dev  ## drives of a small car in the folder dart of TIREFMU_DATA: its friction on two floors
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/dart.py $(TIREFMU_DATA)/dart
 
 missing-effects: $(VENV)/installed-dev  ## tests of all entries of the benchmark of missing effects, and the tables of docs/missing_effects.md
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[benchmark]"
@@ -140,23 +150,11 @@ check: $(VENV)/installed-dev types  ## lint, format, types, imports, and generat
 generate: $(VENV)/installed  ## write generated/
 	$(BIN)/tirefmu generate
 
-bench: $(VENV)/installed  ## time per point: CasADi, SymPy, NumPy, C and the batch kernels in one run
-	$(BIN)/python benchmarks/evaluation.py $(BENCH_ARGS)
-
-bench-fit: $(VENV)/installed  ## time of a fit compared with SciPy's trf; time and memory up to a million rows
-	$(BIN)/python benchmarks/fitting.py $(BENCH_ARGS)
-
 bench-languages: $(VENV)/installed  ## every model in every installed language compared with NumPy: the table of docs/languages.md
 	$(BIN)/python benchmarks/languages.py --write $(BENCH_ARGS)
 
-bench-startup: $(VENV)/installed  ## CPU time of short commands, of the first fit and the first diagnosis of a process
-	$(BIN)/python benchmarks/startup.py $(BENCH_ARGS)
-
 bench-steps: $(VENV)/installed  ## time of single steps of FMUs with hub inputs: median, 99.99 %, longest of a million
 	$(BIN)/python benchmarks/step_times.py $(BENCH_ARGS)
-
-bench-streaming: $(VENV)/installed-dev  ## memory and time of commands over Parquet tables of up to ten million rows
-	$(BIN)/python benchmarks/streaming.py $(BENCH_ARGS)
 
 performance: $(VENV)/installed-dev  ## docs/performance.md: start-up, fits, evaluation, memory in one run, on an idle machine
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/performance.py --write $(BENCH_ARGS)

@@ -32,9 +32,9 @@ class BuildWithPrintedCode(build_py):
 
 setup(
     packages=sorted(
-        ".".join([package, *found.parent.relative_to(ROOT / folder).parts])
+        ".".join([package, *file.parent.relative_to(ROOT / folder).parts])
         for package, folder in PACKAGES.items()
-        for found in (ROOT / folder).rglob("__init__.py")
+        for file in (ROOT / folder).rglob("__init__.py")
     ),
     cmdclass={"build_py": BuildWithPrintedCode},
 )

@@ -64,12 +64,12 @@ def _connected(address: str) -> Iterator[Client]:
     except (OSError, ValueError) as error:
         raise FitError(f"no scheduler answers at {address} ({error})") from error
     with client:
-        own, others = version("tirefmu"), client.run(_version)
+        here, others = version("tirefmu"), client.run(_version)
         if not others:
             raise FitError(f"the scheduler at {address} has no workers")
         for worker, other in others.items():
-            if other != own:
-                raise FitError(f"worker {worker} has tirefmu {other}, not {own}")
+            if other != here:
+                raise FitError(f"worker {worker} has tirefmu {other}, not {here}")
         yield client
 
 

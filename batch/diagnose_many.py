@@ -152,12 +152,12 @@ def diagnose_many(
     folder = path_from(folder)
     given = [tables] if isinstance(tables, (str, Path)) else list(tables)
     paths = [path_from(path) for path in given]
-    files = [one for path in paths for one in (recordings_in(path) if path.is_dir() else [path])]
+    files = [file for path in paths for file in (recordings_in(path) if path.is_dir() else [path])]
     signature(diagnose).bind(None, **options)
     chosen = {key: value for key, value in options.items() if value is not None}
     chosen |= {key: tuple(chosen[key]) for key in ("effects", "candidates") if key in chosen}
     baseline = tire_from(chosen.pop("tire")) if "tire" in chosen else None
-    jobs = [DiagnosisJob(file_name(one.stem), one, signs, where, baseline, chosen, fmus) for one in files]
+    jobs = [DiagnosisJob(file_name(file.stem), file, signs, where, baseline, chosen, fmus) for file in files]
     return compute(
         DIAGNOSES, unique(jobs, "recordings"), folder, scheduler=scheduler, workers=workers, resume=resume,
         progress=progress, summarize=lambda results: _write_summary(results, folder),
@@ -185,15 +185,15 @@ def run(task: DiagnosisTask) -> Outcome[DiagnosisResult]:
             write_report(result, recording, folder / "report.html", simulated)
         except TirefmuError as error:
             return Outcome(DiagnosisResult(job.name, FAILED, (str(error),)))
-        files = {f"{job.name}/{one.name}": one.read_bytes() for one in sorted(folder.iterdir())}
+        files = {f"{job.name}/{path.name}": path.read_bytes() for path in sorted(folder.iterdir())}
     errors = {channel: {key: gap[key] for key in ("before", "after", "floor")}
               for channel, gap in content["gap"]["holdout"].items()}  # fmt: skip
-    found = DiagnosisResult(
+    row = DiagnosisResult(
         job.name, DIAGNOSED if simulated.get("ok", True) else DIFFERS, tuple(content["not_delivered_because"]),
-        result.verdict, result.rating, tuple(one.effect for one in result.found), result.delivered, len(recording),
-        result.seconds, errors,
+        result.verdict, result.rating, tuple(finding.effect for finding in result.found), result.delivered,
+        len(recording), result.seconds, errors,
     )  # fmt: skip
-    return Outcome(found, files)
+    return Outcome(row, files)
 
 
 def _digest_of(job: DiagnosisJob) -> str:
@@ -210,8 +210,12 @@ def table_of(results: Sequence[DiagnosisResult]) -> pd.DataFrame:
     ['run7.csv: no rows']
     """
     rows = []
-    for one in results:
-        row: dict[str, Any] = {**one.to_json(), "reasons": "; ".join(one.reasons), "found": ", ".join(one.found)}
+    for result in results:
+        row: dict[str, Any] = {
+            **result.to_json(),
+            "reasons": "; ".join(result.reasons),
+            "found": ", ".join(result.found),
+        }
         for channel, error in row.pop("errors").items():
             row |= {f"{channel}_{key}": value for key, value in error.items()}
         rows.append(row)
@@ -225,7 +229,7 @@ def _earlier(folder: Path, name: str) -> list[Path]:
 
 
 def _write_summary(results: Sequence[DiagnosisResult], folder: Path) -> None:
-    channels = list(dict.fromkeys(channel for one in results for channel in one.errors))
+    channels = list(dict.fromkeys(channel for result in results for channel in result.errors))
     write_summary(table_of(results), folder, "diagnoses.html", results=results, channels=channels)
 
 

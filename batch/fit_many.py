@@ -115,7 +115,7 @@ def fit_many(
         listed = unique(tuple(jobs), "jobs")
     results = compute(
         FITS, listed, folder, scheduler=scheduler, workers=workers, resume=resume, progress=progress,
-        summarize=lambda found: _write_summary(Batch(found, folder)),
+        summarize=lambda results: _write_summary(Batch(results, folder)),
     )  # fmt: skip
     return Batch(results, folder)
 
@@ -135,17 +135,17 @@ def run(task: FitTask) -> Outcome[JobResult]:
     job = task.job
     options = {**job.options, "start": task.start}
     try:
-        found = fit(task.recordings, options.pop("model", None), **options)
+        fitted = fit(task.recordings, options.pop("model", None), **options)
     except TirefmuError as error:
         return Outcome(JobResult(job.name, FAILED, (str(error),)))
-    if found.run.interrupted:
-        return Outcome(JobResult(job.name, LOST, (f"interrupted: {found.run.interrupted}",)))
-    tire = replace(found.tire, name=found.tire.name or job.name)
+    if fitted.run.interrupted:
+        return Outcome(JobResult(job.name, LOST, (f"interrupted: {fitted.run.interrupted}",)))
+    tire = replace(fitted.tire, name=fitted.tire.name or job.name)
     with TemporaryDirectory(prefix="tirefmu-") as scratch:
         path = Path(scratch, f"{job.name}.tir")
         tire.save(path)
         files = {path.name: path.read_bytes()}
-    return Outcome(result_of_fit(job.name, found), files, {"fit": found.to_json()})
+    return Outcome(result_of_fit(job.name, fitted), files, {"fit": fitted.to_json()})
 
 
 def _digest_of(job: FitJob) -> str:
@@ -164,9 +164,9 @@ FITS: Kind[FitJob, FitTask, JobResult] = Kind(
 def _write_summary(batch: Batch) -> None:
     results = batch.results
     write_summary(
-        batch.table, batch.folder, "report.html", results=results, counts=Counter(one.status for one in results),
-        channels=list(dict.fromkeys(channel for one in results for channel in one.channels)),
-        words=list(dict.fromkeys(one.status for one in sorted(results, key=_worst_first))),
+        batch.table, batch.folder, "report.html", results=results, counts=Counter(result.status for result in results),
+        channels=list(dict.fromkeys(channel for result in results for channel in result.channels)),
+        words=list(dict.fromkeys(result.status for result in sorted(results, key=_worst_first))),
     )  # fmt: skip
 
 

@@ -31,10 +31,10 @@ def check_intervals(
     """
     if replicates is not None:
         check_replicates(replicates, recordings)
-    known = model_named(model).coefficients if model is not None and coefficients else None
+    declared = model_named(model).coefficients if model is not None and coefficients else None
     for name in coefficients:
-        if known is not None and name not in known:
-            raise UnknownName("coefficient", name, known)
+        if declared is not None and name not in declared:
+            raise UnknownName("coefficient", name, declared)
 
 
 def bootstrap(
@@ -94,8 +94,8 @@ def bootstrap(
     """
     recordings = recordings_from(tables, signs=signs)
     tasks = replicate_tasks(result, recordings, replicates, seed)
-    found = all_results(replicates_of, tasks, scheduler, workers, progress, lambda task: len(task.numbers))
-    return bootstrap_of(result, tasks, np.concatenate(found))
+    results = all_results(replicates_of, tasks, scheduler, workers, progress, lambda task: len(task.numbers))
+    return bootstrap_of(result, tasks, np.concatenate(results))
 
 
 def profile(

@@ -85,7 +85,8 @@ def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
     how = {key: options[key] for key in READING if key in options}
     others = {key: value for key, value in options.items() if key not in READING}
     return [
-        FitJob(file_name(one.stem), (one,), how.get("signs"), how.get("where"), others) for one in recordings_in(folder)
+        FitJob(file_name(path.stem), (path,), how.get("signs"), how.get("where"), others)
+        for path in recordings_in(folder)
     ]
 
 
@@ -105,12 +106,12 @@ def unique(jobs: Sequence[Job], source: str | Path) -> tuple[Job, ...]:
     Raises `FitError` if a name is no file name, or two jobs would write the same files, also where file names have no
     case.
     """
-    known: dict[str, Job] = {}
+    by_name: dict[str, Job] = {}
     for job in jobs:
         if not job.name or file_name(job.name) != job.name:
             example = file_name(job.name, "tire")
             raise FitError(f"{source}: name {quoted(job.name)} of a job is not a file name: {example}, for example")
-        if job.name.lower() in known:
+        if job.name.lower() in by_name:
             raise FitError(f"{source}: two jobs have the name {quoted(job.name)}")
-        known[job.name.lower()] = job
+        by_name[job.name.lower()] = job
     return tuple(jobs)

@@ -61,11 +61,14 @@ class JobResult:
 def result_of_fit(name: str, fit: FitResult) -> JobResult:
     """Return what a batch keeps of a fit."""
     rows, channels = 0, {}
-    for channel in dict.fromkeys(one.channel for one in fit.channels):
-        own = [one for one in fit.channels if one.channel == channel]
-        counts = np.array([one.rows for one in own])
-        squares = counts @ np.array([one.rmse for one in own]) ** 2
-        channels[channel] = {"rmse": float(np.sqrt(squares / counts.sum())), "r2": float(min(one.r2 for one in own))}
+    for channel in dict.fromkeys(agreement.channel for agreement in fit.channels):
+        parts = [agreement for agreement in fit.channels if agreement.channel == channel]
+        counts = np.array([part.rows for part in parts])
+        squares = counts @ np.array([part.rmse for part in parts]) ** 2
+        channels[channel] = {
+            "rmse": float(np.sqrt(squares / counts.sum())),
+            "r2": float(min(part.r2 for part in parts)),
+        }
         rows = max(rows, int(counts.sum()))
     verdict = fit.verdict
     return JobResult(
@@ -81,12 +84,12 @@ def table_of(results: Iterable[JobResult]) -> pd.DataFrame:
     [['front', 'failed', 'front.csv: no rows']]
     """
     rows = []
-    for one in results:
+    for result in results:
         row: dict[str, Any] = {
-            "name": one.name, "status": one.status, "reasons": "; ".join(one.reasons), "model": one.model,
-            "rows": one.rows, "seconds": one.seconds,
+            "name": result.name, "status": result.status, "reasons": "; ".join(result.reasons), "model": result.model,
+            "rows": result.rows, "seconds": result.seconds,
         }  # fmt: skip
-        for channel, fit in one.channels.items():
+        for channel, fit in result.channels.items():
             row |= {f"RMSE_{channel}": fit["rmse"], f"R2_{channel}": fit["r2"]}
-        rows.append({**row, **one.values})
+        rows.append({**row, **result.values})
     return pd.DataFrame(rows)

@@ -15,10 +15,10 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError, FitError, TirefmuError
+from tirefmu.boundary.errors import DataError, FitError, TirefmuError, writing
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.measurements.files.reading import READERS
 from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.drawing.whole_file import write_whole
 
 from .execution import Lost
 from .workers import results as outcomes_of
@@ -27,7 +27,7 @@ from .workers import results as outcomes_of
 FAILED, LOST = "failed", "lost"
 
 
-class Named(Protocol):
+class NamedJob(Protocol):
     """A job."""
 
     @property
@@ -50,7 +50,7 @@ class Stored(Protocol):
         """Return the result as JSON values."""
 
 
-Job = TypeVar("Job", bound=Named)
+Job = TypeVar("Job", bound=NamedJob)
 Task = TypeVar("Task")
 Result = TypeVar("Result", bound=Stored)
 
@@ -142,10 +142,10 @@ def digest_of(parts: object, paths: Iterable[str | Path]) -> str:
 
 def recordings_in(folder: Path) -> list[Path]:
     """Return the recordings in a folder; raise `FitError` if there is none."""
-    found = sorted(path for path in folder.iterdir() if path.suffix.lower() in READERS and path.is_file())
-    if not found:
+    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in READERS and path.is_file())
+    if not paths:
         raise FitError(f"{folder}: no recording ({', '.join(READERS)})")
-    return found
+    return paths
 
 
 def write_summary(table: pd.DataFrame, folder: Path, template: str, **content: Any) -> None:
@@ -156,7 +156,7 @@ def write_summary(table: pd.DataFrame, folder: Path, template: str, **content: A
     numbers = {"number": lambda value: "" if value is None else f"{value:.4g}"}
     for suffix in (".csv", ".parquet") if find_spec("pyarrow") else (".csv",):
         write_table(table, folder / f"summary{suffix}")
-    with _writing(folder):
+    with writing(folder, DataError):
         write_page(page_text("tirefmu.batch", numbers, template=template, **content), folder / "summary.html")
 
 
@@ -167,16 +167,8 @@ def write_table(table: pd.DataFrame, path: Path) -> None:
         table.to_parquet(buffer)
     else:
         table.to_csv(buffer, index=False)
-    with _writing(path):
+    with writing(path, DataError):
         write_whole(path, buffer.getvalue())
-
-
-@contextlib.contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 def _outcomes(
@@ -196,10 +188,10 @@ def _outcomes(
             numbers.append(number)
             yield task
 
-    for place, found in outcomes_of(kind.run, tasks(), scheduler, workers):
-        if isinstance(found, Lost):
-            found = Outcome(kind.without(jobs[numbers[place]].name, LOST, (found.reason,)))
-        yield numbers[place], found
+    for place, outcome in outcomes_of(kind.run, tasks(), scheduler, workers):
+        if isinstance(outcome, Lost):
+            outcome = Outcome(kind.without(jobs[numbers[place]].name, LOST, (outcome.reason,)))
+        yield numbers[place], outcome
         yield from (unreadable.pop(0) for _ in range(len(unreadable)))
     yield from unreadable
 
@@ -220,7 +212,7 @@ def _write(kind: Kind[Job, Task, Result], folder: Path, digest: str, outcome: Ou
     """Write the files of a job; NAME.json last, as it states that all are complete."""
     name = outcome.result.name
     plain = {"digest": digest, "result": outcome.result.to_json(), "files": sorted(outcome.files), **outcome.report}
-    with _writing(folder):
+    with writing(folder, DataError):
         (folder / f"{name}.json").unlink(missing_ok=True)
         for earlier in kind.earlier(folder, name):
             earlier.unlink(missing_ok=True)

@@ -131,9 +131,9 @@ def study(
 def _tasks(path: Path, study: Study, recordings: Sequence[Recording]) -> Iterator[StudyTask]:
     """Yield the tasks of a study; raise for parameters, inputs and outputs that the FMU lacks."""
     with unpacked(path) as folder:
-        variables = {one.name: one for one in read_description(path, folder).modelVariables}
+        variables = {variable.name: variable for variable in read_description(path, folder).modelVariables}
         axes = axes_of_inputs(folder, path)
-    reals = {name for name, one in variables.items() if one.type in ("Real", "Float64")}
+    reals = {name for name, variable in variables.items() if variable.type in ("Real", "Float64")}
     settable = [name for name in variables if name in reals and variables[name].causality == "parameter"]
     available = [name for name in variables if name in reals and variables[name].causality == "output"]
     for name in study.values[0]:
@@ -176,23 +176,23 @@ def _simulated(
     time, rows = (task.table[columns].to_numpy(dtype=np.float64) for columns in ("t", inputs))
     runs = [slice(0, len(time))] * len(values)
     try:
-        found = simulate(name, folder, time, rows, inputs, task.outputs, runs, starts=values).outputs
+        simulated = simulate(name, folder, time, rows, inputs, task.outputs, runs, starts=values).outputs
     except FmuError as error:
         if len(values) == 1:
             return [str(error)]
         middle = len(values) // 2
-        return [one for half in (values[:middle], values[middle:]) for one in _simulated(task, name, folder, half)]
-    outputs = convert_signs(pd.DataFrame(found, columns=list(task.outputs)), task.axes, "iso")
+        return [run for half in (values[:middle], values[middle:]) for run in _simulated(task, name, folder, half)]
+    outputs = convert_signs(pd.DataFrame(simulated, columns=list(task.outputs)), task.axes, "iso")
     return list(outputs.to_numpy().reshape(len(values), len(time), len(task.outputs)))
 
 
 def _rows(task: StudyTask, source: str, outcome: Sequence[FloatArray | str]) -> Iterator[dict[str, Any]]:
-    for i, (values, found) in enumerate(zip(task.values, outcome, strict=True)):
-        reason = found if isinstance(found, str) else ""
+    for i, (values, outputs) in enumerate(zip(task.values, outcome, strict=True)):
+        reason = outputs if isinstance(outputs, str) else ""
         row: dict[str, Any] = {"run": task.first + i, "table": source, **values, "reason": reason}
-        if not isinstance(found, str):
+        if not isinstance(outputs, str):
             for what, function in STATISTICS.items():
-                row |= {f"{name}_{what}": float(x) for name, x in zip(task.outputs, function(found), strict=True)}
+                row |= {f"{name}_{what}": float(x) for name, x in zip(task.outputs, function(outputs), strict=True)}
         yield row
 
 
@@ -200,6 +200,6 @@ def _series(task: StudyTask, outcome: Sequence[FloatArray | str]) -> pd.DataFram
     """Return the outputs of all runs over time, NaN for those that failed."""
     runs, n = len(outcome), len(task.table)
     missing = np.full((n, len(task.outputs)), np.nan)
-    outputs = np.vstack([missing if isinstance(found, str) else found for found in outcome])
+    outputs = np.vstack([missing if isinstance(run, str) else run for run in outcome])
     columns = {"run": np.repeat(np.arange(task.first, task.first + runs), n), "t": np.tile(task.table["t"], runs)}
     return pd.DataFrame(columns | dict(zip(task.outputs, outputs.T, strict=True)))

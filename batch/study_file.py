@@ -73,7 +73,7 @@ def read_study(path: str | Path) -> Study:
     if not 1 <= runs * len(content["tables"]) <= MAX_RUNS:
         raise FitError(f"{path}: {runs * len(content['tables'])} runs, not 1 to {MAX_RUNS}")
     values = (
-        [dict(zip(lists, one, strict=True)) for one in product(*lists.values())]
+        [dict(zip(lists, combination, strict=True)) for combination in product(*lists.values())]
         if samples is None
         else _sampled(parameters, samples, content.get("seed", 0), location)
     )

@@ -37,13 +37,13 @@ def all_results(
     `function`, `tasks`, `scheduler`, `workers`: as for `results`. `progress`: called as tasks finish. `size`: how much
     a task counts there. Raises `FitError` if a task has no result.
     """
-    found: dict[int, Result] = {}
+    by_number: dict[int, Result] = {}
     total, finished = sum(map(size, tasks)), 0
     for number, outcome in results(function, tasks, scheduler, workers):
         if isinstance(outcome, Lost):
             raise FitError(f"a part of the computation has no result: {outcome.reason}")
-        found[number] = outcome
+        by_number[number] = outcome
         finished += size(tasks[number])
         if progress:
             progress(finished, total)
-    return [found[number] for number in range(len(tasks))]
+    return [by_number[number] for number in range(len(tasks))]

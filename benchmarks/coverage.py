@@ -3,8 +3,10 @@
     python benchmarks/coverage.py [--recordings N] [--seed SEED]
 
 Each group has N recordings (10) of tires with random coefficients, at five loads and three camber angles. The truth of
-a memory is the tire at its mean state over the recording. It prints for each group the share of intervals that contain
-the truth, and in how many recordings the verdict names a missing part.
+a memory is the tire at its mean state over the recording. Coefficients are compared with those of the tire, and with a
+static effect also with those of the fit to the recording without noise ("of the best fit"): the effect changes what
+coefficients describe the tire. Intervals assume exact sensors in the groups that have them. It prints for each group
+the share of intervals that contain the truth, and in how many recordings the verdict names a missing part.
 """
 
 from __future__ import annotations
@@ -25,7 +27,13 @@ from known_tires import LOADS, NOMINAL, SIZES, known_tire, moved
 
 from tirefmu.fitting import FitResult, fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
-from tirefmu.measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE, MAX_CROSS_TALK, cross_talk
+from tirefmu.measurements.virtual_bench.bench_errors import (
+    CROSS_TALK_PRIOR_SHARE,
+    MAX_CROSS_TALK,
+    MAX_SKEW,
+    SKEW_PRIOR_SHARE,
+    cross_talk,
+)
 from tirefmu.measurements.virtual_bench.sensor_noise import ChannelNoise
 from tirefmu.tires import Tire
 
@@ -40,11 +48,13 @@ FORCES = ("Fx", "Fy", "Mz")
 class Made:
     """A recording and its truth.
 
+    - `exact`: the recording without noise.
     - `factor`: of the forces over the load and the own slip, at the mean state of a memory.
     """
 
     tire: Tire
     recording: Recording
+    exact: Recording
     factor: Callable[[FloatArray, FloatArray], FloatArray]
 
 
@@ -65,13 +75,17 @@ def made(group: str, seed: int) -> Made:
     for name, scale in scales.items():
         exact[name] = exact[name] * scale
     t = exact["t"].to_numpy()
+    if group == "sensor errors":
+        late = {n: SKEW_PRIOR_SHARE * MAX_SKEW * rng.standard_normal() for n in exact.columns.drop("t")}
+        exact = exact.assign(**{n: np.interp(t - delay, t, exact[n]) for n, delay in late.items()})
     recorded = {n: noise.record(n, exact[n].to_numpy(), t, rng) for n in exact.columns.drop("t")}
     if group == "sensor errors":
         forces = exact[list(FORCES)].to_numpy().T
         for pair, target, column in cross_talk(FORCES, forces, NOMINAL["R0"]):
             size = CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[pair] * rng.standard_normal()
             recorded[FORCES[target]] = recorded[FORCES[target]] + size * column
-    return Made(tire, Recording(exact.assign(**recorded), "iso", f"{group} {seed}"), factor)
+    name = f"{group} {seed}"
+    return Made(tire, Recording(exact.assign(**recorded), "iso", name), Recording(exact, "iso", name), factor)
 
 
 def _sensor(name: str, group: str) -> ChannelNoise:
@@ -121,9 +135,12 @@ def covered(case: Made, result: FitResult) -> Iterator[tuple[str, float]]:
     for name in ("K_xkappa", "K_yalpha"):
         zero = case.factor(np.array(LOADS), np.zeros(len(LOADS)))
         yield name, _inside(result, name, table, case.tire.evaluate(table)[name] * zero)
+    yield "coefficients", _coefficients_inside(result, case.tire)
+
+
+def _coefficients_inside(result: FitResult, tire: Tire) -> float:
     held = [c for c in result.coefficients if np.isfinite(c.interval) and not c.at_bound]
-    inside = [abs(c.value - case.tire.values[c.name]) <= c.interval for c in held]
-    yield "coefficients", float(np.mean(inside))
+    return float(np.mean([abs(c.value - tire.values[c.name]) <= c.interval for c in held]))
 
 
 def _curve(case: Made, load: float, slip: str, swept: FloatArray) -> FloatArray:
@@ -147,10 +164,14 @@ def main() -> None:
         named = 0
         for seed in range(arguments.seed, arguments.seed + arguments.recordings):
             case = made(group, seed)
-            result = fit([case.recording], "mf96", nominal=NOMINAL, recipe="joint")
+            options = {"nominal": NOMINAL, "recipe": "joint", "sensor_errors": group in ("offsets", "sensor errors")}
+            result = fit([case.recording], "mf96", **options)
             named += any("diagnose" in reason for reason in result.verdict.reasons)
             for name, share in covered(case, result):
                 shares.setdefault(name, []).append(share)
+            if group == "static effect":
+                best = fit([case.exact], "mf96", **options).tire
+                shares.setdefault("of the best fit", []).append(_coefficients_inside(result, best))
         texts = [f"{name} {100.0 * np.mean(values):.0f}" for name, values in shares.items()]
         print(f"{group}: {', '.join(texts)} %; a missing part named in {named}")
 

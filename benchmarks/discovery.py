@@ -11,18 +11,17 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
-from importlib.metadata import version
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from discovery_score import Outcome, failed, score
 from discovery_suites import SUITES
-from discovery_table import put_table, split_page, table_of
+from discovery_table import table_of
+from doc_tables import put, split, version_text
 
 from tirefmu.diagnosis import diagnose
 
@@ -58,15 +57,6 @@ def outcomes(tasks: list[tuple[str, str, int]], jobs: int) -> Iterator[Outcome]:
         yield from pool.map(diagnosed, tasks)
 
 
-def version_text() -> str:
-    """Return version and commit of the project."""
-    described = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=Path(__file__).parent, capture_output=True, text=True
-    )
-    state = described.stdout.strip() if described.returncode == 0 else "no repository"
-    return f"tirefmu {version('tirefmu')} ({state})"
-
-
 def main() -> None:
     """Run the requested kinds, print a line per case and the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -79,7 +69,7 @@ def main() -> None:
     options = parser.parse_args()
     cases = SUITES[options.suite].number_of_cases
     if options.table:
-        split_page(options.table, options.suite)  # errors are reported before the long run
+        split(options.table, f"{options.suite} suite")  # errors are reported before the long run
     tasks: list[tuple[str, str, int]] = []
     for word in (options.only or ",".join(cases)).split(","):
         kind, _, number = word.partition(":")
@@ -102,7 +92,7 @@ def main() -> None:
     table = table_of(results, f"`python benchmarks/discovery.py{arguments}`, {version_text()}")
     print("\n" + table)
     if options.table:
-        put_table(options.table, options.suite, table)
+        put(options.table, {f"{options.suite} suite": table})
 
 
 if __name__ == "__main__":

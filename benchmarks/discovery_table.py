@@ -1,17 +1,15 @@
-"""The table of a discovery run in Markdown, and its insertion into a page."""
+"""The tables of a discovery run in Markdown."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import numpy as np
 from discovery_calibration import calibration
 from discovery_delivered import TOLERANCE
 from discovery_score import Outcome
+from doc_tables import table
 
-#: Marks of the table of a suite in a page.
-BEGIN, END = "<!-- {suite} suite: begin -->", "<!-- {suite} suite: end -->"
 #: Upper limits of the rows in the table of CPU times.
 ROWS = (1000, 3000, 6000, 10000, 1_000_000)
 
@@ -24,7 +22,7 @@ def table_of(outcomes: Sequence[Outcome], source: str) -> str:
     kinds = list(dict.fromkeys(one.kind for one in outcomes))
     parts = [f"Computed by {source}: {len(outcomes)} recordings.", _levels(outcomes), _delivered(outcomes)]
     head = ("probability", "effects", "mean probability", "share missing")
-    parts.append("### Calibration\n\n" + _grid(head, calibration(outcomes)))
+    parts.append("### Calibration\n\n" + table(head, calibration(outcomes)))
     parts.append(_kinds(outcomes, kinds))
     singles = [one for one in outcomes if one.kind == "single"]
     if singles:
@@ -34,32 +32,6 @@ def table_of(outcomes: Sequence[Outcome], source: str) -> str:
     lines = [f"- {one.line} ({one.name})" for one in wrong]
     parts.append("### Wrong cases\n\n" + ("\n".join(lines) or "None."))
     return "\n\n".join(parts)
-
-
-def split_page(page: Path, suite: str) -> tuple[str, str]:
-    """Return the text of a page before and after the table of a suite, including the marks.
-
-    Raises `SystemExit` if the page cannot be read or has no marks.
-    """
-    try:
-        text = page.read_text(encoding="utf-8")
-    except OSError as error:
-        raise SystemExit(f"{page}: cannot be read ({error.strerror})") from None
-    begin, end = (mark.format(suite=suite) for mark in (BEGIN, END))
-    if begin not in text or end not in text:
-        raise SystemExit(f"{page}: the lines {begin} and {end} are missing")
-    return text[: text.index(begin)] + begin, text[text.index(end) :]
-
-
-def put_table(page: Path, suite: str, table: str) -> None:
-    """Replace the table of a suite between its marks in a page."""
-    head, tail = split_page(page, suite)
-    page.write_text(f"{head}\n\n{table}\n\n{tail}", encoding="utf-8")
-
-
-def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = ["| " + " | ".join(row) + " |" for row in (head, *rows)]
-    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
 
 
 def _levels(outcomes: Sequence[Outcome]) -> str:
@@ -99,7 +71,7 @@ def _levels(outcomes: Sequence[Outcome]) -> str:
             ("baseline formula of another form, right effect first", "90 %", count(bent, lambda one: one.first)),
             ("the same with wrong effects", "better: 0", count(bent, lambda one: bool(one.extra))),
         ]
-    return _grid(("criterion", "required", "measured"), rows)
+    return table(("criterion", "required", "measured"), rows)
 
 
 def _delivered(outcomes: Sequence[Outcome]) -> str:
@@ -134,7 +106,7 @@ def _delivered(outcomes: Sequence[Outcome]) -> str:
     counts = ", ".join(f"{reasons.count(name)} {name}" for name in dict.fromkeys(reasons)) or "-"
     rows.append(("no diagnosis", "-", f"{len(reasons)} of {len(outcomes)}", counts))
     title = "### Delivered tire\n\nThe worst channel counts where not all together do. Worse is by more than 2 %.\n\n"
-    return title + _grid(("criterion", "required", "cases", "largest ratio or extremes"), rows)
+    return title + table(("criterion", "required", "cases", "largest ratio or extremes"), rows)
 
 
 def _count_and_largest(count: int, ratios: Sequence[float]) -> tuple[str, str]:
@@ -151,7 +123,7 @@ def _times(outcomes: Sequence[Outcome]) -> str:
                 (f"{least + 1} to {most}", str(len(seconds)), f"{np.median(seconds):.1f}", f"{max(seconds):.1f}")
             )
         least = most
-    return "### CPU seconds by rows\n\n" + _grid(("rows", "cases", "median", "largest"), rows)
+    return "### CPU seconds by rows\n\n" + table(("rows", "cases", "median", "largest"), rows)
 
 
 def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
@@ -165,7 +137,7 @@ def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
         rows.append((kind, str(len(cases)), *map(str, counts), *closed, seconds))
     head = ("kind", "cases", "right", "right first", "wrong additional effects",
             "closed: median", "least", "seconds")  # fmt: skip
-    return "### By kind\n\n" + _grid(head, rows)
+    return "### By kind\n\n" + table(head, rows)
 
 
 def _extra(outcome: Outcome) -> bool:
@@ -181,4 +153,4 @@ def _effects(singles: Sequence[Outcome]) -> str:
         rows.append((effect, f"{sum(one.right for one in cases)} of {len(cases)}",
                      " ".join(f"{one.closed:.3f}" for one in cases),
                      f"{inside} of {intervals}" if intervals else "-", reported))  # fmt: skip
-    return "### By effect\n\n" + _grid(("effect", "right", "closed", "intervals", "reported instead"), rows)
+    return "### By effect\n\n" + table(("effect", "right", "closed", "intervals", "reported instead"), rows)

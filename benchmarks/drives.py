@@ -1,10 +1,11 @@
 """Made drives with a known truth: how close `tirefmu drive` comes, and how often its intervals contain the truth.
 
-    python benchmarks/drives.py [--drives N] [--checks N] [--seconds S] [--seed N] [--json FILE]
+    python benchmarks/drives.py [--drives N] [--checks N] [--effects N] [--seconds S] [--seed N] [--json FILE]
 
 The drives are those of an independent program (tests/driving/road.py): five kinds, 60 s at 100 Hz, noise and offsets of
 a consumer IMU, errors of the car and delays. Two of three are driven to the peak. Further drives have the tires of the
-file and a right car (nothing to find), or the tires of the file and a wrong car (no tire to find).
+file and a right car (nothing to find), or the tires of the file and a wrong car (no tire to find). The drives with an
+effect that the tire of the file lacks, and as many with changed tires only, are those of tests/driving/hidden.py.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import numpy as np
 import pandas as pd
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "driving"))
+import hidden
 import road
 
 import tirefmu
@@ -30,19 +32,21 @@ AXLES, NAMES = ("front", "rear"), ("LMUY", "LKY")
 WRONG = ({"yaw_inertia": 1.45}, {"cg_to_front": 1.12}, {"ratio": 1.06}, {"wheelbase": 1.02}, {"offset": 0.02})
 
 
-def answered(log: pd.DataFrame, car: Car, number: int, kind: str) -> dict[str, Any]:
-    """Return the answer as JSON and its CPU time."""
+def answered(log: pd.DataFrame, car: Car, number: int, kind: str, lacks: str = "") -> dict[str, Any]:
+    """Return the answer as JSON and its CPU time. `lacks`: the kind of effect that the tire of the file lacks."""
     start = time.process_time()
-    answer = tirefmu.drive(log, vehicle=car, tire=road.file_tire()).to_json()
+    answer = tirefmu.drive(log, vehicle=car, tire=hidden.file_tire(lacks)).to_json()
     seconds = time.process_time() - start
     found = (
         [f"{entry['axle']} {entry['name']}" for entry in answer["found"]],
         [entry["name"] for entry in answer["car"]["found"]],
     )
+    effects = {entry["effect"]: round(entry["probability"], 2) for entry in answer["effects"]}
     print(
-        f"{number} {kind}: {seconds:.1f} s, {'' if answer['ok'] else 'not usable, '}tires {found[0]}, car {found[1]}",
-        file=sys.stderr,
-    )
+        f"{number} {kind}: {seconds:.1f} s, {'' if answer['ok'] else 'not usable, '}tires {found[0]}, car {found[1]}, "
+        f"lacking {answer['lacking']:.3f} {effects}",
+        file=sys.stderr, flush=True,
+    )  # fmt: skip
     return {**answer, "seconds": seconds, "kind": kind}
 
 
@@ -91,7 +95,7 @@ def false_findings(n: int, seconds: float, seed: int, *, wrong_car: bool) -> dic
     truths = [road.Truth(same, {}) for _ in range(n)]
     kinds = [road.KINDS[i % 5] for i in range(n)]
     logs, rows = road.made_drives(truths, kinds, [True] * n, seed + 2, seconds)
-    of_tire, of_car, spun = 0, 0, 0
+    of_tire, of_car, of_effect, spun = 0, 0, 0, 0
     for i, log in enumerate(logs):
         if spins(rows, i):
             spun += 1
@@ -103,7 +107,34 @@ def false_findings(n: int, seconds: float, seed: int, *, wrong_car: bool) -> dic
         answer = answered(log, Car.from_content(content, "car"), i, kinds[i])
         of_tire += bool(answer["found"])
         of_car += bool(answer["car"]["found"])
-    return {"drives": n - spun, "with_a_tire_finding": of_tire, "with_a_car_finding": of_car}
+        of_effect += bool(answer["effect"])
+    return {
+        "drives": n - spun, "with_a_tire_finding": of_tire, "with_a_car_finding": of_car, "with_an_effect": of_effect,
+    }  # fmt: skip
+
+
+def named_effects(n: int, seconds: float, seed: int) -> dict[str, Any]:
+    """Return how often the effect that the tires lack is named, of n drives of each kind, and without an effect."""
+    kinds = [*(kind for kind in hidden.KINDS for _ in range(n)), *[""] * (n * len(hidden.KINDS))]
+    logs, rows, *_ = hidden.made(kinds, seed + 3, seconds)
+    car = Car.from_content(road.car_content(), "car")
+    counts = dict.fromkeys(("drives", "named", "named_right", "first_right", "drives_without", "named_without"), 0)
+    for i in sorted(range(len(logs)), key=lambda i: i % n):
+        if spins(rows, i):
+            continue
+        kind = kinds[i]
+        answer = answered(logs[i], car, i, kind or "no effect", kind)
+        named = bool(answer["effect"])
+        if not kind:
+            counts["drives_without"] += 1
+            counts["named_without"] += named
+            continue
+        right = bool(answer["effects"]) and answer["effects"][0]["effect"] == hidden.KINDS[kind][0]
+        counts["drives"] += 1
+        counts["named"] += named
+        counts["named_right"] += named and right
+        counts["first_right"] += right
+    return counts
 
 
 def main() -> int:
@@ -111,6 +142,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--drives", type=int, default=60, help="drives with changed tires")
     parser.add_argument("--checks", type=int, default=10, help="drives with nothing to find, and with a wrong car")
+    parser.add_argument("--effects", type=int, default=3, help="drives for each kind of effect")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=36)
     parser.add_argument("--json", type=Path)
@@ -121,6 +153,7 @@ def main() -> int:
         ("recovery", options.drives, lambda: recovery(options.drives, options.seconds, options.seed)),
         ("nothing_to_find", options.checks, lambda: false_findings(*checks, wrong_car=False)),
         ("wrong_car", options.checks, lambda: false_findings(*checks, wrong_car=True)),
+        ("effects", options.effects, lambda: named_effects(options.effects, options.seconds, options.seed)),
     ):
         if not count:
             continue

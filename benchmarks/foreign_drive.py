@@ -2,7 +2,7 @@
 
     python benchmarks/foreign_drive.py
 
-The car is the BMW 320i of commonroad-vehicle-models (pip install commonroad-vehicle-models): 29 states with suspension
+The car is the BMW 320i of commonroad-vehicle-models (extra foreign-car): 29 states with suspension
 and compliance, its own tires. Peak friction of the given tire file is 25 % too high, its cornering stiffness
 20 % too low.
 """

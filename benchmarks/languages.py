@@ -4,27 +4,29 @@
     python benchmarks/languages.py --times [--only c,cpp] [--models mf96]
 
 The rows include zero slip, no load, reverse, standstill and large slips. `--write` replaces the computed cells of the
-table in docs/languages.md; a language whose compiler or package is missing keeps its cells. LIBM is the path of the
-compiled crate libm, for Rust; without it the crate's source of Debian is compiled.
+table in docs/languages.md; a language whose compiler or package is missing keeps its cells. The self-tests run as
+in the tests (tests/hosts/self_tests.py).
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-from languages_table import cell, update
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "hosts"))
+from doc_tables import DOCS, cells_of, put, split, table
+from self_tests import COMMANDS, command_of, differences
 
 from tirefmu.hosts.printout import printed, program_of
 from tirefmu.symbolic.printers.languages import LANGUAGES, printer
-from tirefmu.symbolic.printers.languages.program import FUNCTIONS, Program, Selection
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintoutSelection, Program
 from tirefmu.tires import Tire, published, read_tir
 
 ROOT = Path(__file__).parents[1]
@@ -37,21 +39,7 @@ WITH_STATES = ("heat_friction", "slip_history", "relax_lat", "relax_lon")
 FEWER_ROWS = {"modelica": (40, 0)}
 #: Languages that are run with some models only, and the number of the reason in docs/languages.md.
 LIMITED = {"jax": (("mf96", "fiala", "brush"), "not run (1)")}
-#: How the self-test of a language is compiled and run.
-PYTHON = f"{sys.executable} {{}}"
-COMMANDS = {
-    "numpy": ("", PYTHON),
-    "c": ("cc -std=c99 -O0 {} -lm -o selftest", "./selftest"),
-    "cpp": ("c++ -std=c++17 -O0 {} -o selftest", "./selftest"),
-    # Octave warns that it ignores arguments blocks.
-    "matlab": ("", "octave-cli --norc --no-history --quiet --eval warning('off');{1}"),
-    "javascript": ("", "node {}"),
-    "casadi": ("", PYTHON),
-    "jax": ("", PYTHON),
-    "torch": ("", PYTHON),
-    "modelica": ("", f"{sys.executable} {ROOT / 'benchmarks' / 'run_modelica.py'} {{}}"),
-    "rust": ("rustc -C opt-level=0 {} --extern libm=LIBM -o selftest", "./selftest"),
-}
+
 #: Programs that print the time of a point in nanoseconds; @name@ is the tire, @sum@ the sum of all forces: a compiler
 #: removes the lines of forces that nothing reads, and computes lines of constant inputs once if it sees the function.
 TIMED = {
@@ -100,6 +88,17 @@ print(round((time.process_time() - start)*1e4), float(y))""",
 }
 ENDINGS = {"c": ".c", "cpp": ".cpp", "javascript": ".mjs", "matlab": ".m"}
 
+PAGE, PART = DOCS / "languages.md", "bench-languages"
+#: The functions behind each of the numbers of a cell.
+NUMBERS = {
+    "values": ("forces", "quantities"),
+    "Jacobian": ("jacobian_inputs", "jacobian_parameters"),
+    "states": ("states",),
+}
+
+#: The cell of a language that was not installed where the table was written.
+NOT_INSTALLED = "not run (2)"
+
 
 def tires() -> dict[str, Tire]:
     """Return a tire of every model, one with an added effect, and one with states."""
@@ -116,57 +115,29 @@ def tires() -> dict[str, Tire]:
             "mf61 + states": late}  # fmt: skip
 
 
-def run(command: str, folder: Path) -> str:
-    """Run a command in a folder and return its output, or the reason why it has none."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    result = subprocess.run(
-        command.split(), cwd=folder, capture_output=True, text=True, env=environment, timeout=1500, check=False
-    )
-    if result.returncode:
-        last = (result.stderr.strip() or result.stdout.strip() or "?").splitlines()[-1]
-        raise RuntimeError(re.sub(r"\W+", " ", last)[:60])
-    return result.stdout
-
-
-@lru_cache(maxsize=1)
-def libm() -> str:
-    """Return the path of the compiled crate libm."""
-    if "LIBM" in os.environ:
-        return os.environ["LIBM"]
-    sources = sorted(Path("/usr/share/cargo/registry").glob("libm-*/src/lib.rs"))
-    if not sources:
-        raise RuntimeError("the crate libm is not installed")
-    folder = Path(tempfile.mkdtemp())
-    run(f"rustc --crate-type rlib --crate-name libm -O --cap-lints allow {sources[-1]} -o liblibm.rlib", folder)
-    return str(folder / "liblibm.rlib")
-
-
 @lru_cache(maxsize=4)
 def program(name: str, placement: str, rows: int, functions: tuple[str, ...]) -> Program:
     """Return the printout of a tire: lines, functions and rows are the same in all languages."""
     tire = tires()[name].in_signs("iso")
     possible = set(functions) - ({"jacobian_parameters"} if placement == "inline" else set())
     possible -= set() if tire.states else {"states"}
-    return program_of(tire, tire.model, Selection(tuple(sorted(possible)), placement), rows)
+    return program_of(tire, tire.model, PrintoutSelection(tuple(sorted(possible)), placement), rows)
 
 
-def differences(found: Program, language: str) -> dict[str, str]:
+def printed_differences(found: Program, language: str) -> dict[str, float]:
     """Return the largest difference of each function of a printout, by name."""
-    build, command = COMMANDS[language]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        files = printer(language)(found)
-        for file, text in files.items():
+        for file, text in printer(language)(found).items():
             (folder / file).write_text(text)
-        (source,) = (file for file in files if "_selftest." in file and not file.endswith(".txt"))
-        if build:
-            run(build.format(source).replace("LIBM", libm() if language == "rust" else ""), folder)
-        return dict(line.split() for line in run(command.format(source, Path(source).stem), folder).splitlines())
+        code, found_differences = differences(command_of(language, folder), folder)
+        if code:
+            raise RuntimeError("the self-test fails")
+        return found_differences
 
 
 def nanoseconds(tire: Tire, language: str) -> str:
     """Return the time of one point of all forces, with the values in the lines."""
-    build, command = COMMANDS[language]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file, text in printed(tire, language, functions=["forces"], rows=1).items():
@@ -178,9 +149,10 @@ def nanoseconds(tire: Tire, language: str) -> str:
             "@sum@": " + ".join(f"f.{name}" for name in tire.outputs),
         }
         (folder / source).write_text(re.sub("@[a-z_]+@", lambda found: sums[found[0]], TIMED[language]))
-        if build:
-            run(build.format(source).replace("-O0", "-O2"), folder)
-        return run(command.format(source, Path(source).stem), folder).split()[0]
+        run = subprocess.run(
+            command_of(language, folder, source, "-O2"), cwd=folder, capture_output=True, text=True, check=True
+        )
+        return run.stdout.split()[0]
 
 
 def compared(name: str, language: str, rows: int, struct_rows: int) -> str:
@@ -195,9 +167,37 @@ def compared(name: str, language: str, rows: int, struct_rows: int) -> str:
             continue
         # Named quantities of many lines are not printed where the lines are repeated.
         functions = FUNCTIONS if language not in FEWER_ROWS else tuple(f for f in FUNCTIONS if f != "quantities")
-        for function, difference in differences(program(name, placement, n, functions), language).items():
-            found.setdefault(function, []).append(float(difference))
+        for function, difference in printed_differences(program(name, placement, n, functions), language).items():
+            found.setdefault(function, []).append(difference)
     return cell(found, f"{rows} rows, forces" if language in FEWER_ROWS else "")
+
+
+def cell(differences: Mapping[str, list[float]], remark: str = "") -> str:
+    """Return the text of a cell.
+
+    `differences`: by function, the largest differences of the printouts with values in the lines and with coefficients.
+    `remark`: how the run differs from the others.
+
+    >>> cell({"forces": [1e-15, 2e-15], "jacobian_inputs": [3e-14], "states": []}, "40 rows")
+    '2e-15, 3e-14, - (40 rows)'
+    """
+    parts = []
+    for functions in NUMBERS.values():
+        found = [difference for name in functions for difference in differences.get(name, [])]
+        parts.append(f"{max(found):.0e}" if found else "-")
+    return ", ".join(parts) + (f" ({remark})" if remark else "")
+
+
+def update(language: str, model: str, text: str) -> None:
+    """Write a cell into the page; the others stay."""
+    rows = cells_of(split(PAGE, PART)[1])
+    models = ["language", *tires()]
+    names = [row[0] for row in rows]
+    if language not in names:
+        rows.append([language, *[NOT_INSTALLED] * len(tires())])
+        names.append(language)
+    rows[names.index(language)][models.index(model)] = text
+    put(PAGE, {PART: table(models, rows)})
 
 
 def main() -> None:
@@ -218,8 +218,8 @@ def main() -> None:
                 else:
                     text = compared(name, language, options.rows, options.struct_rows)
                     if options.write:
-                        update({(language, name): text})
-            except (RuntimeError, OSError, subprocess.TimeoutExpired) as error:
+                        update(language, name, text)
+            except (RuntimeError, OSError, subprocess.SubprocessError) as error:
                 text = f"not run: {error}"
             print(f"{name} | {language} | {text}", flush=True)
 

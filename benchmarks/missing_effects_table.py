@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
-from importlib.metadata import version
 from pathlib import Path
+
+from doc_tables import DOCS, put, table, version_text
 
 from tirefmu.cli import main as tirefmu
 from tirefmu.missing_effects.entries import ENTRIES
 from tirefmu.missing_effects.score import HEAD, row
 
-ROOT = Path(__file__).parents[1]
-PAGE, OUTPUT = ROOT / "docs" / "missing_effects.md", ROOT / "build" / "missing_effects"
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+OUTPUT = Path(__file__).parents[1] / "build" / "missing_effects"
 TITLES = {"tires": "Tires", "systems": "Systems that are not tires"}
 
 
@@ -30,14 +28,11 @@ def main() -> None:
     """Run the entries and write the tables."""
     OUTPUT.mkdir(parents=True, exist_ok=True)
     scores = {entry: scores_of(entry) for entry in ENTRIES}
-    described = subprocess.run(["git", "describe", "--always"], cwd=ROOT, capture_output=True, text=True, check=True)
-    parts = [f"Computed by `make missing-effects`, tirefmu {version('tirefmu')} ({described.stdout.strip()})."]
+    parts = [f"Computed by `make missing-effects`, {version_text()}."]
     for tier, title in TITLES.items():
-        lines = [[entry, *row(found[tier])] for entry, found in scores.items()]
-        rows = ["| " + " | ".join(line) + " |" for line in (["entry", *HEAD], ["---"] * (len(HEAD) + 1), *lines)]
-        parts += [f"### {title}", "\n".join(rows)]
-    page, table = PAGE.read_text(encoding="utf-8"), "\n\n".join([BEGIN, *parts, END])
-    PAGE.write_text(page.split(BEGIN)[0] + table + page.split(END)[1], encoding="utf-8")
+        rows = [[entry, *row(found[tier])] for entry, found in scores.items()]
+        parts += [f"### {title}", table(["entry", *HEAD], rows)]
+    put(DOCS / "missing_effects.md", {"measured": "\n\n".join(parts)})
 
 
 if __name__ == "__main__":

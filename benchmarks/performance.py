@@ -1,6 +1,6 @@
 """The tables of docs/performance.md: start-up, fits, evaluation and memory of one run, targets and earlier figures.
 
-Runs the other benchmarks in processes of their own and replaces the tables between the marks of the page. CPU seconds
+Runs the parts and replaces the tables between the marks of the page. CPU seconds
 are also given for the reference machine, on which the C code that CasADi generates for the forces of MF6.1 (gcc -O2,
 one thread, a million points) needs 386 ns a point: seconds on this machine times 386 ns over the time that this code
 takes here.
@@ -11,7 +11,6 @@ takes here.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import platform
 import subprocess
@@ -22,11 +21,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-HERE = Path(__file__).parent
-PAGE = HERE.parent / "docs" / "performance.md"
+from doc_tables import DOCS, put, table
+from evaluation_times import CASADI, evaluation_times
+from fit_times import compare, growth
+from startup_times import startup_times
+from streaming_times import streaming_runs
+from threadpoolctl import threadpool_limits
+
+from tirefmu.symbolic.models import model_named
+
+PAGE = DOCS / "performance.md"
 #: ns a point on the reference machine.
 REFERENCE_NS = 386.0
-CASADI, MANY = "CasADi C, -O2", "1000000"
+MANY = 1_000_000
 #: Load of the machine above which the page says that others were computing.
 QUIET = 0.5
 PARTS = ("startup", "fit", "evaluation", "memory")
@@ -42,7 +49,7 @@ class Benchmark:
     limit: str = ""
 
 
-#: By name in `benchmarks/startup.py`. Targets in CPU s of the reference machine.
+#: By name in `startup_times.py`. Targets in CPU s of the reference machine.
 STARTUP = {
     "--help": Benchmark("`tirefmu --help`", "2.1", 0.25),
     "usage error": Benchmark("a usage error", "2.1", 0.25),
@@ -68,13 +75,13 @@ STARTUP = {
 }
 #: The part of them that a short run measures: no diagnosis.
 SHORT = ("--help", "usage", "missing", "import tirefmu", "info", "evaluate", "export", "first fit")
-#: By candidate and number of points in `benchmarks/evaluation.py`. Targets relative to CasADi's C.
+#: By candidate and number of points in `evaluation_times.py`. Targets relative to CasADi's C.
 EVALUATION = {
     ("batch", MANY): Benchmark(
         "forces, 1e6 points", ".14-.16", 0.10,
         "arithmetic: 25 arctangents, 19 sines, cosines and tangents, 42 divisions a row; spilled registers",
     ),
-    ("batch", "100"): Benchmark("forces, 100 points through Python", "1.05-1.11", 0.40, "objects that a call makes"),
+    ("batch", 100): Benchmark("forces, 100 points through Python", "1.05-1.11", 0.40, "objects that a call makes"),
     ("batch, by inputs", MANY): Benchmark(
         "by inputs (6), 1e6 points", "1.25-1.99", 0.40, "the kernel .23, the transposition into 280 MB .05",
     ),
@@ -86,21 +93,6 @@ EVALUATION = {
         "scalar C, forces", ".61", 0.60, "eight elementary functions and four divisions that follow each other",
     ),
 }  # fmt: skip
-
-
-def result_of(program: str, arguments: Sequence[str], folder: Path) -> Any:
-    """Return what a benchmark writes to its file."""
-    path = folder / f"{program}.json"
-    command = [sys.executable, str(HERE / f"{program}.py"), *arguments, "--json", str(path)]
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    subprocess.run(command, check=True, env=environment, stdout=sys.stderr)
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
 
 def verdict(value: float, line: Benchmark) -> str:
@@ -122,7 +114,7 @@ def startup_text(times: Mapping[str, float], scale: float) -> str:
     return table(head, rows)
 
 
-def evaluation_text(times: Mapping[str, Mapping[str, float]]) -> str:
+def evaluation_text(times: Mapping[int, Mapping[str, float]]) -> str:
     """Return the table of evaluation times relative to CasADi's C."""
     rows = []
     for (name, points), line in EVALUATION.items():
@@ -134,9 +126,10 @@ def evaluation_text(times: Mapping[str, Mapping[str, float]]) -> str:
     return table(head, rows)
 
 
-def fit_texts(found: Mapping[str, Any], real: float | None, scale: float) -> dict[str, str]:
+def fit_texts(
+    compared: Mapping[str, Any], grown: Sequence[Mapping[str, float]], real: float | None, scale: float
+) -> dict[str, str]:
     """Return the tables of fits, of solvers and of stages."""
-    compared, grown = found["comparison"], found["growth"]
     trf, whole = compared["scipy trf"]["seconds"], compared["full fit"]["seconds"]
     rows = [
         [f"whole fit, {compared['rows']:,} rows, {compared['coefficients']} coefficients, "
@@ -165,7 +158,7 @@ def fit_texts(found: Mapping[str, Any], real: float | None, scale: float) -> dic
     return {
         "fit": table(("", "here", "reference machine", "target", "before"), rows),
         "solvers": table(("", "CPU s", "of trf", "cost", "Jacobians"), solvers),
-        "stages": f"{table(('stage', 'rows', 'free', 'iterations'), stages)}\n"
+        "stages": f"{table(('stage', 'rows', 'free', 'iterations'), stages)}\n\n"
         f"The derivative passes of these iterations, with all coefficients, need {spent:.2f} of {whole:.2f} s.",
     }
 
@@ -175,18 +168,19 @@ def targets_of(grown: Sequence[Mapping[str, float]]) -> list[tuple[str, str]]:
     return [("7 s, 500 MB", "35 s, 1,080 MB") if run["rows"] > 9e5 else ("-", "-") for run in grown]
 
 
-def real_fit(folder: Path) -> float | None:
+def real_fit() -> float | None:
     """Return the CPU seconds of a fit of the measured recordings from the command line; None without them."""
     data = os.environ.get("TIREFMU_DATA")
     if not data:
         return None
     files = [str(Path(data) / name) for name in ("cornering.mat", "drivebrake.mat")]
-    command = [sys.executable, "-m", "tirefmu", "fit", *files, "--model", "mf61", "--nominal",
-               "Fz0=1100,R0=0.23,p0=83000,V0=11", "-o", str(folder / "real.tir"), "--quiet"]  # fmt: skip
-    before = os.times()
-    if subprocess.run(command, check=False, env={**os.environ, "OMP_NUM_THREADS": "1"}).returncode == 2:
-        raise SystemExit("the fit of the measured recordings was refused")
-    after = os.times()
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "tirefmu", "fit", *files, "--model", "mf61", "--nominal",
+                   "Fz0=1100,R0=0.23,p0=83000,V0=11", "-o", str(Path(folder) / "real.tir"), "--quiet"]  # fmt: skip
+        before = os.times()
+        if subprocess.run(command, check=False, env={**os.environ, "OMP_NUM_THREADS": "1"}).returncode == 2:
+            raise SystemExit("the fit of the measured recordings was refused")
+        after = os.times()
     return after.children_user + after.children_system - before.children_user - before.children_system
 
 
@@ -220,12 +214,6 @@ def _lines(path: Path) -> list[str]:
     return path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
 
 
-def put(page: str, part: str, text: str) -> str:
-    """Return a page with a part replaced, between its marks."""
-    begin, end = (f"<!-- {part}: {mark} -->" for mark in ("begin", "end"))
-    return f"{page.split(begin)[0]}{begin}\n\n{text.strip()}\n\n{end}{page.split(end)[1]}"
-
-
 def main() -> None:
     """Run the benchmarks and print or write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -235,34 +223,28 @@ def main() -> None:
     given = parser.parse_args()
     parts = given.parts.split(",")
     start = os.getloadavg()[0]
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        only = ";".join(dict.fromkeys(name for name, _ in EVALUATION)) if "evaluation" in parts else CASADI
-        repetitions = ["--repetitions", "1" if given.quick else "7"]
-        times = result_of("evaluation", ["--points", f"100,{MANY}", *repetitions, "--only", only], folder)
-        ns = times[MANY][CASADI]
-        scale = ns / REFERENCE_NS
-        text: dict[str, str] = {}
-        if "startup" in parts:
-            runs = ["--runs", "1", f"--only={','.join(SHORT)}"] if given.quick else []
-            text["startup"] = startup_text(result_of("startup", runs, folder), scale)
-        if "fit" in parts:
-            sizes = ["--rows", "3000", "--growth", "10000"] if given.quick else ["--growth", "100000,1000000"]
-            measured = None if given.quick else real_fit(folder)
-            text |= fit_texts(result_of("fitting", sizes, folder), measured, scale)
-        if "evaluation" in parts:
-            text["evaluation"] = evaluation_text(times)
-        if "memory" in parts:
-            sizes = ["--rows", "600000"] if given.quick else ["--rows", "1000000,10000000"]
-            text["memory"] = memory_text(result_of("streaming", sizes, folder))
+    only = [] if "evaluation" in parts else [CASADI]
+    times = evaluation_times(model_named("mf61"), [100, MANY], 1 if given.quick else 7, only)
+    ns = times[MANY][CASADI]
+    scale = ns / REFERENCE_NS
+    text: dict[str, str] = {}
+    if "startup" in parts:
+        text["startup"] = startup_text(startup_times(1, SHORT) if given.quick else startup_times(3), scale)
+    if "fit" in parts:
+        with threadpool_limits(limits=1, user_api="blas"):
+            compared = compare(3_000 if given.quick else 20_000)
+        grown = growth([10_000] if given.quick else [100_000, MANY])
+        text |= fit_texts(compared, grown, None if given.quick else real_fit(), scale)
+    if "evaluation" in parts:
+        text["evaluation"] = evaluation_text(times)
+    if "memory" in parts:
+        text["memory"] = memory_text(streaming_runs([600_000] if given.quick else [MANY, 10 * MANY]))
     short = "**A short run: one repetition, few rows, no diagnosis.** " if given.quick else ""
     text["machine"] = short + surroundings((start, os.getloadavg()[0]), ns)
-    page = PAGE.read_text(encoding="utf-8")
-    for part, table_of_part in text.items():
-        page = put(page, part, table_of_part)
-        print(f"{part}\n\n{table_of_part}")
+    for part, content in text.items():
+        print(f"{part}\n\n{content}\n")
     if given.write:
-        PAGE.write_text(page, encoding="utf-8")
+        put(PAGE, text)
 
 
 if __name__ == "__main__":

@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
+from doc_tables import DOCS, cells_of, put, split, table
 
-PAGE = Path(__file__).parents[1] / "docs" / "recovery.md"
-BEGIN, END = "<!-- table of make recovery -->\n", "<!-- end of the table -->\n"
+PAGE, PART = DOCS / "recovery.md", "make recovery"
 #: Quantities whose intervals are compared with the true tire.
 PREDICTED = ("Fx", "Fy", "Mz", "K_xkappa", "K_yalpha", "mu_x", "mu_y")
 TITLES = {"mf96": "MF96", "mf52": "MF5.2", "mf61": "MF6.1"}
@@ -75,32 +75,19 @@ def share(counts: Sequence[int], of: Sequence[int]) -> tuple[float, float]:
     return 100.0 * sum(counts) / sum(of), error
 
 
-def table(refits: Sequence[Refit]) -> str:
-    """Return the table of coverages between its marks: a line for each model, kind of noise and number of rows."""
-    head = ["", "benches", *PREDICTED, "coefficients", "percentiles of a bootstrap"]
-    rows = []
-    for key in dict.fromkeys((r.task.model, r.task.noise, r.task.rows, r.task.replicates) for r in refits):
-        own = [r for r in refits if (r.task.model, r.task.noise, r.task.rows, r.task.replicates) == key]
-        parts = [([r.predictions_covered[q] for r in own], [r.conditions for r in own]) for q in PREDICTED]
-        parts.append(([r.covered for r in own], [r.intervals for r in own]))
-        parts.append(([r.bootstrap_covered for r in own], [r.bootstrap_intervals for r in own]))
-        cells = ["{:.1f} +- {:.1f} %".format(*share(counts, of)) if sum(of) else "-" for counts, of in parts]
-        rows.append([f"{TITLES[key[0]]}, {key[1]}, {key[2]:,} rows", str(len(own)), *cells])
-    lines = [f"| {' | '.join(row)} |\n" for row in (head, *rows)]
-    return "".join([BEGIN, lines[0], f"|{'---|' * len(head)}\n", *lines[1:], END])
-
-
 def write(refits: Sequence[Refit]) -> None:
-    """Write the table into the page; lines of other models, noise or rows, with or without a bootstrap, stay."""
-    page = PAGE.read_text(encoding="utf-8")
-    before, rest = page.split(BEGIN)
-    old, after = rest.split(END)
-    head, rule, *written = old.splitlines(keepends=True)
-    lines = {_kind(line): line for line in (*written, *table(refits).splitlines(keepends=True)[3:-1])}
-    PAGE.write_text("".join([before, BEGIN, head, rule, *lines.values(), END, after]), encoding="utf-8")
+    """Write the coverages into the page: a line for each model, kind of noise and number of rows.
 
-
-def _kind(line: str) -> tuple[str, bool]:
-    """Return the name of a line, and whether it is without a bootstrap."""
-    cells = [cell.strip() for cell in line.split("|")[1:-1]]
-    return cells[0], cells[-1] == "-"
+    Lines of other models, noise or rows, with or without a bootstrap, stay.
+    """
+    head = ["", "benches", *PREDICTED, "coefficients", "percentiles of a bootstrap"]
+    lines = {(cells[0], cells[-1] == "-"): cells for cells in cells_of(split(PAGE, PART)[1])}
+    for key in dict.fromkeys((r.task.model, r.task.noise, r.task.rows, r.task.replicates) for r in refits):
+        chosen = [r for r in refits if (r.task.model, r.task.noise, r.task.rows, r.task.replicates) == key]
+        parts = [([r.predictions_covered[q] for r in chosen], [r.conditions for r in chosen]) for q in PREDICTED]
+        parts.append(([r.covered for r in chosen], [r.intervals for r in chosen]))
+        parts.append(([r.bootstrap_covered for r in chosen], [r.bootstrap_intervals for r in chosen]))
+        shares = ["{:.1f} +- {:.1f} %".format(*share(counts, of)) if sum(of) else "-" for counts, of in parts]
+        cells = [f"{TITLES[key[0]]}, {key[1]}, {key[2]:,} rows", str(len(chosen)), *shares]
+        lines[cells[0], cells[-1] == "-"] = cells
+    put(PAGE, {PART: table(head, list(lines.values()))})

@@ -5,8 +5,9 @@
 FOLDER has ``cornering.mat`` and ``drivebrake.mat``; without it only made recordings are computed. Printed are, for each
 measured recording, the rms error over the last 30 % of the time after a fit to the rest, the error of the other
 recording's coefficients, and the error of Fy with the predicted and with the recorded temperature; for the made
-recordings, errors in units of the sensor's noise, and how many intervals contain the truth; and the time of a simulated
-row and of a step of FMUs with and without temperatures.
+recordings, errors in units of the sensor's noise, how many intervals contain the truth, and what a diagnosis finds
+without a recorded temperature of the tread; and the time of a simulated row and of a step of FMUs with and without
+temperatures.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import pandas as pd
 from step_times import step_times
 
 from tirefmu import FitResult, fit
+from tirefmu.diagnosis import diagnose
 from tirefmu.fitting.temperature.heat_balance import EFFECT, HeatBalance
 from tirefmu.fitting.temperature.optimum import optimum_temperature
 from tirefmu.fitting.temperature.solution import solved
@@ -43,6 +45,9 @@ MADE, NOISE, DURATION = 30, 0.3, 300.0
 #: Largest friction, deg C, and its curvature, 1/K^2, of made recordings.
 OPTIMUM = {"inside": 55.0, "above": 140.0, "none": 60.0}
 CURVATURE = {"inside": 2e-4, "above": 2e-5, "none": 0.0}
+NOMINAL = {"Fz0": 1500.0, "R0": 0.25}
+#: Diagnosed recordings, and the curvature of friction about 30 deg C in them, 1/K^2.
+DIAGNOSED, DIAGNOSED_CURVATURE = 10, 1e-4
 #: Recordings of the model itself, and the standard deviation of the logarithms of their coefficients.
 OWN, DRAWN = 20, 0.4
 #: Groups of load of which one is left out; steps of FMUs.
@@ -145,7 +150,7 @@ def made(seed: int, kind: str, effects: list[str]) -> tuple[pd.DataFrame, FitRes
     """Return a made recording and the fit to it."""
     table = recording(seed, noise=NOISE, duration=DURATION, friction=CURVATURE[kind], optimum=OPTIMUM[kind])
     effects = ["load_friction", "load_stiffness", "temp_friction", *effects]
-    return table, fit(table, "mf96", effects=effects, nominal={"Fz0": 1500.0, "R0": 0.25})
+    return table, fit(table, "mf96", effects=effects, nominal=NOMINAL)
 
 
 def without_influence() -> None:
@@ -155,6 +160,30 @@ def without_influence() -> None:
         table, result = made(seed, "none", [])
         named += optimum_temperature(result.tire, [Recording(table, "iso", "made")]).determined
     print(f"without an influence: an optimum in {named} of {MADE}", flush=True)
+
+
+def emissivity() -> None:
+    """Print the errors of the same made recording with sensors of two emissivities."""
+    table, result = made(0, "none", [])
+    table = recording(0, noise=0.0, duration=DURATION)
+    noise, ambient = np.random.default_rng(0).normal(0.0, NOISE, len(table)), table["T_ambient"] - 273.15
+    for factor in (1.0, 0.9):
+        shown = Recording(table.assign(T=ambient + factor * (table["T"] - ambient) + noise), "iso", "made")
+        found = fit_temperature(result.tire, [shown])[1]
+        print(f"emissivity {factor}: rms {found.rmse:.4f} K, {found.holdout_rmse:.4f} K held out", flush=True)
+
+
+def diagnosed() -> None:
+    """Print what a diagnosis finds in made recordings without a temperature of the tread."""
+    for what, influence in (("with", DIAGNOSED_CURVATURE), ("without", 0.0)):
+        found = []
+        for seed in range(200, 200 + DIAGNOSED):
+            table = recording(seed, noise=NOISE, duration=180.0, friction=influence, optimum=30.0)
+            answer = diagnose(table.drop(columns="T"), model="mf96", effects=["load_friction", "load_stiffness"],
+                              nominal=NOMINAL)  # fmt: skip
+            found.append(" + ".join(sorted(one.effect for one in answer.found)) or "nothing")
+        counts = ", ".join(f"{name} {found.count(name)}" for name in sorted(set(found), key=found.count, reverse=True))
+        print(f"diagnosis of {DIAGNOSED} recordings {what} an influence of the temperature: {counts}", flush=True)
 
 
 def coverage() -> None:
@@ -202,5 +231,7 @@ if __name__ == "__main__":
         measured_recordings(Path(sys.argv[1]))
     made_recordings()
     without_influence()
+    emissivity()
+    diagnosed()
     coverage()
     cost()

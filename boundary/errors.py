@@ -5,7 +5,8 @@ from __future__ import annotations
 import difflib
 import os
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -52,8 +53,8 @@ class UnknownName(TirefmuError):
     unknown coefficient 'PDYI': did you mean PDY1? Known are PDY1, PKX1
     """
 
-    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        self.kind, self.name, self.known = kind, name, tuple(known)
+    def __init__(self, kind: str, name: str, valid: Iterable[str]) -> None:
+        self.kind, self.name, self.known = kind, name, tuple(valid)
         command = next((text for what, text in LISTED_BY.items() if kind.startswith(what)), "")
         super().__init__(f"unknown {kind} {name!r}{nearest(str(name), self.known, command)}")
 
@@ -128,7 +129,7 @@ LISTED_BY = {
 }
 
 
-def nearest(name: str, known: Iterable[str], listed_by: str = "") -> str:
+def nearest(name: str, valid: Iterable[str], listed_by: str = "") -> str:
     """Return the end of a message on an unknown name: the nearest known one, and all of a few or how many there are.
 
     `listed_by`: command that lists all known names; a message needs it if there are many. Returns: the end of a
@@ -141,7 +142,7 @@ def nearest(name: str, known: Iterable[str], listed_by: str = "") -> str:
     >>> nearest("PDYI", [f"PDY{i}" for i in range(20)], "tirefmu info")
     ': did you mean PDY9? Also near: PDY8, PDY7, PDY6; tirefmu info lists all 20'
     """
-    names = list(dict.fromkeys(known))
+    names = list(dict.fromkeys(valid))
     folded = {candidate.casefold(): candidate for candidate in names}
     near = [folded[match] for match in difflib.get_close_matches(name.casefold(), folded, n=NEAREST, cutoff=0.5)]
     meant = [f"did you mean {near[0]}?"] if near else []
@@ -172,3 +173,28 @@ def path_from(value: Any, parameter: str = "path") -> Path:
     if not isinstance(value, (str, os.PathLike)):
         raise WrongType(parameter, value, "a str or a Path")
     return Path(value)
+
+
+@contextmanager
+def reading(path: Path | str, error: type[TirefmuError] = TirefmuError) -> Iterator[None]:
+    """Raise an error of one line if the system refuses what is read inside.
+
+    >>> with reading("none.tir"):
+    ...     Path("none.tir").read_bytes()
+    Traceback (most recent call last):
+    ...
+    tirefmu.boundary.errors.TirefmuError: none.tir: cannot be read (No such file or directory)
+    """
+    try:
+        yield
+    except OSError as reason:
+        raise error(f"{path}: cannot be read ({reason.strerror or reason})") from reason
+
+
+@contextmanager
+def writing(path: Path | str, error: type[TirefmuError] = TirefmuError) -> Iterator[None]:
+    """Raise an error of one line if the system refuses what is written inside."""
+    try:
+        yield
+    except OSError as reason:
+        raise error(f"{path}: cannot be written ({reason.strerror or reason})") from reason

@@ -36,7 +36,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class ChannelErrors:
+class ComparedChannel:
     """The errors of both tires in a channel of a recording.
 
     - `rows`: those that a fit would use.
@@ -52,7 +52,7 @@ class ChannelErrors:
 
 
 @dataclass(frozen=True)
-class Characteristic:
+class ComparedCharacteristic:
     """A quantity over load of both tires at one load, without slip.
 
     - `load`: N.
@@ -80,8 +80,8 @@ class Comparison:
     names: tuple[str, str]
     effects: tuple[tuple[str, ...], tuple[str, ...]]
     differences: tuple[Difference, ...]
-    characteristics: tuple[Characteristic, ...]
-    errors: tuple[ChannelErrors, ...]
+    characteristics: tuple[ComparedCharacteristic, ...]
+    errors: tuple[ComparedChannel, ...]
 
     @property
     def verdict(self) -> str:
@@ -140,14 +140,14 @@ def compare(first: Tire, second: Tire, recordings: Sequence[Recording] = (), *, 
     return Comparison(tires, names, effects, tuple(_differences(*tires)), tuple(_characteristics(*tires)), errors)
 
 
-def _characteristics(first: Tire, second: Tire) -> Iterator[Characteristic]:
+def _characteristics(first: Tire, second: Tire) -> Iterator[ComparedCharacteristic]:
     load = first.values["FNOMIN"]
     tables = [tire.evaluate(pd.DataFrame({"Fz": [load]}), signs="iso", steady=True) for tire in (first, second)]
     for role, title in ROLES.items():
         names = [tire.symbolic_model.quantity(role) for tire in (first, second)]
         if all(names):
             values = [float(table[name].iloc[0]) for table, name in zip(tables, names, strict=True)]
-            yield Characteristic(
+            yield ComparedCharacteristic(
                 title, first.symbolic_model.structure.quantities[names[0]][0], load, values[0], values[1]
             )
 
@@ -162,7 +162,7 @@ def _differences(first: Tire, second: Tire) -> list[Difference]:
     return errors
 
 
-def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ChannelErrors]:
+def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ComparedChannel]:
     included = exclude_rows(recording).included
     predicted = [tire.evaluate(recording.table, signs=recording.signs) for tire in tires]
     errors = []
@@ -178,5 +178,5 @@ def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ChannelError
         r2 = [1.0 - square / variance if variance > 0.0 else np.nan for square in squares]
         unit = next(quantity.unit for quantity in tires[0].symbolic_model.outputs if quantity.name == channel)
         rmse = (squares[0] ** 0.5, squares[1] ** 0.5)
-        errors.append(ChannelErrors(recording.source, channel, unit, int(rows.sum()), rmse, (r2[0], r2[1])))
+        errors.append(ComparedChannel(recording.source, channel, unit, int(rows.sum()), rmse, (r2[0], r2[1])))
     return errors

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from tirefmu.boundary.errors import TirefmuError, path_from
+from tirefmu.boundary.errors import path_from, writing
 from tirefmu.measurements import Recording
 from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.drawing.picture import write_figures
@@ -25,11 +25,9 @@ def write_comparison(
     folder = path_from(folder, "folder")
     figures = comparison_figures(comparison, recordings, signs)
     page = page_text("tirefmu.comparison", {"short": _short}, comparison=comparison, figures=figures)
-    try:
+    with writing(folder):
         drawn = write_figures(figures, folder)
         write_page(page, folder / "report.html")
-    except OSError as error:
-        raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
     return [folder / "report.html", *drawn]
 
 

@@ -18,11 +18,20 @@ from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
 from .explanations.compare import compared
+from .explanations.explanation import Explanation
 from .explanations.final import final_fits
+from .least_squares import LeastSquares
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
+from .recording.predicted_temperature import (
+    TEMPERATURE,
+    predicting,
+    source_of_temperature,
+    with_predicted_temperature,
+)
 from .recording.signals import FORMULA_SIGNS, signals_of
 from .verdict.composition import Outcome, composed
+from .verdict.improved_tire import tire_of
 from .verdict.result import Diagnosis
 
 #: Options of --nominal and the coefficients that they set.
@@ -108,20 +117,55 @@ def diagnose(
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
         if worse_by_smoothing(problem, solution, recorded):
             problem, solution = fit_baseline(start, recorded, known=tire is not None)
+        complete = with_predicted_temperature(turning, tire_of(start, problem, solution, ()))
+        if complete is not turning:
+            problem = _over(problem, complete, start, {*derived, TEMPERATURE})
+            reading = {name: tried for name, tried in candidates_tried.items() if TEMPERATURE in tried.requires}
+            candidates_tried |= {name: replace(tried, has_states=True) for name, tried in reading.items()}
         report(COMPARING)
         comparison = compared(problem, solution, candidates_tried, report)
         report(FINAL)
-        if "turn_slip" in comparison.leader.explanation.effects:
-            recording = turning
+        read = _read(comparison.leader.explanation, candidates_tried)
+        derived_table = complete.table[[name for name in complete.table if name in recording.table or name in read]]
+        recorded_or_read = replace(complete, table=derived_table)
 
         def with_final_fits(*, no_formula: str = "") -> Diagnosis:
             fits = final_fits(comparison, problem, solution, start, report, no_formula=no_formula)
-            return composed(Outcome(recording, candidates_tried, fits, comparison.answer), began)
+            return composed(Outcome(recorded_or_read, candidates_tried, fits, comparison.answer), began)
 
         result = with_final_fits()
         if not result.delivered and any(part.effect for part in result.unknown):
             result = with_final_fits(no_formula=f"with it, {'; '.join(result.not_delivered_because)}")
-        return result.in_signs("iso")
+        return _with_source_of_temperature(result, recording, start, candidates_tried).in_signs("iso")
+
+
+def _read(explanation: Explanation, candidates: Mapping[str, Candidate]) -> set[str]:
+    """Return the inputs that the parts of an explanation read."""
+    of_terms = (term.depends_on for term in explanation.terms)
+    return set().union(*of_terms, *(candidates[name].requires for name in explanation.effects))
+
+
+def _over(problem: LeastSquares, recording: Recording, start: Tire, derived: set[str]) -> LeastSquares:
+    """Return a problem over a recording with further columns that were derived."""
+    smooth = any(problem.simulator.signals.input_noise.values())
+    signals = signals_of(recording.table, start, recording.signs, smooth=smooth, derived=derived)
+    return problem.over(problem.simulator.with_signals(signals))
+
+
+def _with_source_of_temperature(
+    result: Diagnosis, recording: Recording, start: Tire, candidates: Mapping[str, Candidate]
+) -> Diagnosis:
+    """Return a result that states the temperature of its effects, with a tire that predicts it if it was not recorded.
+
+    `recording`: without derived columns.
+    """
+    if TEMPERATURE in result.recording["derived_columns"] and result.delivered:
+        result = replace(result, tire=predicting(result.tire, recording))
+    found = [one.effect for one in result.found if one.effect in candidates]
+    reading = [name for name in found if TEMPERATURE in candidates[name].requires]
+    recorded = TEMPERATURE in recording.table and not start.values.get("THACT")
+    source = source_of_temperature(reading, found, start, recorded)
+    return replace(result, verdict=f"{result.verdict}. {source}") if source else result
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:

@@ -16,6 +16,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from tirefmu.measurements.virtual_bench.bench_errors import CROSS_TALK_PRIOR_SHARE as CROSS_TALK_PRIOR_SHARE
+from tirefmu.measurements.virtual_bench.bench_errors import DRIFT_WAVES as DRIFT_WAVES
+from tirefmu.measurements.virtual_bench.bench_errors import MAX_CROSS_TALK as MAX_CROSS_TALK
+from tirefmu.measurements.virtual_bench.bench_errors import MAX_SKEW as MAX_SKEW
+
 # ------------------------------------------------------------------ the recording
 
 #: Minimum number of rows under load. Derived from `MIN_BLOCKS`: a block then has about 16 rows.
@@ -37,24 +42,11 @@ MIN_MEASURED_BLOCKS = 8
 HOLDOUT_EVERY = 8
 #: Longitudinal slip, 1. Below it Fx contains drag and offset only, as its peak is near 0.1. Not recorded.
 MIN_KAPPA = 0.004
-#: Half waves of drift over the recording: slower than sweeps, so that drift is not confounded with slip curves. Not
-#: recorded.
-DRIFT_WAVES = 3
 #: Prior standard deviations of offset (practically free) and drift, in noise standard deviations. Not recorded.
 OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
 #: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
 #: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
 FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
-#: Share of the other force: upper limit of cross-talk; more is attributed to the tire. Benches have up to 3 % of Fy in
-#: Fx, in which no tire has a share of Fy that is odd in alpha. The limit of Fx in Fy is lower, as side forces generated
-#: by kappa have the shape of Fx. Fy in Mz is a lever, as a share of the radius; the second generator of recordings has
-#: up to 0.3 %. Conventions.
-#: Prior standard deviation, as a share of the limit. Convention.
-MAX_CROSS_TALK: Mapping[str, float] = {"Fy_in_Fx": 0.035, "Fx_in_Fy": 0.012, "Fy_in_Mz": 0.004}
-CROSS_TALK_PRIOR_SHARE = 1.0 / 3.0
-#: Largest skew between forces and inputs, s: filters and multiplexers of a bench have up to 25 ms. More is attributed
-#: to the tire. Convention.
-MAX_SKEW = 0.03
 #: Prior standard deviation of the relative error of the load that follows the direction of slip: benches hold the load
 #: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005

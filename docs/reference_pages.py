@@ -109,7 +109,7 @@ def effects_page() -> str:
         lines += _formulas(effect)
         lines += ["", "| coefficient | unit | description |", "|---|---|---|"]
         lines += [
-            f"| {name} | {one['unit']} | {_plain(one['description'])} |" for name, one in effect["coefficients"].items()
+            f"| {name} | {c['unit']} | {_plain(c['description'])} |" for name, c in effect["coefficients"].items()
         ]
         lines.append("")
     return "\n".join(lines)
@@ -184,11 +184,11 @@ def _documented(name: str, public: Any) -> list[str]:
     except ValueError:  # a class without a signature
         return _sections(inspect.getdoc(public) or "")
     parts: list[str] = []
-    for one in given.parameters.values():
-        if one.kind is inspect.Parameter.KEYWORD_ONLY and "*" not in parts:
+    for parameter in given.parameters.values():
+        if parameter.kind is inspect.Parameter.KEYWORD_ONLY and "*" not in parts:
             parts.append("*")
-        if one.name != "self":
-            parts.append(re.sub("'([^']*)'", r"\1", str(one), count=1))
+        if parameter.name != "self":
+            parts.append(re.sub("'([^']*)'", r"\1", str(parameter), count=1))
     returned = "" if given.return_annotation in (inspect.Signature.empty, "None") else f" -> {given.return_annotation}"
     signature = f"{name}({', '.join(parts)}){returned}"
     if len(signature) > WIDEST:
@@ -234,15 +234,15 @@ def models_page() -> str:
         "| model | inputs | outputs | coefficients | |",
         "|---|---|---|---|---|",
     ]
-    for each in models():
+    for model in models():
         lines.append(
-            f"| `{each['name']}` | {' '.join(each['inputs'])} | {' '.join(each['outputs'])} | {each['coefficients']} "
-            f"| {_plain(each['title'])} |"
+            f"| `{model['name']}` | {' '.join(model['inputs'])} | {' '.join(model['outputs'])} "
+            f"| {model['coefficients']} | {_plain(model['title'])} |"
         )
     lines += ["", "| tire | model | nominal load (N) | radius (m) | source |", "|---|---|---|---|---|"]
-    for each in published_tires():
-        source = _plain(each["about"].get("source", ""))
-        lines.append(f"| `{each['name']}` | {each['model']} | {each['Fz0']:g} | {each['R0']:g} | {source} |")
+    for tire in published_tires():
+        source = _plain(tire["about"].get("source", ""))
+        lines.append(f"| `{tire['name']}` | {tire['model']} | {tire['Fz0']:g} | {tire['R0']:g} | {source} |")
     return "\n".join([*lines, ""])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,25 +12,22 @@ from tirefmu.boundary.errors import DataError
 from tirefmu.tires import Tire, tire_from
 from tirefmu.tires.tire_argument import TireLike
 
-from .effects import effect_columns
-from .estimate import MIN_DEVIATION, estimated
+from .effects import factor_values, motion_of, scaled
+from .estimate import Estimate, Forces, estimated
 from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, has_spins, wheel_means
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
-from .interval import POSE, interval_of
+from .interval import BALANCE, POSE, interval_of
 from .result import Drive
+from .rivals import Explanation, answer_of, explanations
 from .simulation import simulated
-from .unknowns import check_factors, unknowns_of
+from .unknowns import Unknowns, check_factors, unknowns_of
 from .verdict import verdict_on
 from .wheels import wheel_table
 
 FloatArray = npt.NDArray[np.float64]
-
-#: Deviation of the balance, per load, up to which nothing is left for an effect: the error of the midpoint rule and of
-#: the steering.
-EXPLAINED = 3.0 * MIN_DEVIATION
 
 
 def drive(
@@ -109,15 +107,36 @@ def _answer(
         grid, estimate = estimated(grid, interval, unknowns, start, log, car)
     except np.linalg.LinAlgError:
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
-    factors = factors_of(estimate, unknowns, tires, grid.step)
-    scaled = scaled_tires(tires, factors)
-    before = simulated(grid, estimate, unknowns, car, tires, known_car=False, fmus=fmus)
-    after = simulated(grid, estimate, unknowns, car, scaled, known_car=True, fmus=fmus)
-    wheels = wheel_table(grid, estimate)
-    residual = estimate.converged and estimate.deviations.max() > EXPLAINED
-    effects = effect_columns(wheels, scaled, car.axle_loads) if residual else []
-    verdict = verdict_on(car, unknowns, grid, estimate, factors, effects)
-    return Drive(log, car, grid, unknowns, estimate, tires, scaled, factors, wheels, before, after, verdict)
+
+    def refit(forces: Forces) -> tuple[Grid, Estimate]:
+        return estimated(grid, interval, unknowns, start, log, car, forces, estimate)
+
+    ranked = explanations(Explanation(None, grid, estimate), unknowns, car, tires, refit)
+    best = answer_of(ranked, unknowns)
+    delivered = best.missing.delivered(best.estimate.z[len(unknowns) :]) if best.missing else tires
+    factors = factors_of(best.estimate, unknowns, delivered, best.grid.step)
+    new = scaled_tires(delivered, factors)
+    common = best.grid, best.estimate, unknowns, car
+    before = simulated(*common, tires, known_car=False, fmus=fmus)
+    after = simulated(*common, new, known_car=True, fmus=fmus)
+    gap = _lacking(best, unknowns, car, tires, (tires, new))
+    verdict = verdict_on(best, ranked, unknowns, car, factors)
+    wheels = wheel_table(best.grid, best.estimate)
+    return Drive(log, car, best.grid, unknowns, best.estimate, tires, new, factors, wheels, before, after, gap, verdict)
+
+
+def _lacking(
+    best: Explanation, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], compared: Iterable[Mapping[str, Tire]]
+) -> FloatArray:
+    """Return the side force of each axle that the motion requires beyond pairs of tires, shape (n_pairs, n, 2), N."""
+    motion, factors = motion_of(best.grid, best.estimate, unknowns, car), factor_values(unknowns, best.estimate.z)
+    if best.missing:
+        whole = best.missing.on(best.estimate.z[len(unknowns) :], factors)
+    else:
+        whole = {axle: scaled(tire, factors[axle]) for axle, tire in tires.items()}
+    rest = best.estimate.residuals.values[:, -len(BALANCE) :] / best.estimate.weights
+    required = motion.side_forces(whole) + rest
+    return np.stack([(required - motion.side_forces(pair)) * motion.loads for pair in compared])
 
 
 def _start(grid: Grid, states: tuple[str, ...], log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> FloatArray:

@@ -8,10 +8,10 @@ from typing import Annotated, Any, TypedDict
 from tirefmu.boundary.json_schema import document, schema_of
 
 from .factors import Factor
-from .verdict import CarFinding, EffectFinding, Finding
+from .verdict import CarFinding, EffectFinding, TireDifference
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.2"
+VERSION = "1.3"
 
 
 class CarEntry(TypedDict):
@@ -47,12 +47,14 @@ class DriveContent(TypedDict):
     log: str
     duration: Annotated[float, "s"]
     factors: Annotated[Mapping[str, Mapping[str, Factor]], "scaling factors by axle and name"]
-    found: Annotated[Sequence[Finding], "differences of the tires"]
+    found: Annotated[Sequence[TireDifference], "differences of the tires"]
     unknown: Annotated[bool, "whether the tires do not explain the side force of an axle"]
     unexplained: Annotated[dict[str, float], "deviation of the balance of forces per load by axle"]
+    effect: Annotated[str | None, "of the library, that the new tires have"]
     effects: Annotated[Sequence[EffectFinding], "of the library, likely ones first"]
     lacking: Annotated[float, "probability that the tires lack an effect of the library"]
     car: CarContent
+    axle_forces: Annotated[dict[str, dict[str, float]], "rms of lacking side force before and after, by axle, N"]
     correlations: Annotated[dict[str, dict[str, float]], "of determined factors with entries of the car, above 0.3"]
     simulation: SimulationContent
     converged: bool

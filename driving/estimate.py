@@ -2,15 +2,17 @@
 
 A least-squares problem in the states of all nodes and the unknowns. Its Jacobian is exact (CasADi). The Gauss-Newton
 matrix is block tridiagonal in the nodes with a border of the unknowns; its banded Cholesky factor also gives the
-covariance. The deviations of the balance of forces (how much the motion requires beyond the tires) are those at the
-fixed point of MacKay, Bayesian interpolation, Neural Computation 4 (1992). The unknowns maximize the posterior
-integrated over the states: the optimum in both together would have too low a stiffness, as fits to noisy slip angles
-have.
+covariance. The unknowns maximize the posterior integrated over the states: the optimum in both together would have too
+low a stiffness, as fits to noisy slip angles have, or, where accelerations are not logged, no force at all. The
+deviations of the sensors and of the balance of forces (how much the motion requires beyond the tires) maximize it, too;
+their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1992).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,69 +22,49 @@ from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_bande
 from tirefmu.estimation.correlation import correlation_length
 
 from .inputs.car import Car
-from .inputs.car_entries import ENTRIES
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
-from .interval import BALANCE, CHUNK, Interval
+from .interval import BALANCE, CHUNK, Added, Interval, Linear
 from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
 #: Deviations of the balance, per load: at the start, and the smallest one (the error of the midpoint rule).
 START_DEVIATION, MIN_DEVIATION = 0.1, 1e-3
-#: Longest step of an unknown, in its standard deviations.
+#: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
 LARGEST = 10.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
-#: Most solutions for given deviations; steps of a solution; relative decrease of the cost at which it ends.
-ROUNDS, MAX_STEPS, TOLERANCE = 12, 12, 1e-7
-#: Change of the logarithm of a deviation, or of an unknown in its standard deviations, that ends the rounds; change of
-#: a deviation below which the integral over the states counts; limits of such a change.
-SETTLED, NEAR, LARGEST_CHANGES = 0.1, 0.7, (-2.0, 1.0)
+#: Most steps of the unknowns, most steps of the states for given unknowns, relative decrease that ends the latter,
+#: smallest part of a step that is tried.
+ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 40, 12, 1e-7, 1e-2
+#: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
+#: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
+SETTLED, FLAT = 0.1, 0.05
+
+
+#: Added forces from the grid, states and unknowns.
+Forces = Callable[[Grid, FloatArray, FloatArray], Added]
+
+
+def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+    """Return no added forces."""
+    return Added(np.zeros((len(grid.t), len(BALANCE))), np.zeros((len(grid.t), len(BALANCE), 0)))
 
 
 @dataclass(frozen=True)
-class Linear:
-    """Functions of all intervals at a point, shape (n, n_functions), and their Jacobian by left node, right node, z."""
+class Posterior:
+    """A linearized posterior.
 
-    values: FloatArray
-    jacobian: FloatArray
-
-    def weighted(self, weights: FloatArray) -> Linear:
-        """Return the functions times weights, shape (n, n_functions)."""
-        return Linear(self.values * weights, self.jacobian * weights[:, :, None])
-
-    def cost(self, z: FloatArray) -> float:
-        """Return half the sum of squares, priors included."""
-        return 0.5 * float(np.sum(self.values**2) + z @ z)
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """An estimate.
-
-    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,). `deviations`, shape (2,): of `BALANCE`.
-    - `noise`, shape (n_measured,): factor of the standard deviation of each measured channel.
-    - `residuals`, `outputs`: of the intervals at the solution.
     - `covariance`, shape (n_z, n_z). `pairs`, shape (n, 2 n_states, 2 n_states): covariance of the nodes of an interval
       for given unknowns; `slopes`, shape (n, 2 n_states, n_z): their change with the unknowns.
-    - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
-    - `converged`: whether the last solution ended by its tolerance.
     """
 
-    states: FloatArray
-    z: FloatArray
-    deviations: FloatArray
-    noise: FloatArray
-    residuals: Linear
-    outputs: Linear
     covariance: FloatArray
     pairs: FloatArray
     slopes: FloatArray
-    weights: FloatArray
-    converged: bool
 
     def variances(self, J: FloatArray) -> FloatArray:
         """Return the variances of functions with the Jacobian J, shape (n, n_functions, 2 n_states + n_z)."""
@@ -93,6 +75,34 @@ class Estimate:
             + np.einsum("kri,ij,krj->kr", by_z, self.covariance, by_z, optimize=True)
         )
 
+
+@dataclass(frozen=True)
+class Estimate(Posterior):
+    """An estimate.
+
+    - `states`, shape (n_nodes, n_states). `z`, shape (n_z,). `deviations`, shape (n_residuals,): those of `BALANCE` are
+      the last ones.
+    - `residuals`, `outputs`: of the intervals at the solution.
+    - `weights`, shape (n, 2): by which the residuals of the balance, per static load, are multiplied.
+    - `evidence`: logarithm of the probability of the log, integrated over states and unknowns (Laplace), up to a
+      constant of the log.
+    - `converged`: whether the last step was shorter than its tolerance.
+    """
+
+    states: FloatArray
+    z: FloatArray
+    deviations: FloatArray
+    residuals: Linear
+    outputs: Linear
+    weights: FloatArray
+    evidence: float
+    converged: bool
+
+    @property
+    def unexplained(self) -> FloatArray:
+        """Deviation of what the motion requires of each axle beyond its tires, per static load, shape (2,)."""
+        return self.deviations[-len(BALANCE) :]
+
     def information(self, grid: Grid, added: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the information of the log on the unknowns and on coefficients of added forces, and its score at 0.
 
@@ -102,10 +112,7 @@ class Estimate:
         J, r, n = self.residuals.jacobian, self.residuals.values, self.states.shape[1]
         factor, columns = _Factor(grid, self.residuals, n, 1e-9), -added * self.weights[:, :, None]
         balance = J[:, -len(BALANCE) :]
-        at_nodes = np.zeros((grid.n_nodes, n, added.shape[2]))
-        for nodes, part in ((grid.left, balance[:, :, :n]), (grid.right, balance[:, :, n : 2 * n])):
-            np.add.at(at_nodes, nodes, np.einsum("kri,krj->kij", part, columns))
-        border = at_nodes.reshape(grid.n_nodes * n, added.shape[2])
+        border = factor.at_nodes(np.einsum("kri,krj->kij", balance[:, :, : 2 * n], columns))
         solved = cho_solve_banded((factor.band, True), border, check_finite=False) if border.size else border
         cross = np.einsum("kri,krj->ij", balance[:, :, 2 * n :], columns) - factor.solved_border.T @ border
         corner = np.einsum("kri,krj->ij", columns, columns) - border.T @ solved
@@ -117,71 +124,86 @@ class Estimate:
 
 
 def estimated(
-    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car
-) -> tuple[Grid, Estimate]:
-    """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states)."""
-    states, z = start, np.zeros(len(unknowns))
-    deviations, noise = np.full(len(BALANCE), START_DEVIATION), np.ones(len(MEASURED))
-    balance, weights = slice(-len(BALANCE), None), np.ones((len(grid.t), len(interval.residuals)))
-    # The motion first: from a poor one the unknowns would run away.
-    tilt, steps = np.zeros(len(z)), np.zeros((0, 2, len(BALANCE)))
-    states, *_ = _solved(grid, interval, states, z, 10.0 * deviations, noise, weights, tilt, longest=0.0)
+    grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car,
+    forces: Forces = no_forces, near: Estimate | None = None,
+) -> tuple[Grid, Estimate]:  # fmt: skip
+    """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
+
+    Steps of the unknowns and of the deviations of all residuals decrease one criterion: minus the logarithm of the
+    posterior, integrated over the states.
+
+    `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
+    which this one starts.
+    """
+    n_balance = len(BALANCE)
+    z, floor = np.zeros(len(unknowns)), np.ones(len(interval.residuals))
+    floor[-n_balance:] = MIN_DEVIATION
+    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
+    if near:
+        start, z, deviations = near.states, near.z, near.deviations
+    added = forces(grid, start, z)
+    z = np.concatenate([z, np.zeros(added.columns.shape[2])])
+    at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
+    converged = False
     for _ in range(ROUNDS):
-        states, z, linear, converged = _solved(grid, interval, states, z, deviations, noise, weights, tilt)
-        estimate = _with_covariance(grid, interval, states, z, deviations, noise, linear, weights, converged)
-        variance = estimate.variances(linear.jacobian[:, balance])
-        determined = np.maximum(len(grid.t) - variance.sum(axis=0), 1.0)
-        excess = np.log(np.sum(linear.values[:, balance] ** 2, axis=0) / determined) / 2
-        steps = np.concatenate([steps, [[np.log(deviations), excess]]])
-        used, deviations = deviations, np.maximum(deviations * np.exp(_secant(steps)), MIN_DEVIATION)
-        change = float(np.abs(np.log(deviations / used)).max())
-        slope = _volume_slope(grid, interval, unknowns, estimate, used, weights) if change < NEAR else np.zeros(len(z))
-        shift = np.abs(slope - tilt) * np.sqrt(np.diag(estimate.covariance))
-        if converged and max(change, shift.max()) < SETTLED:
+        slope = _volume_slope(grid, interval, at, added.tires(z))
+        change, change_z = at.factor.step(z + slope, z, LONGEST_STEP)
+        widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
+        widening[len(MEASURED) : -n_balance] = 0.0  # errors of the integration
+        size = max(np.abs(change_z / np.sqrt(np.diag(at.posterior.covariance))).max(), np.abs(widening).max())
+        if size < SETTLED:
+            converged = True
             break
-        tilt = (tilt + slope) / 2 if tilt.any() else slope
-        noise = noise * _excess(linear.values[:, : len(MEASURED)])
+        share, gain = 3.0, -np.inf
+        while not gain > 0.0 and share > SHORTEST:
+            share /= 3.0
+            to = at.deviations * np.exp(share * widening)
+            moved = at.states + share * change, z + share * change_z
+            try:
+                tried = _solved(grid, interval, added, *moved, to, at.weights)
+            except np.linalg.LinAlgError:  # a motion that the model does not have
+                continue
+            gain = at.criterion - tried.criterion
+        converged = bool(gain < FLAT and size < 1.0)
+        if converged or not gain > 0.0:
+            break
+        z = z + share * change_z
         grid = with_steering(grid, log, car, unknowns.car_values(z))
-        scaled = linear.values / weights / np.maximum(np.sqrt(np.mean(linear.values**2, axis=0)), 1e-12)
-        weights = np.sqrt(np.minimum(1.0, OUTLYING / np.maximum(np.abs(scaled), OUTLYING)))
+        weights, added = _weights(tried.linear.values / at.weights), forces(grid, tried.states, z)
+        at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
     # A residual that is correlated over time has the information of fewer independent ones.
-    lengths = [correlation_length(linear.values[:, balance][:, i], grid.segment) for i in range(len(BALANCE))]
-    widened = deviations * np.sqrt(lengths)
-    linear = evaluated(interval.residual_chunk, grid, states, z, widened, interval_data(grid, noise)).weighted(weights)
-    final = _with_covariance(grid, interval, states, z, widened, noise, linear, weights, converged)
-    return grid, replace(final, deviations=deviations)
+    lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
+    scale = np.concatenate([np.ones(len(floor) - n_balance), np.sqrt(lengths)])
+    linear = at.linear.weighted(np.tile(1.0 / scale, (len(grid.t), 1)))
+    factor = _Factor(grid, linear, at.states.shape[1], 1e-9)
+    outputs = evaluated(interval.output_chunk, grid, at.states, added.tires(z), interval_data(grid))
+    weights = (at.weights / at.deviations / scale)[:, -n_balance:]
+    parts, evidence = vars(_posterior(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
+    return grid, Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
+                          outputs=outputs.with_columns(added.columns.shape[2]), weights=weights,
+                          evidence=float(evidence), converged=converged)  # fmt: skip
 
 
-def _secant(steps: FloatArray) -> FloatArray:
-    """Return the change of logarithms x at which f is 0, from the last pairs of x and f, shape (n, 2, n_x)."""
-    (x, f), (last_x, last_f) = steps[-1], steps[-2] if len(steps) > 1 else steps[-1]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        slope = np.nan_to_num((f - last_f) / (x - last_x), nan=-1.0)
-    return np.asarray(np.clip(-f / np.clip(slope, -1.0, -0.2), *LARGEST_CHANGES))
+def _weights(residual: FloatArray) -> FloatArray:
+    """Return the square roots of the weights of residuals, shape (n, n_residuals)."""
+    scaled = np.abs(residual) / np.maximum(np.sqrt(np.mean(residual**2, axis=0)), 1e-12)
+    return np.asarray(np.sqrt(np.minimum(1.0, OUTLYING / np.maximum(scaled, OUTLYING))))
 
 
-def _excess(residual: FloatArray) -> FloatArray:
-    """Return by how much the residuals of each channel exceed its noise, at least 1."""
-    sampled = np.sum(residual != 0.0, axis=0)
-    mean = np.sum(residual**2, axis=0) / np.maximum(sampled, 1)
-    return np.asarray(np.where(sampled > 0, np.maximum(np.sqrt(mean), 1.0), 1.0))
-
-
-def interval_data(grid: Grid, noise: FloatArray) -> FloatArray:
+def interval_data(grid: Grid) -> FloatArray:
     """Return the data of the intervals, shape (n_data, n): means, weights, steering at both ends and its slopes."""
-    known = np.isfinite(grid.means)
-    weights = np.where(known, 1.0 / (np.where(known, grid.noise, 1.0) * noise[:, None]), 0.0)
-    return np.concatenate([np.where(known, grid.means, 0.0), weights, grid.steer, grid.steer_slopes, grid.rims])
+    sampled = np.isfinite(grid.means)
+    weights = np.where(sampled, 1.0 / np.where(sampled, grid.noise, 1.0), 0.0)
+    return np.concatenate([np.where(sampled, grid.means, 0.0), weights, grid.steer, grid.steer_slopes, grid.rims])
 
 
 def evaluated(
-    function: Any, grid: Grid, states: FloatArray, z: FloatArray, deviations: FloatArray, data: FloatArray,
-    more: FloatArray | None = None,
-) -> Linear:  # fmt: skip
+    function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None
+) -> Linear:
     """Return a function of `Interval` at all intervals; `more`, shape (n, n_more): its last argument."""
     n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[1] + len(z)
     values, jacobian = np.empty((n, m)), np.empty((n, m, width))
-    constant = np.concatenate([z, deviations, grid.used])
+    constant = np.concatenate([z, grid.used])
     for first in range(0, n, CHUNK):
         rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
         ends = states[grid.left[rows]], states[grid.right[rows]]
@@ -206,113 +228,144 @@ def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray])
     trigger()
 
 
+@dataclass(frozen=True)
+class _Point:
+    """States that explain the log best for given unknowns, deviations and weights of the residuals.
+
+    `linear`: the problem there; `factor`: of it; `criterion`: minus the logarithm of the posterior,
+    integrated over the states.
+    """
+
+    states: FloatArray
+    deviations: FloatArray
+    weights: FloatArray
+    linear: Linear
+    factor: _Factor
+    criterion: float
+    grid: Grid
+
+    @cached_property
+    def posterior(self) -> Posterior:
+        """The linearized posterior."""
+        return _posterior(self.grid, self.factor)
+
+    def excess(self) -> FloatArray:
+        """Return by how much the logarithms of residuals exceed their deviations: 0 at MacKay's fixed point."""
+        squares = np.sum(self.linear.values**2, axis=0)
+        sampled = np.sum(self.linear.values != 0.0, axis=0)
+        determined = np.maximum(sampled - self.posterior.variances(self.linear.jacobian).sum(axis=0), 1.0)
+        return np.asarray(np.log(np.maximum(squares, 1e-12) / determined) / 2)
+
+
 def _solved(
-    grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, noise: FloatArray,
-    weights: FloatArray, tilt: FloatArray, longest: float = LONGEST_STEP,
-) -> tuple[FloatArray, FloatArray, Linear, bool]:  # fmt: skip
-    """Return states, unknowns, problem there, and whether the Gauss-Newton steps converged (Levenberg, Marquardt)."""
-    data = interval_data(grid, noise)
-    linear = evaluated(interval.residual_chunk, grid, states, z, deviations, data).weighted(weights)
-    cost, damping = linear.cost(z) + float(tilt @ z), 1e-6
+    grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray, deviations: FloatArray,
+    weights: FloatArray,
+) -> _Point:  # fmt: skip
+    """Return the point for given unknowns from initial states (Gauss-Newton steps, damped as Levenberg's)."""
+    data, n, of_tires = interval_data(grid), states.shape[1], added.tires(z)
+
+    def at(states: FloatArray) -> Linear:
+        linear = evaluated(interval.residual_chunk, grid, states, of_tires, data)
+        return added.residuals(linear, z).weighted(weights / deviations)
+
+    linear, damping = at(states), 1e-9
     for _ in range(MAX_STEPS):
-        change, change_z = _step(grid, linear, states, z, tilt, damping, longest)
-        tried = evaluated(interval.residual_chunk, grid, states + change, z + change_z, deviations, data).weighted(
-            weights
-        )
-        lower = tried.cost(z + change_z) + float(tilt @ (z + change_z))
-        if np.isfinite(lower) and lower <= cost:
-            gain = (cost - lower) / abs(cost)
-            states, z, linear, cost = states + change, z + change_z, tried, lower
-            damping = max(damping / 10, 1e-9)
-            if gain < TOLERANCE:
-                return states, z, linear, True
+        try:
+            factor = _Factor(grid, linear, n, damping)
+        except np.linalg.LinAlgError:  # rounding made the matrix indefinite
+            damping = 100.0 * damping
+            continue
+        moved = states - factor.solved_gradient.reshape(states.shape)
+        tried = at(moved)
+        gain = linear.cost(z) - tried.cost(z)
+        if gain >= 0.0:
+            states, linear, damping = moved, tried, max(damping / 10, 1e-9)
+            if gain < TOLERANCE * linear.cost(z):
+                break
         else:
             damping = max(damping, 1e-6) * 30
-            if damping > 1e6:
-                break
-    return states, z, linear, False
-
-
-def _step(
-    grid: Grid, linear: Linear, states: FloatArray, z: FloatArray, tilt: FloatArray, damping: float, longest: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return the step of states and unknowns; a matrix that rounding makes indefinite is damped more."""
-    while True:
-        try:
-            return _Factor(grid, linear, states.shape[1], damping).step(z + tilt, z, longest)
-        except np.linalg.LinAlgError:
-            damping = max(100.0 * damping, 1e-9)
+    factor = _Factor(grid, linear, n, max(damping, 1e-9))
+    # The density of the next motion that the balance gives, and those of the sensors, have the deviations as scales.
+    density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
+    density -= np.sum((linear.values != 0.0) * np.log(deviations), axis=0)[: -len(BALANCE)].sum()
+    criterion = linear.cost(z) + float(np.log(factor.band[0]).sum() - density)
+    return _Point(states, deviations, weights, linear, factor, criterion, grid)
 
 
 class _Factor:
-    """The Gauss-Newton matrix, factored: a band of the nodes and a border of the unknowns."""
+    """The Gauss-Newton matrix, factored: a band of the nodes and, when it is used, a border of the unknowns."""
 
     def __init__(self, grid: Grid, linear: Linear, n: int, damping: float) -> None:
-        J, r = linear.jacobian, linear.values
-        blocks = np.matmul(J.transpose(0, 2, 1), J)
-        slopes = np.einsum("kri,kr->ki", J, r)
-        self._n, self._shape = n, (grid.n_nodes, n)
-        size, at = grid.n_nodes * n, np.stack([grid.left, grid.right], axis=1)
-        rows = (at[:, :, None] * n + np.arange(n)).reshape(len(at), 2 * n)
-        band = np.zeros((2 * n, size))
+        self.n, self._J, self._size = n, linear.jacobian, grid.n_nodes * n
+        self._slopes = np.einsum("kri,kr->ki", linear.jacobian, linear.values)
+        nodes = linear.jacobian[:, :, : 2 * n]
+        blocks = np.matmul(nodes.transpose(0, 2, 1), nodes)
+        at = np.stack([grid.left, grid.right], axis=1)
+        self._rows = (at[:, :, None] * n + np.arange(n)).reshape(len(at), 2 * n)
+        band = np.zeros((2 * n, self._size))
         for i in range(2 * n):
             for j in range(i + 1):
-                np.add.at(band[i - j], rows[:, j], blocks[:, i, j])
+                band[i - j, self._rows[:, j]] += blocks[:, i, j]  # no node is twice at the same end of intervals
         band[0] = band[0] * (1.0 + damping) + 1e-12
         self.band = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
-        border = np.zeros((size, J.shape[2] - 2 * n))
-        np.add.at(border, rows.ravel(), blocks[:, : 2 * n, 2 * n :].reshape(-1, border.shape[1]))
-        self.gradient = np.zeros(size)
-        np.add.at(self.gradient, rows.ravel(), slopes[:, : 2 * n].ravel())
-        self._gradient_z = slopes[:, 2 * n :].sum(axis=0)
-        self._border = border
-        self.solved_border = cho_solve_banded((self.band, True), border, check_finite=False)
-        corner = blocks[:, 2 * n :, 2 * n :].sum(axis=0) + np.eye(border.shape[1])
-        self.schur = corner - border.T @ self.solved_border
-        self.damping = damping
+        self.gradient = self.at_nodes(self._slopes[:, : 2 * n, None])[:, 0]
+        self.solved_gradient = cho_solve_banded((self.band, True), self.gradient, check_finite=False)
+
+    def at_nodes(self, parts: FloatArray) -> FloatArray:
+        """Return the sums at the nodes of parts at both ends of the intervals, shape (n_nodes n, n_columns)."""
+        sums = np.zeros((self._size, parts.shape[2]))
+        for end in (slice(0, self.n), slice(self.n, 2 * self.n)):
+            sums[self._rows[:, end]] += parts[:, end]
+        return sums
+
+    @cached_property
+    def _border(self) -> FloatArray:
+        n, J = self.n, self._J
+        blocks = np.matmul(J[:, :, : 2 * n].transpose(0, 2, 1), J[:, :, 2 * n :])
+        return self.at_nodes(blocks)
+
+    @cached_property
+    def solved_border(self) -> FloatArray:
+        """The change of the states with the unknowns, negative."""
+        return np.asarray(cho_solve_banded((self.band, True), self._border, check_finite=False))
+
+    @cached_property
+    def schur(self) -> FloatArray:
+        """The precision of the unknowns, their prior included."""
+        by_z = self._J[:, :, 2 * self.n :].reshape(-1, self._border.shape[1])
+        return np.asarray(by_z.T @ by_z + np.eye(by_z.shape[1]) - self._border.T @ self.solved_border)
 
     def step(self, slope: FloatArray, z: FloatArray, longest: float) -> tuple[FloatArray, FloatArray]:
         """Return the step of the states and of the unknowns; of an unknown at most `longest`."""
-        solved = cho_solve_banded((self.band, True), self.gradient, check_finite=False)
-        gradient = self._gradient_z + slope - self._border.T @ solved
-        damped = self.schur + self.damping * np.diag(np.diag(self.schur))
-        change_z = -cho_solve(cho_factor(damped), gradient)
+        gradient = self._slopes[:, 2 * self.n :].sum(axis=0) + slope - self._border.T @ self.solved_gradient
+        change_z = -cho_solve(cho_factor(self.schur), gradient)
         change_z *= min(1.0, longest / max(float(np.abs(change_z).max()), 1e-12))
         change_z = np.clip(z + change_z, -LARGEST, LARGEST) - z
-        return (-solved - self.solved_border @ change_z).reshape(self._shape), change_z
+        return (-self.solved_gradient - self.solved_border @ change_z).reshape(-1, self.n), change_z
 
 
-def _volume_slope(
-    grid: Grid, interval: Interval, unknowns: Unknowns, estimate: Estimate, deviations: FloatArray, weights: FloatArray
-) -> FloatArray:
-    """Return the derivatives by the unknowns of what the integral over the states adds to the cost (Laplace).
+def _volume_slope(grid: Grid, interval: Interval, at: _Point, z: FloatArray) -> FloatArray:
+    """Return the derivatives by all unknowns of what the integral over the states adds to the cost (Laplace).
 
-    Without it, forces that depend on estimated slip angles have too low a stiffness. Sensors and brakes shift what is
-    measured and pushed, which changes no volume but that of the linearization.
+    `z`: the unknowns of tires and car. Without it, forces that depend on estimated slip angles have too low a
+    stiffness.
     """
-    n = estimate.pairs.shape[1]
-    shares = (estimate.residuals.jacobian[:, :, :n] @ estimate.pairs) * weights[:, :, None]
+    pairs = at.posterior.pairs
+    n = pairs.shape[1]
+    shares = (at.linear.jacobian[:, :, :n] @ pairs) * (at.weights / at.deviations)[:, :, None]
     more = shares.transpose(0, 2, 1).reshape(len(shares), -1)
-    data = interval_data(grid, estimate.noise)
-    slopes = evaluated(interval.volume_chunk, grid, estimate.states, estimate.z, deviations, data, more).jacobian[:, 0]
-    result = slopes[:, n:].sum(axis=0) + np.einsum("ki,kij->j", slopes[:, :n], estimate.slopes)
-    result[[i for i, name in enumerate(unknowns.car) if ENTRIES[name].section in ("sensors", "wheels")]] = 0.0
+    slopes = evaluated(interval.volume_chunk, grid, at.states, z, interval_data(grid), more).jacobian[:, 0]
+    result = np.einsum("ki,kij->j", slopes[:, :n], at.posterior.slopes)
+    result[: len(z)] += slopes[:, n:].sum(axis=0)
     return np.asarray(result)
 
 
-def _with_covariance(
-    grid: Grid, interval: Interval, states: FloatArray, z: FloatArray, deviations: FloatArray, noise: FloatArray,
-    linear: Linear, weights: FloatArray, converged: bool,
-) -> Estimate:  # fmt: skip
-    n = states.shape[1]
-    factor = _Factor(grid, linear, n, 1e-9)
-    covariance = np.linalg.inv(factor.schur)
-    pairs = _pair_covariances(factor.band, grid, n)
+def _posterior(grid: Grid, factor: _Factor) -> Posterior:
+    n = factor.n
     slopes = -factor.solved_border.reshape(grid.n_nodes, n, -1)
     of_pairs = np.concatenate([slopes[grid.left], slopes[grid.right]], axis=1)
-    outputs = evaluated(interval.output_chunk, grid, states, z, deviations, interval_data(grid, noise))
-    scale = weights[:, -len(BALANCE) :] / deviations
-    return Estimate(states, z, deviations, noise, linear, outputs, covariance, pairs, of_pairs, scale, converged)
+    covariance = np.asarray(np.linalg.inv(factor.schur), dtype=np.float64)
+    return Posterior(covariance, _pair_covariances(factor.band, grid, n), of_pairs)
 
 
 def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:
@@ -326,12 +379,12 @@ def _pair_covariances(band: FloatArray, grid: Grid, n: int) -> FloatArray:
             if n + i - j < len(band):
                 below[:, i, j] = band[n + i - j, j::n]  # row of the next node, column of this one
     inverse = np.linalg.inv(diagonal)
-    own = np.matmul(inverse.transpose(0, 2, 1), inverse)
+    local = np.matmul(inverse.transpose(0, 2, 1), inverse)
     gain = np.matmul(below, inverse)  # L21 L11^-1
     node, cross = np.empty((size, n, n)), np.zeros((size, n, n))
-    node[-1] = own[-1]
+    node[-1] = local[-1]
     for k in range(size - 2, -1, -1):
         cross[k] = -node[k + 1] @ gain[k]
-        node[k] = own[k] - gain[k].T @ cross[k]
+        node[k] = local[k] - gain[k].T @ cross[k]
     left = grid.left
     return np.block([[node[left], cross[left].transpose(0, 2, 1)], [cross[left], node[left + 1]]])

@@ -1,4 +1,4 @@
-"""Figures of a drive: the motion over time, forces over slip of each axle, a map of the unexplained force."""
+"""Figures of a drive: the motion over time, forces over slip of each axle, a map of the force that the tires lack."""
 
 from __future__ import annotations
 
@@ -26,8 +26,7 @@ MAX_POINTS = 4000
 
 def drive_figures(answer: Drive) -> list[Figure]:
     """Return the figures of an answer."""
-    figures = [_histories(answer), _forces(answer)]
-    return [*figures, _map(answer)] if answer.log.has_pose() else figures
+    return [_histories(answer), _forces(answer), _map(answer)]
 
 
 def _some(n: int) -> slice:
@@ -83,21 +82,33 @@ def _forces(answer: Drive) -> Figure:
 
 
 def _map(answer: Drive) -> Figure:
-    grid, states = answer.grid, answer.estimate.states
-    values = answer.estimate.outputs.values
-    excess = np.sum(
-        [
-            np.abs(values[:, OUTPUTS.index(f"Fy_{axle}")] - values[:, OUTPUTS.index(f"Fy_tire_{axle}")])
-            for axle in AXLES
-        ],
-        axis=0,
-    )
-    large = excess > np.quantile(excess, 0.9)
-    series = tuple(
-        Series("points", states[grid.left[rows], 3], states[grid.left[rows], 4], color, label, marker=".", size=2.0)
-        for rows, color, label in (
-            (~large, RECORDED, "other places"),
-            (large, BEFORE, "largest 10 % of the unexplained force"),
+    x, y = _track(answer)
+    panels = []
+    for i, axle in enumerate(AXLES):
+        size = np.abs(answer.lacking[:, :, i])
+        large = size > np.quantile(size[0], 0.9)
+        series = tuple(
+            Series("points", x[rows], y[rows], color, label, marker=".", size=2.0)
+            for rows, color, label in (
+                (~large[0], RECORDED, "other places"),
+                (large[0] & ~large[1], BEFORE, "largest 10 % before"),
+                (large[1], AFTER, "as large after"),
+            )
+            if rows.any()
         )
-    )
-    return Figure("map", "Where the drive and the tires disagree", ((Panel("x (m)", "y (m)", series, equal=True),),))
+        panels.append(Panel("x (m)", "y (m)", series, f"{axle} axle", equal=True))
+    text = "Places with the largest side force that the motion requires beyond the tires."
+    if not answer.log.has_pose():
+        text += " The track follows from speed and yaw rate: it drifts."
+    return Figure("map", "Where the drive and the tires disagree", (tuple(panels),), text)
+
+
+def _track(answer: Drive) -> FloatArray:
+    """Return the positions in the middle of the intervals, shape (2, n), m; without a pose they are integrated."""
+    states = answer.estimate.states[answer.grid.left]
+    if answer.log.has_pose():
+        return states[:, 3:5].T
+    heading = np.cumsum(states[:, 2]) * answer.grid.step
+    speed = (states[:, 0] + 1j * states[:, 1]) * np.exp(1j * heading)
+    track = np.cumsum(speed) * answer.grid.step
+    return np.stack([track.real, track.imag])

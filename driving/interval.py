@@ -1,7 +1,8 @@
 """One interval of the grid as a CasADi function: residuals of sensors and of the balance of forces, with derivatives.
 
 The implicit midpoint rule joins the nodes: rates are differences over the interval, which are the exact means of the
-rates, as the logged channels are means of samples. Residuals are divided by their standard deviations.
+rates, as the logged channels are means of samples. Residuals are divided by their standard deviations. `Linear` has the
+values and derivatives of all intervals, `Added` what an effect adds to the forces of the tires.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+import numpy as np
+import numpy.typing as npt
 
 from tirefmu.measurements.units import GRAVITY
 from tirefmu.symbolic.vehicle import quantities as vehicle
@@ -23,9 +26,11 @@ from .inputs.car import Car
 from .inputs.grid import MEASURED
 from .unknowns import AXLES, FACTORS, Unknowns
 
+FloatArray = npt.NDArray[np.float64]
+
 MOTION = ("v_x", "v_y", "yaw_rate")
 POSE = ("x", "y", "heading")
-#: Residuals of the balance of forces, each divided by a static load.
+#: Residuals of the balance of forces, per static load.
 BALANCE = ("e_front", "e_rear")
 #: Further results of an interval for each axle: the inputs of a wheel that is the mean of both, its forces, W axes, and
 #: the side force of the tire alone. Fy is the tire's and half of what the motion requires beyond it.
@@ -34,6 +39,8 @@ OUTPUTS = tuple(f"{name}_{axle}" for name in ("alpha", "kappa", "V", "Fz", "Fy",
 CHUNK = 500
 #: Error of the integration of a pose, m/s and rad/s.
 POSE_ERROR = 3e-3
+#: Share of the mean load of an axle below which the load of a wheel changes smoothly to 0: a road cannot pull.
+LIFTED = 0.1
 #: Force per mass within which driving changes into braking, m/s^2.
 COASTING = 0.2
 #: Names of the arguments of `two_track` that describe the car, and the entries that they are.
@@ -50,8 +57,8 @@ class Interval:
     - `states`: names of the states of a node.
     - `residuals`: names; `MEASURED` are first, `BALANCE` last.
     - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
-      (`estimate.interval_data`), and unknowns followed by deviations of the balance and the delay and lag of the
-      steering in the data. They give the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
+      (`estimate.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give the
+      residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
     - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
       product minus the logarithm of the density that the balance gives the next motion.
     """
@@ -73,7 +80,7 @@ def interval_of(
     states, n = MOTION + POSE * pose, len(MEASURED)
     left, right = ca.SX.sym("left", len(states)), ca.SX.sym("right", len(states))
     data, z = ca.SX.sym("data", 2 * n + 8), ca.SX.sym("z", len(unknowns))
-    deviations, used = ca.SX.sym("deviations", len(BALANCE)), ca.SX.sym("used", 2)
+    used = ca.SX.sym("used", 2)
     p = _entries(car, unknowns, z)
     middle, rate = ca.vertsplit((left + right) / 2), ca.vertsplit((right - left) / step)
     more = p["delay"] - used[0], p["lag"] - used[1]
@@ -95,14 +102,12 @@ def interval_of(
     measured = _readings(p, middle, rate, pose)
     parts = {name: (data[i] - measured.get(name, 0)) * data[n + i] for i, name in enumerate(MEASURED)}
     parts |= _kinematics(middle, rate) if pose else {}
-    # Without an accelerometer, nothing else keeps the speed from alternating between nodes.
-    parts["thrust"] = (rate[0] - middle[1] * middle[2]) / GRAVITY
     loads = {"e_front": weight - rear, "e_rear": rear}
-    parts |= {name: balance[name] / loads[name] / deviations[i] for i, name in enumerate(BALANCE)}
+    parts |= {name: balance[name] / loads[name] for name in BALANCE}
     residual = ca.vertcat(*parts.values())
     required_forces = [balance[f"e_{axle}"] / ca.cos(steer if axle == "front" else 0) / 2 for axle in AXLES]
     outputs = ca.vertcat(*_outputs(wheels, forces, kappa, required_forces))
-    arguments = [left, right, data, ca.vertcat(z, deviations, used)]
+    arguments = [left, right, data, ca.vertcat(z, used)]
     chunks = []
     for results in (residual, outputs):
         by = ca.densify(ca.jacobian(results, ca.vertcat(left, right, z)))
@@ -167,11 +172,14 @@ def _forces(
         parameters[list(model.coefficients).index(name)] *= factors[name]
     results = []
     pair = [{name: wheels[f"{name}_{axle[0]}{side}"] for name in ("alpha", "V", "Fz")} for side in "lr"]
+    mean = (pair[0]["Fz"] + pair[1]["Fz"]) / 2
+    for wheel in pair:
+        wheel["Fz"] = (wheel["Fz"] + ca.sqrt(wheel["Fz"] ** 2 + (LIFTED * mean) ** 2)) / 2
     for state in (*pair, {name: (pair[0][name] + pair[1][name]) / 2 for name in pair[0]}):
         given = {**state, "kappa": kappa}
         inputs = ca.vertcat(*(given[name] if name in given else tire.nominal(name) for name in tire.inputs))
         results.append(casadi_expression(model, "forces", inputs, parameters, straight=True)[:2])
-    return [each[0] for each in results], [each[1] for each in results], pair
+    return [result[0] for result in results], [result[1] for result in results], pair
 
 
 def _readings(p: Mapping[str, Any], middle: list[Any], rate: list[Any], pose: bool) -> dict[str, Any]:
@@ -188,6 +196,7 @@ def _readings(p: Mapping[str, Any], middle: list[Any], rate: list[Any], pose: bo
         "speed": vx,
         "beta": ca.atan(vy / vx) + p["heading_offset"],
         "vy": vy + vx * p["heading_offset"],
+        "speed_rate": rate[0],
     }
     if pose:
         x, y, heading = late[3:]
@@ -249,3 +258,46 @@ def _outputs(wheels: Mapping[str, Any], forces: Mapping[str, Any], kappa: list[A
     Fy = [forces[axle][1][2] for axle in AXLES]
     whole = [Fy[i] + required[i] for i in (0, 1)]
     return [*means["alpha"], *kappa, *means["V"], *means["Fz"], *whole, *Fy]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Functions of all intervals at a point, shape (n, n_functions), and their Jacobian by left node, right node, z."""
+
+    values: FloatArray
+    jacobian: FloatArray
+
+    def weighted(self, weights: FloatArray) -> Linear:
+        """Return the functions times weights, shape (n, n_functions)."""
+        return Linear(self.values * weights, self.jacobian * weights[:, :, None])
+
+    def with_columns(self, n: int) -> Linear:
+        """Return the functions with n further unknowns, on which they do not depend."""
+        return Linear(self.values, np.concatenate([self.jacobian, np.zeros((*self.values.shape, n))], axis=2))
+
+    def cost(self, z: FloatArray) -> float:
+        """Return half the sum of squares, priors included."""
+        return 0.5 * float(np.sum(self.values**2) + z @ z)
+
+
+@dataclass(frozen=True)
+class Added:
+    """Side forces per static load beyond the tires': `offset`, shape (n, 2), and `columns`, shape (n, 2, n_u).
+
+    The columns are for further unknowns u, the last ones of z, whose prior is the standard normal distribution.
+    """
+
+    offset: FloatArray
+    columns: FloatArray
+
+    def tires(self, z: FloatArray) -> FloatArray:
+        """Return the unknowns before u."""
+        return z[: len(z) - self.columns.shape[2]]
+
+    def residuals(self, of_tires: Linear, z: FloatArray) -> Linear:
+        """Return residuals, per static load, with these forces, from those without them."""
+        n = self.columns.shape[2]
+        linear = of_tires.with_columns(n)
+        linear.values[:, -len(BALANCE) :] -= self.offset + self.columns @ z[len(z) - n :]
+        linear.jacobian[:, -len(BALANCE) :, linear.jacobian.shape[2] - n :] = -self.columns
+        return linear

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import TirefmuError, path_from
@@ -22,9 +23,11 @@ from .factors import Factor
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.log import Log
-from .simulation import Simulation
+from .simulation import VehicleSimulation
 from .unknowns import AXLES, Unknowns
-from .verdict import Verdict, worst_car_deviation
+from .verdict import DriveVerdict, worst_car_deviation
+
+FloatArray = npt.NDArray[np.float64]
 
 #: An entry of the car this many standard deviations from its file: the log is not one of this car, no tire is written.
 OTHER_CAR = 8.0
@@ -39,13 +42,16 @@ class Drive:
     log, car, grid, unknowns, estimate
         What was estimated from what.
     tires, scaled : mapping of str to Tire
-        The tires of the axles "front" and "rear" as given, and with the determined factors.
+        The tires of the axles "front" and "rear" as given, and with the determined factors and the effect that they
+        lacked.
     factors : mapping of str to mapping of str to Factor
         By axle and name.
     wheels : pandas.DataFrame
         The forces at the wheels, ISO-W signs: `tirefmu.driving.wheels.wheel_table`.
     before, after : Simulation
         The vehicle as given, and with the estimated car on the scaled tires.
+    lacking : ndarray, shape (2, n, 2)
+        Side force of each axle (last index) that the motion requires beyond the tires, as given and new, N.
     verdict : Verdict
         Findings and sentences.
     """
@@ -59,9 +65,10 @@ class Drive:
     scaled: Mapping[str, Tire]
     factors: Mapping[str, Mapping[str, Factor]]
     wheels: pd.DataFrame
-    before: Simulation
-    after: Simulation
-    verdict: Verdict
+    before: VehicleSimulation
+    after: VehicleSimulation
+    lacking: FloatArray
+    verdict: DriveVerdict
 
     @property
     def ok(self) -> bool:
@@ -98,10 +105,15 @@ class Drive:
             "factors": self.factors,
             "found": self.verdict.tires,
             "unknown": bool(self.verdict.unknown),
-            "unexplained": {axle: float(self.estimate.deviations[i]) for i, axle in enumerate(AXLES)},
+            "unexplained": {axle: float(self.estimate.unexplained[i]) for i, axle in enumerate(AXLES)},
+            "effect": self.verdict.effect,
             "effects": self.verdict.effects,
             "lacking": self.verdict.lacking,
             "car": {"found": self.verdict.car, "entries": entries},
+            "axle_forces": {
+                name: dict(zip(AXLES, np.sqrt(np.mean(lacking**2, axis=0)).tolist(), strict=True))
+                for name, lacking in zip(("before", "after"), self.lacking, strict=True)
+            },
             "correlations": self._correlations(),
             "simulation": {"before": self.before.rms, "after": self.after.rms, "fmus": self.after.fmus},
             "converged": self.estimate.converged,
@@ -145,7 +157,7 @@ class Drive:
             write_table(self.wheels, written[0])
             for axle in AXLES if self.ok else ():
                 path = folder / f"{axle}.tir"
-                note = "; ".join(line for line in self.verdict.lines if line.startswith(axle))
+                note = "; ".join(line for line in self.verdict.lines if line.startswith((axle, "the tires lack")))
                 replace(self.scaled[axle], about={**self.scaled[axle].about, "drive": note}).save(path)
                 written += [path, *([export(path, path.with_suffix(".fmu"))] if self.after.fmus else [])]
         except OSError as error:

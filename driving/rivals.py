@@ -1,80 +1,182 @@
 """Explanations of a drive compared: changed factors of the tires, a wrong entry of the car, an effect that tires lack.
 
-An explanation states which factors changed, and at most one more thing: an entry of the car that its file has wrong, or
-an effect of the library. Its prior gives a changed factor the spread of factors, a wrong entry a multiple of its
-uncertainty, an effect its typical size; all else keeps its prior. The likelihood of all is one, the Gaussian of the
-estimate; integrated over the prior it is the evidence (MacKay, Information Theory, Inference, and Learning Algorithms,
-2003, chapter 28).
+With an effect or without one, the whole drive is estimated; the coefficients of the effect are unknowns like the
+factors of the tires. The evidence of an estimate integrates over the motion, the car, the factors and these
+coefficients, with the unexplained force that it needs. Residuals that are correlated over time count as fewer. Within
+an estimate, which factors changed, and at most one wrong entry of the car, are compared by the Gaussian of the
+estimate: a prior gives a changed factor the spread of factors, a wrong entry a multiple of its uncertainty (MacKay,
+Information Theory, Inference, and Learning Algorithms, 2003, chapter 28).
 """
 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from .estimate import Estimate
+from tirefmu.estimation.correlation import correlation_length
+from tirefmu.tires import Tire
+
+from .effects import Missing, effect_columns, factor_values, motion_of
+from .estimate import Estimate, Forces
+from .inputs.car import Car
 from .inputs.grid import Grid
+from .interval import BALANCE, Added
 from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Prior probability that a factor changed; odds that an entry of the car is wrong, or that the tires lack an effect;
+#: Prior probability that a factor changed; odds that an entry of the car is wrong, and that the tires lack an effect;
 #: how many times its uncertainty a wrong entry has. Judgement: who compares a drive expects other tires as likely as
 #: not, and most numbers of a car right.
 CHANGED, ODDS, WRONG_SPREAD = 0.5, 0.05, 10.0
+#: Factor of the prior odds of an effect for each coefficient after the first. Judgement: of effects that a drive does
+#: not separate, the simpler one is the more likely.
+FURTHER = 0.5
+#: Posterior probability at which a change of a tire, a wrong entry of the car or an effect is a finding.
+CERTAIN = 0.95
+#: Effects that are compared by an estimate of their own. Convention: computing time.
+COMPARED = 4
+#: Gives the grid and the estimate with the forces of an effect.
+Refit = Callable[[Forces], tuple[Grid, Estimate]]
 
 
 @dataclass(frozen=True)
 class Probabilities:
-    """Posterior probabilities: of changed factors by axle and name, of wrong entries of the car, of effects."""
+    """Posterior probabilities: of changed factors by axle and name, of wrong entries of the car.
+
+    `wrong_car`: logarithm by which the evidence of an estimate grows if an entry of the car may be wrong.
+    """
 
     factors: dict[tuple[str, str], float]
     car: dict[str, float]
-    effects: dict[str, float]
+    wrong_car: float
 
 
-def probabilities_of(
-    grid: Grid, estimate: Estimate, unknowns: Unknowns, effects: list[tuple[str, FloatArray]]
-) -> Probabilities:
-    """Return the probabilities over all explanations. `effects`: `effect_columns`."""
+def probabilities_of(grid: Grid, estimate: Estimate, unknowns: Unknowns) -> Probabilities:
+    """Return the probabilities over all explanations."""
     lateral = [pair for pair in unknowns.factors if pair[1] in ("LMUY", "LKY")]
     places = [unknowns.factor(*pair) for pair in lateral]
-    n, names = len(unknowns), [name for name, _ in effects]
-    added = np.stack([column for _, column in effects], axis=2) if effects else np.zeros((len(grid.t), 2, 0))
-    information, score = estimate.information(grid, added)
+    information, score = estimate.information(grid, np.zeros((len(grid.t), 2, 0)))
     changed = np.array(list(itertools.product((False, True), repeat=len(places))))
-    further = [("", -1, 1.0), *((name, i, ODDS) for i, name in enumerate(unknowns.car))]
-    further += [(name, n + i, ODDS / names.count(name)) for i, name in enumerate(names)]
-    logs = np.empty((len(changed), len(further)))
+    logs = np.empty((len(changed), 1 + len(unknowns.car)))
     for row, some in enumerate(changed):
-        base = np.concatenate([np.ones(n), np.zeros(len(names))])
-        base[places] = some
-        for column, (_, place, odds) in enumerate(further):
-            spread = base.copy()
-            if place >= 0:
-                spread[place] = WRONG_SPREAD if place < n else 1.0
-            logs[row, column] = np.log(odds) + _evidence(information, score, spread)
+        for column in range(logs.shape[1]):
+            spread = np.ones(len(estimate.z))
+            spread[places] = some
+            if column:
+                spread[column - 1] = WRONG_SPREAD
+            logs[row, column] = (np.log(ODDS) if column else 0.0) + evidence_of(information, score, spread)
         logs[row] += np.log(np.where(some, CHANGED, 1.0 - CHANGED)).sum()
     share = np.exp(logs - logs.max())
     share /= share.sum()
-    sums: dict[str, float] = {}
-    for (name, place, _), value in zip(further, share.sum(axis=0).tolist(), strict=True):
-        key = name if place < n else f"effect {name}"
-        sums[key] = sums.get(key, 0.0) + value
     return Probabilities(
         {pair: float(share[changed[:, i]].sum()) for i, pair in enumerate(lateral)},
-        {name: sums[name] for name in unknowns.car},
-        {name: sums[f"effect {name}"] for name in dict.fromkeys(names)},
+        dict(zip(unknowns.car, share[:, 1:].sum(axis=0).tolist(), strict=True)),
+        float(-np.log(max(share[:, 0].sum(), 1e-300))),
     )
 
 
-def _evidence(information: FloatArray, score: FloatArray, spread: FloatArray) -> float:
+def evidence_of(information: FloatArray, score: FloatArray, spread: FloatArray) -> float:
     """Return the logarithm of the evidence for a prior with standard deviations `spread`, up to a constant."""
     free = np.flatnonzero(spread)
     spread = spread[free]
     scaled = np.eye(len(free)) + spread[:, None] * information[np.ix_(free, free)] * spread[None, :]
     whole = spread * score[free]
     return float(whole @ np.linalg.solve(scaled, whole) - np.linalg.slogdet(scaled)[1]) / 2
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """An estimate with an effect, or without one: `missing` is None."""
+
+    missing: Missing | None
+    grid: Grid
+    estimate: Estimate
+    probability: float = 0.0
+
+
+def explanations(
+    base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire], refit: Refit
+) -> list[Explanation]:
+    """Return the estimate without an effect and those with the most likely ones, with their probabilities.
+
+    Likely ones first.
+    """
+    if not base.estimate.converged:
+        return [replace(base, probability=1.0)]
+    compared = [base]
+    for missing in _shortlist(base, unknowns, car, tires):
+        try:
+            explanation = Explanation(missing, *refit(_forces(missing, unknowns, car, base)))
+        except np.linalg.LinAlgError:
+            continue
+        compared += [explanation] if explanation.estimate.converged else []
+    logs = np.array([_evidence(explanation, unknowns) for explanation in compared])
+    best = compared[int(np.argmax(logs))]
+    residuals = best.estimate.residuals.values[:, -len(BALANCE) :].T
+    length = np.mean([correlation_length(row, best.grid.segment) for row in residuals])
+    logs = (logs - logs.max()) / length + [_log_prior(explanation.missing) for explanation in compared]
+    share = np.exp(logs - logs.max())
+    ranked = zip(compared, share / share.sum(), strict=True)
+    return sorted(
+        (replace(explanation, probability=float(p)) for explanation, p in ranked),
+        key=lambda explanation: -explanation.probability,
+    )
+
+
+def answer_of(ranked: Sequence[Explanation], unknowns: Unknowns) -> Explanation:
+    """Return the explanation that is the answer: with the most probable effect, or without one.
+
+    An effect is no answer if an entry of the car contradicts its file beside it: the model of the car lacks something.
+    """
+    first, without = ranked[0], next(explanation for explanation in ranked if not explanation.missing)
+    if lacking(ranked) <= CERTAIN:
+        return without
+    wrong = probabilities_of(first.grid, first.estimate, unknowns).car.values()
+    return without if max(wrong, default=0.0) > CERTAIN else first
+
+
+def lacking(ranked: Sequence[Explanation]) -> float:
+    """Return the probability that the tires lack an effect of the library."""
+    return sum(explanation.probability for explanation in ranked if explanation.missing)
+
+
+def _log_prior(missing: Missing | None) -> float:
+    return float(np.log(ODDS) + (len(missing.center) - 1) * np.log(FURTHER)) if missing else 0.0
+
+
+def _evidence(explanation: Explanation, unknowns: Unknowns) -> float:
+    estimate = explanation.estimate
+    return estimate.evidence + probabilities_of(explanation.grid, estimate, unknowns).wrong_car
+
+
+def _forces(missing: Missing, unknowns: Unknowns, car: Car, base: Explanation) -> Forces:
+    """Return the forces of an effect over the motion that is estimated so far."""
+
+    def forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
+        n, so_far = len(unknowns), replace(base.estimate, states=states, z=z)
+        u = z[n:] if len(z) > n else np.zeros(len(missing.center))
+        return missing.forces(motion_of(grid, so_far, unknowns, car), u, factor_values(unknowns, z))
+
+    return forces
+
+
+def _shortlist(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]) -> list[Missing]:
+    """Return the effects that raise the evidence of the linearized estimate most, if any do, in their best form."""
+    motion = motion_of(base.grid, base.estimate, unknowns, car)
+    columns = effect_columns(motion, tires, factor_values(unknowns, base.estimate.z))
+    if not columns:
+        return []
+    information, score = base.estimate.information(base.grid, np.stack([column for _, column in columns], axis=2))
+    without = evidence_of(information, score, np.repeat([1.0, 0.0], [len(base.estimate.z), len(columns)]))
+    n, gains = len(base.estimate.z), dict[str, tuple[float, Missing]]()
+    for i, (missing, _) in enumerate(columns):
+        spread = np.concatenate([np.ones(n), np.arange(len(columns)) == i])
+        gain = evidence_of(information, score, spread) - without
+        if gain > gains.get(missing.name, (0.0, missing))[0]:
+            gains[missing.name] = gain, missing
+    return [missing for _, missing in sorted(gains.values(), key=lambda pair: -pair[0])[:COMPARED]]

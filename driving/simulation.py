@@ -1,6 +1,7 @@
 """The simulated vehicle over the recorded steering and speed, in pieces of a few seconds, against the log.
 
-The four tires are generated code in steady state, or FMUs.
+The four tires are generated code, or FMUs. The code has the states of effects (lagged slips, heat) from the recorded
+motion; an FMU has states of its own, which begin with each piece.
 """
 
 from __future__ import annotations
@@ -19,8 +20,10 @@ from tirefmu.fmu.simulation.coupled import Coupled
 from tirefmu.fmu.simulation.simulate import instances
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
 from tirefmu.tires.code.modules import two_track
 
+from .effects import Motion, motion_of
 from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import MEASURED, Grid
@@ -31,13 +34,13 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Length of a piece, s; Heun steps of an interval of the grid.
 HORIZON, SUBSTEPS = 2.0, 4
-#: kappa, alpha, Fz and V, shape (4, n) each, and the length of the step that follows with these inputs, s (0: none);
-#: the answer is Fx and Fy, shape (2, 4, n).
+#: kappa, alpha, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with these
+#: inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
 TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
 
 
 @dataclass(frozen=True)
-class Simulation:
+class VehicleSimulation:
     """Motion simulated from the estimated state at the start of each piece, NaN outside of pieces.
 
     `motion`, shape (n, 3): yaw rate, ay and lateral speed at the intervals. `rms`: of their errors, by name. `fmus`:
@@ -52,7 +55,7 @@ class Simulation:
 def simulated(
     grid: Grid, estimate: Estimate, unknowns: Unknowns, car: Car, tires: Mapping[str, Tire], *, known_car: bool,
     fmus: bool = False,
-) -> Simulation:  # fmt: skip
+) -> VehicleSimulation:  # fmt: skip
     """Simulate a car on its tires.
 
     `known_car`: with the estimated entries of the car, not those of its file. `fmus`: the tires are four FMUs.
@@ -69,7 +72,7 @@ def simulated(
     ]
     motion = np.full((len(grid.t), 3), np.nan)
     if not starts:
-        return Simulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+        return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
     rows = np.array(starts)[:, None] + np.arange(length)
     # The offset of the steering is one of the log: both cars drive with it.
     steer = grid.steer[:, rows] * car.values["ratio"] / p["ratio"] + estimated.get("offset", car.values["offset"])
@@ -78,11 +81,13 @@ def simulated(
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
     acceleration = np.zeros((2, len(rows)))
     h = grid.step / SUBSTEPS
-    with fmu_forces(tires, len(rows)) if fmus else nullcontext(steady_forces(tires)) as forces:
+    past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
+    with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires)) as forces:
         for k in range(length):
             at = rows[:, k]
             ends = speed[grid.left[at]], speed[grid.right[at]]
-            given = kappa[:, k].T, (ends[1] - ends[0]) / grid.step, body, forces
+            held = {name: values[:, at] for name, values in past.items()}
+            given = kappa[:, k].T, held, (ends[1] - ends[0]) / grid.step, body, forces
             before = state
             for i in range(SUBSTEPS):
                 share = (i + 0.5) / SUBSTEPS
@@ -95,20 +100,37 @@ def simulated(
             motion[at] = np.stack(
                 [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
             )
-    return Simulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+    return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
 
 
 def _rates(
     vx: FloatArray, state: FloatArray, steer: FloatArray, last: FloatArray, step: float, kappa: FloatArray,
-    along: FloatArray, body: list[float], forces: TireForces,
+    held: Mapping[str, FloatArray], along: FloatArray, body: list[float], forces: TireForces,
 ) -> FloatArray:  # fmt: skip
-    """Return the rates of lateral speed and yaw rate; loads follow from the `last` ones. `step`: see `TireForces`."""
+    """Return the rates of lateral speed and yaw rate; loads follow from the `last` ones. `step`: see `TireForces`.
+
+    `held`: `states_of` the tires.
+    """
     wheels = np.array(two_track.wheels(vx, *state, along, *last, steer, *body))
     alpha, V, Fz = wheels.reshape(3, len(CORNERS), -1)
-    Fx, Fy = forces({"kappa": kappa, "alpha": alpha, "Fz": Fz, "V": V}, step)
+    inputs = {**held, "kappa": kappa, "alpha": alpha + held.get("alpha", 0.0), "Fz": Fz, "V": V}
+    Fx, Fy = forces(inputs, step)
     # The wheels of an axle have the same torque.
     Fx = Fx.reshape(2, 2, -1).mean(axis=1).repeat(2, axis=0)
     return np.array(two_track.accelerations(vx, *state, steer, *body, *Fx, *Fy)[1:])
+
+
+def states_of(motion: Motion, tires: Mapping[str, Tire]) -> dict[str, FloatArray]:
+    """Return the states of effects over a recorded motion, and as "alpha" by how much the slip angle lags: (4, n)."""
+    states: dict[str, FloatArray] = {}
+    for i, (axle, table) in enumerate(zip(AXLES, motion.evaluated(tires), strict=True)):
+        columns = {name: table[name] for name in (*tires[axle].symbolic_model.states, "distance") if name in table}
+        if "alpha_lagged" in table:
+            columns["alpha"] = table["alpha_lagged"] - table["alpha"]
+        for name, column in columns.items():
+            values = states.setdefault(name, np.zeros((len(CORNERS), len(motion.t))))
+            values[2 * i : 2 * i + 2] = column.to_numpy().reshape(2, -1)
+    return states
 
 
 def estimated_motion(grid: Grid, estimate: Estimate) -> FloatArray:
@@ -129,14 +151,17 @@ def _errors(motion: FloatArray, grid: Grid, estimate: Estimate, unknowns: Unknow
     return dict(zip(("yaw_rate", "ay", "vy"), rms.tolist(), strict=True))
 
 
-def steady_forces(tires: Mapping[str, Tire]) -> TireForces:
-    """Return the forces of the tires in steady state, from their generated code."""
+def code_forces(tires: Mapping[str, Tire]) -> TireForces:
+    """Return the forces of the tires for given states, from their generated code."""
 
     def forces(inputs: Mapping[str, FloatArray], step: float) -> FloatArray:
         parts = []
         for i, axle in enumerate(AXLES):
-            found = tires[axle].forces(code="numpy", **{name: rows[2 * i : 2 * i + 2] for name, rows in inputs.items()})
-            parts.append([found["Fx"], found["Fy"]])
+            tire = tires[axle]
+            some = [inputs[name][2 * i : 2 * i + 2] if name in inputs else tire.nominal(name) for name in tire.inputs]
+            rows = np.stack(np.broadcast_arrays(*some)).reshape(len(some), -1)
+            outputs = code_for(tire.symbolic_model, "numpy").forces(tire.effective_inputs(rows), tire.parameters())
+            parts.append(outputs[:2].reshape(2, 2, -1))
         return np.concatenate(parts, axis=1)
 
     return forces

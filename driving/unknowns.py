@@ -28,7 +28,7 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "ax_offset": ("ax",), "ay_offset": ("ay",), "roll_gradient": ("ay",), "x": ("ay", "ax"),
     "y": ("ay", "ax"), "yaw_rate_offset": ("yaw_rate",), "reference_x": ("vy", "beta", "heading"),
     "reference_y": ("speed", "heading"), "heading_offset": ("beta", "heading"),
-    "motion_delay": ("speed", "vy", "beta", "heading"),
+    "motion_delay": ("yaw_rate", "ax", "ay"),
 }  # fmt: skip
 
 
@@ -109,5 +109,5 @@ def _scales(tire: Tire, name: str, slip: str, force: str, load: float) -> bool:
     scaled = tire.with_values(**{name: 0.9 * tire.values[name]})
     slips = np.array([-0.02, 0.02, 0.1])
     inputs: dict[str, Any] = {slip: slips, "Fz": load}
-    before, after = (each.forces(code="numpy", **inputs)[force] for each in (tire, scaled))
+    before, after = (compared.forces(code="numpy", **inputs)[force] for compared in (tire, scaled))
     return bool(np.abs(after - before).max() > 1e-6 * np.abs(before).max())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,14 +12,11 @@ from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
-from .inputs.grid import Grid
-from .rivals import probabilities_of
+from .rivals import CERTAIN, Explanation, lacking, probabilities_of
 from .unknowns import AXLES, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Posterior probability at which a change of a tire or a wrong entry of the car is a finding.
-CERTAIN = 0.95
 #: Probability from which an effect is reported.
 LIKELY = 0.05
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
@@ -33,7 +30,7 @@ MEANING = {
 
 
 @dataclass(frozen=True)
-class Finding:
+class TireDifference:
     """A difference of a tire: `axle`, `name` of the factor, `effect` ("friction is lower"), factor, its probability."""
 
     axle: str
@@ -56,24 +53,26 @@ class CarFinding:
 
 @dataclass(frozen=True)
 class EffectFinding:
-    """A candidate for an effect that the tires lack: `effect`, `probability`."""
+    """An effect that the tires may lack: `effect`, its coefficients, `probability`."""
 
     effect: str
+    coefficients: Mapping[str, float]
     probability: float
 
 
 @dataclass(frozen=True)
-class Verdict:
+class DriveVerdict:
     """The verdict.
 
-    - `tires`: findings. `car`: entries that contradict the car file. `effects`: candidates of the library, likely ones
-      first; `lacking`: the probability that the tires lack any of the library.
+    - `tires`: findings. `car`: entries that contradict the car file. `effect`: that the new tires have.
+    - `effects`: of the library, likely ones first; `lacking`: the probability that the tires lack any of them.
     - `unknown`: axles whose side force the tires do not explain.
     - `lines`: the verdict in words.
     """
 
-    tires: tuple[Finding, ...]
+    tires: tuple[TireDifference, ...]
     car: tuple[CarFinding, ...]
+    effect: str | None
     effects: tuple[EffectFinding, ...]
     lacking: float
     unknown: tuple[str, ...]
@@ -81,17 +80,19 @@ class Verdict:
 
 
 def verdict_on(
-    car: Car,
+    best: Explanation,
+    ranked: Sequence[Explanation],
     unknowns: Unknowns,
-    grid: Grid,
-    estimate: Estimate,
+    car: Car,
     factors: Mapping[str, Mapping[str, Factor]],
-    effects: list[tuple[str, FloatArray]],
-) -> Verdict:
-    """Return the verdict on a drive. `effects`: `effect_columns`."""
-    probabilities = probabilities_of(grid, estimate, unknowns, effects)
+) -> DriveVerdict:
+    """Return the verdict on a drive. `ranked`: `explanations`; `best`: `answer_of` them."""
+    estimate = best.estimate
+    probabilities = probabilities_of(best.grid, estimate, unknowns)
     findings = tuple(
-        Finding(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability)
+        TireDifference(
+            axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability
+        )
         for (axle, name), probability in probabilities.factors.items()
         if (factor := factors[axle][name]).determined and probability > CERTAIN
     )
@@ -101,30 +102,39 @@ def verdict_on(
         for name, z in zip(unknowns.car, estimate.z, strict=False)
         if probabilities.car[name] > CERTAIN
     )
-    ranked = sorted(probabilities.effects.items(), key=lambda pair: -pair[1])
-    likely = tuple(EffectFinding(name, probability) for name, probability in ranked if probability > LIKELY)
-    lacking = sum(probabilities.effects.values())
-    unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.deviations[i] > UNEXPLAINED)
+    likely = tuple(
+        EffectFinding(
+            explanation.missing.name,
+            explanation.missing.values(explanation.estimate.z[len(unknowns) :]),
+            explanation.probability,
+        )
+        for explanation in ranked
+        if explanation.missing and explanation.probability > LIKELY
+    )
+    unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.unexplained[i] > UNEXPLAINED)
     lines = _lines(findings, of_car, unknown, factors, estimate)
-    if lacking > CERTAIN:
+    if best.missing:
         lines.insert(0, _effects_line(likely))
-    return Verdict(findings, of_car, likely, lacking, unknown, tuple(lines))
+    effect = best.missing.name if best.missing else None
+    return DriveVerdict(findings, of_car, effect, likely, lacking(ranked), unknown, tuple(lines))
 
 
 def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
-    # Linear scores are too sharp for a name: effects with similar responses take each other's place.
-    names = ", ".join(finding.effect for finding in likely)
-    return f"the tires lack an effect; candidates of the library, likely ones first: {names or 'many'}"
+    first, *others = likely
+    values = ", ".join(f"{name} {value:.3g}" for name, value in first.coefficients.items())
+    line = f"the tires lack {first.effect} ({values}; probability {first.probability:.2f})"
+    names = " or ".join(f"{finding.effect} ({finding.probability:.2f})" for finding in others)
+    return f"{line}, or {names}: the drive does not separate them" if others else line
 
 
 def _lines(
-    findings: tuple[Finding, ...], of_car: tuple[CarFinding, ...], unknown: tuple[str, ...],
+    findings: tuple[TireDifference, ...], of_car: tuple[CarFinding, ...], unknown: tuple[str, ...],
     factors: Mapping[str, Mapping[str, Factor]], estimate: Estimate,
 ) -> list[str]:  # fmt: skip
     lines = [
-        f"{each.axle} axle: {each.effect} than in the tire file: {each.name} {each.factor.value:.3g} "
-        f"({each.factor.low:.3g} to {each.factor.high:.3g})"
-        for each in findings
+        f"{d.axle} axle: {d.effect} than in the tire file: {d.name} {d.factor.value:.3g} "
+        f"({d.factor.low:.3g} to {d.factor.high:.3g})"
+        for d in findings
     ]
     if not findings:
         lines.append("no difference of the tires from their files is determined")
@@ -134,13 +144,13 @@ def _lines(
             reason = factors[axle][open_factors[-1]].reason
             lines.append(f"{axle} axle: not determined: {', '.join(open_factors)}: {reason}")
     lines += [
-        f"car: {ENTRIES[each.name].meaning} contradicts its file: {each.value:.4g} instead of {each.given:.4g} "
-        f"{ENTRIES[each.name].unit}, {abs(each.deviation):.1f} standard deviations"
-        for each in of_car
+        f"car: {ENTRIES[entry.name].meaning} contradicts its file: {entry.value:.4g} instead of {entry.given:.4g} "
+        f"{ENTRIES[entry.name].unit}, {abs(entry.deviation):.1f} standard deviations"
+        for entry in of_car
     ]
     lines += [
         f"{axle} axle: the motion requires side forces that no factor explains: "
-        f"{100 * estimate.deviations[AXLES.index(axle)]:.2g} % of the load"
+        f"{100 * estimate.unexplained[AXLES.index(axle)]:.2g} % of the load"
         for axle in unknown
     ]
     return lines if estimate.converged else [*lines, "the estimate did not converge: the numbers are rough"]

@@ -67,10 +67,10 @@ def export(folder: Path, fmi: int) -> Path:
     return tirefmu.export(relaxing_tire(), folder / f"tire_fmi{fmi}.fmu", fmi=fmi)
 
 
-def report(client: str, found: FloatArray) -> int:
+def report(client: str, computed: FloatArray) -> int:
     """Print the error of a client and return the exit code of the process."""
     exact = expected(relaxing_tire())
-    difference = np.abs(found - exact) / (1.0 + np.abs(exact))
+    difference = np.abs(computed - exact) / (1.0 + np.abs(exact))
     worst = float(difference.max())  # NaN is propagated and counts as a failure
     print(f"{client}: {len(CORNERS)} tires, {STEPS} steps, largest difference from direct evaluation {worst:.1e}")
     return 0 if worst <= TOLERANCE else 1

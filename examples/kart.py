@@ -56,7 +56,7 @@ def cosimulate(fmu: Path, manoeuvre: Manoeuvre, step: float) -> FloatArray:
         for i in range(round(manoeuvre.end / step) + 1):
             t, middle = i * step, (i + 0.5) * step
             inputs = carriers(manoeuvre, t, r, turned, v, w)
-            wrench = np.array([each.get([*WRENCH, "omega"]) for each in tires])
+            wrench = np.array([tire.get([*WRENCH, "omega"]) for tire in tires])
             rows.append([*r, *v, *wrench[:, -1]])
             drive, brake = manoeuvre.drive(middle), manoeuvre.brake(middle)
             a, turning = accelerations(inputs, wrench[:, :-1], drive, turned, w)
@@ -118,11 +118,11 @@ def export(folder: Path) -> Path:
     return tirefmu.export(tire(), folder / "tire.fmu", fmi=2, inputs="hub-torque")
 
 
-def errors(found: FloatArray, exact: FloatArray) -> float:
+def errors(computed: FloatArray, exact: FloatArray) -> float:
     """Return the largest error at the end, as a share of distance, speed and spin."""
     distance, speed = (np.linalg.norm(exact[:, part], axis=1).max() for part in (slice(3), slice(3, 6)))
     size = np.concatenate([np.full(3, distance), np.full(3, speed), np.abs(exact[:, 6:]).max(axis=0)])
-    return float(np.max(np.abs(found[-1] - exact[-1]) / size))
+    return float(np.max(np.abs(computed[-1] - exact[-1]) / size))
 
 
 def plot(file: Path, times: FloatArray, runs: dict[str, tuple[FloatArray, FloatArray]]) -> None:
@@ -136,8 +136,8 @@ def plot(file: Path, times: FloatArray, runs: dict[str, tuple[FloatArray, FloatA
         path.plot(rows[:, 0], rows[:, 1], label=name, **style)
         speed.plot(t, np.linalg.norm(rows[:, 3:6], axis=1), **style)
         for i, corner in enumerate(("front left", "front right", "rear left", "rear right")):
-            own = style if name == "monolithic" else {**style, "color": f"C{i}", "label": corner}
-            spin.plot(t, rows[:, 6 + i], **own)
+            line_style = style if name == "monolithic" else {**style, "color": f"C{i}", "label": corner}
+            spin.plot(t, rows[:, 6 + i], **line_style)
     path.set(xlabel="x (m)", ylabel="y (m)")
     speed.set(xlabel="t (s)", ylabel="speed (m/s)", xlim=(0.0, times[-1]))
     spin.set(xlabel="t (s)", ylabel="spin (rad/s)", xlim=(0.0, times[-1]))

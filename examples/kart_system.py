@@ -49,18 +49,18 @@ def by_fmpy(body: Path, wheel: Path) -> FloatArray:
 
         def exchange() -> None:
             motions = [vehicle.get([f"{corner}_{name}" for name in names]) for corner in NAMES]
-            wrenches = [each.get(WRENCH) for each in tires]
-            for corner, each, motion, wrench in zip(NAMES, tires, motions, wrenches, strict=True):
-                each.set(names, motion)
+            wrenches = [tire.get(WRENCH) for tire in tires]
+            for corner, tire, motion, wrench in zip(NAMES, tires, motions, wrenches, strict=True):
+                tire.set(names, motion)
                 vehicle.set([f"{corner}_{name}" for name in WRENCH], wrench)
 
         exchange()
-        for each in (vehicle, *tires):
-            each.fmu.exitInitializationMode()
+        for component in (vehicle, *tires):
+            component.fmu.exitInitializationMode()
         for i in range(STEPS):
             exchange()
-            for each in (vehicle, *tires):
-                each.fmu.doStep(i * STEP, STEP)
+            for component in (vehicle, *tires):
+                component.fmu.doStep(i * STEP, STEP)
         by_name = dict(zip(("vehicle", *NAMES), (vehicle, *tires), strict=True))
         return np.array([by_name[element].get([name])[0] for element, name in SHOWN])
 
@@ -78,12 +78,12 @@ def by_libcosimpy(system: Path) -> FloatArray:
     for _ in range(STEPS):
         if not execution.step():
             raise RuntimeError("libcosim failed")
-    found = []
+    values = []
     for element, name in SHOWN:
         index = execution.slave_index_from_instance_name(element)
         references = {v.name.decode(): v.reference for v in execution.slave_variables(index)}
-        found += observer.last_real_values(index, [references[name]])
-    return np.array(found)
+        values += observer.last_real_values(index, [references[name]])
+    return np.array(values)
 
 
 def by_ecospy(system: Path) -> FloatArray:
@@ -94,9 +94,9 @@ def by_ecospy(system: Path) -> FloatArray:
         simulation.init()
         for _ in range(STEPS):
             simulation.step()
-        found = np.array([simulation.get_real(f"{element}::{name}") for element, name in SHOWN])
+        values = np.array([simulation.get_real(f"{element}::{name}") for element, name in SHOWN])
         simulation.terminate()
-    return found
+    return values
 
 
 TOOLS: dict[str, Callable[[Path], FloatArray]] = {"libcosimpy": by_libcosimpy, "ecospy": by_ecospy}
@@ -107,8 +107,8 @@ def main() -> int:
     name = sys.argv[1] if len(sys.argv) > 1 else "libcosimpy"
     with tempfile.TemporaryDirectory() as folder:
         system, body, wheel = build(Path(folder))
-        found, expected = TOOLS[name](system), by_fmpy(body, wheel)
-    worst = float(np.max(np.abs(found - expected) / (1.0 + np.abs(expected))))  # NaN is a failure
+        computed, expected = TOOLS[name](system), by_fmpy(body, wheel)
+    worst = float(np.max(np.abs(computed - expected) / (1.0 + np.abs(expected))))  # NaN is a failure
     path = float(np.linalg.norm(expected[:3]))
     print(f"{name}: kart at {path:.3f} m after {STEP * STEPS:g} s, largest difference from fmpy {worst:.1e}")
     return 0 if worst <= TOLERANCE else 1

@@ -68,10 +68,10 @@ def solve(tire: ca.Function, inputs: tuple[str, ...]) -> dict[str, np.ndarray]:
     opti.set_initial(v, guess)
     opti.set_initial(tread, guess)
     opti.solver("ipopt", {"print_time": False}, {"print_level": 0, "sb": "yes", "max_iter": 500})
-    found = opti.solve()
+    solution = opti.solve()
     values = {"v": v, "omega": tread / radius, "torque": torque, "slip": ca.vertcat(*slips)}
-    result = {name: np.asarray(found.value(value)) for name, value in values.items()}
-    return {**result, "t": np.linspace(0, DURATION, STEPS + 1), "way": np.asarray(found.value(way))}
+    result = {name: np.asarray(solution.value(value)) for name, value in values.items()}
+    return {**result, "t": np.linspace(0, DURATION, STEPS + 1), "way": np.asarray(solution.value(way))}
 
 
 def main() -> int:

@@ -167,7 +167,7 @@ def monolithic(controls: Controls, times: FloatArray) -> FloatArray:
         return np.array(vehicle.derivatives(state, drive, per_corner.ravel()))
 
     state = np.array([SPEED, *[0.0] * 6, *[SPEED / vehicle.RADIUS] * 4])
-    found = np.empty((len(times), len(state)))
+    states = np.empty((len(times), len(state)))
     # Between the corners of the ramps, where the right-hand side is smooth.
     for start, end in zip((0.0, *RAMPS), (*RAMPS, END), strict=True):
         inside = (times >= start - 1e-9) & (times < end - 1e-9)
@@ -175,14 +175,14 @@ def monolithic(controls: Controls, times: FloatArray) -> FloatArray:
         run = solve_ivp(slope, (start, end), state, t_eval=[*requested, end], rtol=1e-8, atol=1e-9)
         if not run.success:
             raise RuntimeError(run.message)
-        found[inside], state = run.y[:, :-1].T, run.y[:, -1]
-    found[times >= END - 1e-9] = state
-    return found
+        states[inside], state = run.y[:, :-1].T, run.y[:, -1]
+    states[times >= END - 1e-9] = state
+    return states
 
 
-def errors(found: FloatArray, exact: FloatArray) -> FloatArray:
+def errors(computed: FloatArray, exact: FloatArray) -> FloatArray:
     """Return the largest error of each state relative to its largest value, shape (n_states,)."""
-    return np.asarray(np.abs(found - exact).max(axis=0) / np.abs(exact).max(axis=0))
+    return np.asarray(np.abs(computed - exact).max(axis=0) / np.abs(exact).max(axis=0))
 
 
 def main() -> int:
@@ -196,10 +196,10 @@ def main() -> int:
         steps = (0.004, 0.002, 0.001)
         worst = []
         for step in steps:
-            times, found = cosimulate(tire_fmu, vehicle_fmu, MANOEUVRES[name], step)
-            each = errors(found, monolithic(MANOEUVRES[name], times))
-            worst.append(float(each.max()))
-            print(f"{name}, {1e3 * step:g} ms: {each.max():.3%} of {equations.STATES[int(each.argmax())]}")
+            times, computed = cosimulate(tire_fmu, vehicle_fmu, MANOEUVRES[name], step)
+            deviations = errors(computed, monolithic(MANOEUVRES[name], times))
+            worst.append(float(deviations.max()))
+            print(f"{name}, {1e3 * step:g} ms: {deviations.max():.3%} of {equations.STATES[int(deviations.argmax())]}")
     return 0 if worst[-1] < 0.01 else 1
 
 

@@ -102,8 +102,8 @@ def derivatives() -> Lines:
 def function(name: str, arguments: tuple[tuple[str, ...], ...], lines: Lines) -> str:
     """Return the text of a Python function of sequences that returns the values of the equations as a list."""
     values = {sp.Symbol(key, real=True): sp.Float(value) for key, value in PARAMETERS.items()}
-    found = [line.subs(values) for line in lines.values()]
-    shared, results = sp.cse(found, symbols=sp.numbered_symbols("x_"))
+    expressions = [line.subs(values) for line in lines.values()]
+    shared, results = sp.cse(expressions, symbols=sp.numbered_symbols("x_"))
     printer = PythonCodePrinter({"fully_qualified_modules": False})
     groups = [f"g{i}" for i in range(len(arguments))]
     text = [f"def {name}({', '.join(groups)}):"]

@@ -23,7 +23,7 @@ from .tire_data import switchable, tire_data
 #: The scripts of the page, in their order, after the chart library.
 SCRIPTS = (
     "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "time_response.js", "key_figures.js",
-    "charts.js", "surface.js", "controls.js", "time_panel.js", "page.js",
+    "charts.js", "surface.js", "controls.js", "time_panel.js", "address.js", "page.js",
 )  # fmt: skip
 
 
@@ -68,16 +68,16 @@ def page_text(
 ) -> str:
     """Return the text of the page; `explore` documents the parameters."""
     given = [tire] if compare is None else [tire, compare]
-    tires = [(tire_from(each).in_signs("iso"), _name(each)) for each in given]
+    tires = [(tire_from(tire).in_signs("iso"), _name(tire)) for tire in given]
     first = tires[0][0]
     for name in intervals:
         if name not in first.symbolic_model.coefficients:
             raise UnknownName(f"coefficient of {first.model}", name, first.symbolic_model.coefficients)
-    programs = [program_for_page(switchable(each)) for each, _ in tires]
+    programs = [program_for_page(switchable(tire)) for tire, _ in tires]
     data: dict[str, Any] = {
         "tires": [
-            tire_data(each, name, program.coefficients, intervals if i == 0 else {}, lagged_slips(program))
-            for i, ((each, name), program) in enumerate(zip(tires, programs, strict=True))
+            tire_data(tire, name, program.coefficients, intervals if i == 0 else {}, lagged_slips(program))
+            for i, ((tire, name), program) in enumerate(zip(tires, programs, strict=True))
         ],
         "rows": rows_data(measured_rows(recordings, first.inputs)),
     }
@@ -89,10 +89,10 @@ def page_text(
     return _filled(
         _file("page.html"),
         {
-            "title": html_text(" and ".join(each["name"] for each in data["tires"])),
+            "title": html_text(" and ".join(tire["name"] for tire in data["tires"])),
             "hashes": " ".join(map(allowed, scripts)),
             "style": "\n".join([library_file(LIBRARY_STYLE), style_sheet(), _file("style.css")]),
-            "coefficients": "\n".join(_coefficient_table(each, name) for each, name in tires),
+            "coefficients": "\n".join(_coefficient_table(tire, name) for tire, name in tires),
             "data": script_json(json.dumps(data, allow_nan=False, separators=(",", ":"))),
             "code": scripts[0],
             "scripts": scripts[1],
@@ -103,9 +103,9 @@ def page_text(
 def _coefficient_table(tire: Tire, name: str) -> str:
     """Return the table that the page has in place of its sliders where scripts are off."""
     rows = [
-        f'<tr><th>{html_text(each.name)}</th><td class="n">{tire.values[each.name]:.6g}</td>'
-        f"<td>{html_text('' if each.unit == '1' else each.unit)}</td><td>{html_text(each.description)}</td></tr>"
-        for each in tire.symbolic_model.coefficients.values()
+        f'<tr><th>{html_text(c.name)}</th><td class="n">{tire.values[c.name]:.6g}</td>'
+        f"<td>{html_text('' if c.unit == '1' else c.unit)}</td><td>{html_text(c.description)}</td></tr>"
+        for c in tire.symbolic_model.coefficients.values()
     ]
     return f"<h2>{html_text(name)}</h2>\n<table>\n" + "\n".join(rows) + "\n</table>"
 

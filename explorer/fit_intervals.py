@@ -24,10 +24,10 @@ def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
     try:
         content = json.loads(read_bounded(path, LARGEST))
         mirrored = content["signs"] != "iso"
-        for each in content["coefficients"]:
-            name, half = each["name"], each["interval"]
+        for coefficient in content["coefficients"]:
+            name, half = coefficient["name"], coefficient["interval"]
             if half is not None:
-                value = float(each["value"]) * (-1.0 if mirrored and declared[name].flips else 1.0)
+                value = float(coefficient["value"]) * (-1.0 if mirrored and declared[name].flips else 1.0)
                 intervals[str(name)] = (value - float(half), value + float(half))
     except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
         what = f"unknown or missing entry {error}" if isinstance(error, KeyError) else str(error)

@@ -44,7 +44,7 @@ def measured_rows(recordings: Sequence[Recording], inputs: Collection[str]) -> l
     `inputs`: those that the tire reads. The result is in the order of the recordings; those with the most rows first.
     Raises `DataError` if a recording has no measured output, or an input is not finite.
     """
-    found = []
+    conditions = []
     for recording in recordings:
         recording = recording.with_signs("iso")
         outputs = recording.measured()
@@ -56,8 +56,8 @@ def measured_rows(recordings: Sequence[Recording], inputs: Collection[str]) -> l
             rows = recording.table.loc[included & (grouping.labels == label), columns]
             if len(rows) >= MIN_ROWS:
                 held = dict(grouping.conditions[label])
-                found.append(_condition(recording.source, held, grouping.moving[label], rows))
-    return found
+                conditions.append(_condition(recording.source, held, grouping.moving[label], rows))
+    return conditions
 
 
 def _condition(source: str, held: dict[str, float], moving: tuple[str, ...], rows: pd.DataFrame) -> MeasuredRows:
@@ -73,7 +73,7 @@ def _level(name: str, level: float) -> str:
     """Return a level with its unit; one within its tolerance of 0 is 0."""
     unit, scale = shown(CHANNELS[name].unit)
     value = level * scale if abs(level) > (CHANNELS[name].tolerance or 0.0) else 0.0
-    return f"{value:.3g} {unit}".strip()
+    return f"{float(f'{value:.3g}'):g} {unit}".strip()
 
 
 def rows_data(conditions: Sequence[MeasuredRows], most: int = MAX_ROWS) -> dict[str, Any]:
@@ -82,20 +82,20 @@ def rows_data(conditions: Sequence[MeasuredRows], most: int = MAX_ROWS) -> dict[
     `most`: upper limit of the rows. Returns: ``total``: number of all rows; ``conditions``: title, texts, slip,
     levels, number of rows and columns of each.
     """
-    total = sum(len(each.table) for each in conditions)
-    return {"total": total, "conditions": [_encoded(each) for each in sampled(conditions, most)]}
+    total = sum(len(condition.table) for condition in conditions)
+    return {"total": total, "conditions": [_encoded(condition) for condition in sampled(conditions, most)]}
 
 
 def sampled(conditions: Sequence[MeasuredRows], most: int) -> list[MeasuredRows]:
     """Return conditions with at most a number of rows: of more, a random selection of each, at least one row."""
-    share = most / max(sum(len(each.table) for each in conditions), 1)
+    share = most / max(sum(len(condition.table) for condition in conditions), 1)
     if share >= 1.0:
         return list(conditions)
     # Every n-th row would alias with the sweeps.
-    numbers = [max(1, int(share * len(each.table))) for each in conditions]
+    numbers = [max(1, int(share * len(condition.table))) for condition in conditions]
     return [
-        replace(each, table=each.table.sample(number, random_state=0))
-        for each, number in zip(conditions, numbers, strict=True)
+        replace(condition, table=condition.table.sample(number, random_state=0))
+        for condition, number in zip(conditions, numbers, strict=True)
     ]
 
 

@@ -7,7 +7,7 @@ import re
 from tirefmu.boundary.escaping import script_text
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.printers.languages import printer
-from tirefmu.symbolic.printers.languages.program import Program, Selection, program
+from tirefmu.symbolic.printers.languages.program import PrintoutSelection, Program, program
 from tirefmu.tires import Tire
 
 #: Name of the module's files; it does not occur in the page.
@@ -22,23 +22,23 @@ def program_for_page(tire: Tire) -> Program:
     coefficients = dict(zip(tire.symbolic_model.coefficients, tire.parameters().tolist(), strict=False))
     nominal = {name: tire.nominal(name) for name in tire.inputs}
     states = ("states",) if tire.lags or tire.states else ()
-    selection = Selection(("forces", "quantities", *states), "struct")
+    selection = PrintoutSelection(("forces", "quantities", *states), "struct")
     return program(_NAME, tire.symbolic_model, tire.has, coefficients, nominal, selection)
 
 
-def lagged_slips(found: Program) -> list[Quantity]:
+def lagged_slips(program: Program) -> list[Quantity]:
     """Return the lagged slips of a program: inputs that its model does not have."""
-    return [each for each in found.inputs if each not in found.model.inputs]
+    return [quantity for quantity in program.inputs if quantity not in program.model.inputs]
 
 
-def module_expression(found: Program) -> str:
+def module_expression(program: Program) -> str:
     """Return a JavaScript expression whose value has the functions of a program.
 
     Returns: printable ASCII. Comments are not part of it: they may contain text from files.
     """
-    module = printer("javascript")(found)[f"{_NAME}.mjs"]
+    module = printer("javascript")(program)[f"{_NAME}.mjs"]
     plain = re.sub(r"/\*.*?\*/|//[^\n]*", "", module, flags=re.DOTALL)
     lines = (line.rstrip() for line in plain.splitlines())
     body = "\n".join(line for line in lines if line).replace("export ", "")
-    functions = ", ".join(routine.name for routine in found.routines)
+    functions = ", ".join(routine.name for routine in program.routines)
     return script_text(f"(() => {{\n{body}\nreturn {{ {functions} }};\n}})()")

@@ -33,8 +33,8 @@ def property_file_template(tire: Tire) -> list[Any]:
     lines: list[Any] = []
     section, has_about = "", False
     for line in tir_text(tire).splitlines():
-        if found := _SECTION.fullmatch(line):
-            section = found[1]
+        if heading := _SECTION.fullmatch(line):
+            section = heading[1]
             has_about = has_about or section == "TIREFMU_ABOUT"
         entry = _ENTRY.fullmatch(line)
         key = entry[1] if entry else ""

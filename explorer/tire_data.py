@@ -22,6 +22,8 @@ RANGES = {
     "T": (0.0, 120.0), "T_ambient": (253.15, 333.15), "T_road": (253.15, 353.15), "t": (0.0, 600.0),
     "distance": (0.0, 5000.0),
 }  # fmt: skip
+#: Range of a temperature of the tire, K.
+NODE_RANGE = (253.15, 423.15)
 #: Range of an input that is positive, as shares of its nominal value.
 SHARES = (0.1, 2.5)
 #: Room of a slider on each side of a fitted value, as a multiple of the 95 % interval.
@@ -69,9 +71,9 @@ def tire_data(
     """
     whole = switchable(tire)
     model = whole.symbolic_model
-    effects = {name: each for name, each in model.effects.items() if name in whole.has}
-    # The ends of a range are not properties that a slider could change independently.
-    ends = {name for pair in RANGE_KEYS.values() for name in pair}
+    effects = {name: effect for name, effect in model.effects.items() if name in whole.has}
+    # The ends of a range are not properties that a slider could change independently; start temperatures are inputs.
+    ends = {name for pair in RANGE_KEYS.values() for name in pair} | _starts(whole).keys()
     adjustable = read.keys() - ends
     owners = {name: _owner(whole, name) for name in model.coefficients}
     return {
@@ -79,20 +81,20 @@ def tire_data(
         "file_name": file_name(tire.name or name, "tire"),
         "model": model.name,
         "title": model.title,
-        "inputs": [_input(tire, quantity) for quantity in model.inputs if quantity.name not in model.states],
+        "inputs": _inputs(whole),
         "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in model.outputs],
         "roles": {role: _quantity(tire, model.quantity(role)) for role in ROLES if model.quantity(role)},
         "states": [_state(whole, name) for name in model.states],
-        "lags": [{"name": each.name, "text": each.description, "unit": ""} for each in lags],
+        "lags": [{"name": lag.name, "text": lag.description, "unit": ""} for lag in lags],
         "coefficients": [
             _coefficient(declared, whole.values[key], owners[key], key in adjustable, intervals.get(key))
             for key, declared in model.coefficients.items()
         ],
         "effects": [
-            {"name": key, "text": excerpt(each.physics), "on": key in tire.has, "rescales": list(each.rescales),
+            {"name": key, "text": excerpt(effect.physics), "on": key in tire.has, "rescales": list(effect.rescales),
              "added": key in {added.name for added in model.added},
              "input": dict(model.on_demand).get(key, "")}
-            for key, each in effects.items()
+            for key, effect in effects.items()
         ],
         "targets": sorted({q.name for q in model.outputs} | set(model.results)),
         "lines": [
@@ -160,13 +162,28 @@ def _coefficient(
     }
 
 
-def _input(tire: Tire, quantity: Quantity) -> dict[str, Any]:
-    nominal = tire.nominal(quantity.name)
-    unit, scale = shown(quantity.unit)
-    low, high = (
-        tire.ranges.get(quantity.name) or RANGES.get(quantity.name) or (SHARES[0] * nominal, SHARES[1] * nominal)
-    )
-    return {
-        "name": quantity.name, "text": quantity.description, "unit": unit, "scale": scale, "nominal": nominal,
-        "low": min(low, nominal), "high": max(high, nominal),
-    }  # fmt: skip
+def _starts(tire: Tire) -> dict[str, str]:
+    """Return the temperature that each coefficient is the start of."""
+    states = tire.symbolic_model.states
+    return {state.start: name for name, state in states.items() if state.is_temperature and state.start in tire.values}
+
+
+def _inputs(tire: Tire) -> list[dict[str, Any]]:
+    """Return the inputs of the page: those of the tire, and the temperatures of its parts."""
+    model, nodes = tire.symbolic_model, _starts(tire).items()
+    given = [quantity for quantity in model.inputs if quantity.name not in model.states]
+    listed = [
+        (quantity.name, quantity.description, quantity.unit, tire.nominal(quantity.name),
+         tire.ranges.get(quantity.name) or RANGES.get(quantity.name)) for quantity in given
+    ]  # fmt: skip
+    for start, name in nodes:
+        listed.append((name, model.states[name].description, model.states[name].unit, tire.values[start], NODE_RANGE))
+    inputs = []
+    for name, text, of, nominal, ends in listed:
+        unit, scale = shown(of)
+        low, high = ends or (SHARES[0] * nominal, SHARES[1] * nominal)
+        inputs.append(
+            {"name": name, "text": text, "unit": unit, "scale": scale, "nominal": nominal,
+             "low": min(low, nominal), "high": max(high, nominal)}
+        )  # fmt: skip
+    return inputs

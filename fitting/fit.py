@@ -18,6 +18,7 @@ from tirefmu.tires import TireLike
 from .fit_run import FitRun
 from .options import FitOptions
 from .resampling.bounds import with_consequences
+from .resampling.second_solutions import with_second_solutions
 from .results.checkpoint import Checkpoint
 from .results.fit_result import FitResult
 from .setup import FEATURES, Plan, Setup
@@ -116,7 +117,8 @@ def fit(
     interruption.raise_failure()
     with one_blas_thread():
         result = run.result(names, time.perf_counter() - began)
-        result = (result if result.run.interrupted else with_consequences(result)).in_signs("iso")
+        result = result if result.run.interrupted else with_second_solutions(with_consequences(result))
+        result = result.in_signs("iso")
         if not (column and not result.run.interrupted):
             return result
         tire, temperature = fit_temperature(result.tire, heated, column)

@@ -34,7 +34,7 @@ from .results.solved_stage import FitSolution, SolvedStage
 from .setup import Setup
 from .solvers.convergence import noise_of
 from .solvers.interruption import Interruption
-from .solvers.restarts import best_end
+from .solvers.restarts import best_end, best_root
 from .stage_solution import StageSolver
 from .stiffness_targets import StiffnessTargets
 from .uncertainty.sandwich import uncertainty_of_stages
@@ -258,6 +258,8 @@ class FitRun:
         )  # fmt: skip
         first = solver.solve(np.clip(start, lower, upper), continues=self._continues(stage))
         solution = best_end(problem, first, solver.solve, lower, upper, stage.again, always=self._given)
+        if self._options.method == "ipopt" and self._stage_type(stage) == "final":
+            solution = best_root(problem, solution, solver.near, partial(solver.solve, continues=True), lower, upper)
         bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
         values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})

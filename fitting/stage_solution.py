@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
+from .constraints.verification import APPROACHED, VERIFIED, ConstraintPoints, VerifiedConstraints
 from .problem.weighted_residuals import Problem
 from .solvers.ipopt import Progress, SolverResult
 from .solvers.selection import Solver
@@ -61,13 +61,10 @@ class StageSolver:
         `start`, shape (n_free,): scaled free values. `continues`: whether the start is the solution for the same
         coefficients with fewer rows.
         """
-        constraints = self.constraints.of(self.channels) + self.constraints.violated
+        constraints = self._known
         approached = self.stage_type == "intermediate"
         dense = self.constraints.of(self.channels, density=APPROACHED if approached else VERIFIED)
-        solver = partial(
-            self.solver, lower=self.lower, upper=self.upper, ridge=self.ridge, stage_type=self.stage_type,
-            progress=self.report, stop=self.stop,
-        )  # fmt: skip
+        solver = self._in_bounds
         solution = self._first(start, partial(solver, constraints=constraints), continues=continues)
         for _ in range(1 if approached else ROUNDS):
             if self.stop():
@@ -79,6 +76,24 @@ class StageSolver:
             after = solver(self.problem, solution.x, constraints=constraints, refine=True)
             solution = replace(after, iterations=solution.iterations + after.iterations)
         return solution
+
+    def near(self, start: FloatArray) -> SolverResult:
+        """Return the end of Gauss-Newton steps with the constraints that are known, which are not verified.
+
+        `start`, shape (n_free,): scaled free values.
+        """
+        return self._continued(start, partial(self._in_bounds, constraints=self._known))
+
+    @property
+    def _known(self) -> list[ConstraintPoints]:
+        return self.constraints.of(self.channels) + self.constraints.violated
+
+    @property
+    def _in_bounds(self) -> Callable[..., SolverResult]:
+        return partial(
+            self.solver, lower=self.lower, upper=self.upper, ridge=self.ridge, stage_type=self.stage_type,
+            progress=self.report, stop=self.stop,
+        )  # fmt: skip
 
     def _first(self, start: FloatArray, solve: Callable[..., SolverResult], *, continues: bool) -> SolverResult:
         """Return the solution with the constraints that are known."""
@@ -95,14 +110,8 @@ class StageSolver:
         """Return the end of Gauss-Newton steps, at first with a sample of many rows."""
         if len(self.problem.rows) < MIN_ROWS:
             return solve(self.problem, start, local=True)
-        first = solve(sampled(self.problem, SAMPLE), start, local=True)
+        first = solve(self.problem.sampled(SAMPLE), start, local=True)
         if self.stop():
             return replace(first, cost=self.problem.cost(first.x), converged=False)
         after = solve(self.problem, first.x, refine=True)  # near the optimum undamped steps are the shortest way
         return replace(after, iterations=first.iterations + after.iterations)
-
-
-def sampled(problem: Problem, n: int) -> Problem:
-    """Return a problem with n random rows, of about the same cost."""
-    rows = problem.rows.sample(n)
-    return replace(problem, rows=rows, weights=problem.weights * (len(problem.rows) / len(rows)))

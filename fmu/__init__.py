@@ -11,7 +11,7 @@ from tirefmu.boundary.on_demand import on_demand
 
 if TYPE_CHECKING:
     from .comparison.check import check
-    from .comparison.result import Channel, CheckResult, WorstPoint
+    from .comparison.result import CheckedChannel, CheckResult, WorstPoint
     from .packaging.export import export
     from .packaging.sti import export_sti
     from .packaging.system import export_parameters, export_system
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: The module of each name.
 _ON_DEMAND = {
-    "Channel": "comparison.result",
+    "CheckedChannel": "comparison.result",
     "CheckResult": "comparison.result",
     "ProofResult": "proof.repetition",
     "WorstPoint": "comparison.result",
@@ -34,8 +34,17 @@ _ON_DEMAND = {
 }
 
 __all__ = [
-    "Channel", "CheckResult", "ProofResult", "WorstPoint", "add_proof", "check", "export", "export_parameters",
-    "export_sti", "export_system", "repeat_proof",
+    "CheckResult",
+    "CheckedChannel",
+    "ProofResult",
+    "WorstPoint",
+    "add_proof",
+    "check",
+    "export",
+    "export_parameters",
+    "export_sti",
+    "export_system",
+    "repeat_proof",
 ]  # fmt: skip
 
 __getattr__, __dir__ = on_demand(__name__, _ON_DEMAND)

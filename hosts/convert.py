@@ -70,8 +70,8 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     folded = {name for name in whole.has - plain.has if _changes(name, whole, table, forces)}
     converted = plain if chosen == plain.model else _of_model(plain, chosen, table, forces)
     if acting(converted, lacking) or (folded and chosen == plain.model):
-        own = converted.evaluate(table, steady=True)  # outputs that the tire does not have stay as they are
-        target = np.stack([forces.get(name, own[name]) for name in converted.outputs])
+        evaluated = converted.evaluate(table, steady=True)  # outputs that the tire does not have stay as they are
+        target = np.stack([forces.get(name, evaluated[name]) for name in converted.outputs])
         converted = nearest(converted, target, lacking, table)
     refitted = converted is not plain
     errors: Mapping[str, float] = {}
@@ -81,9 +81,9 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
     written = _for_host(converted if refitted else whole, rules, chosen)
     write_tir(written, path)
     findings = lint(path, host)
-    known = {finding.text for finding in findings}
+    stated = {finding.text for finding in findings}
     lost = [*lost_effects(whole, rules, folded), *_lost_relaxation(whole, written)]
-    findings += [LintMessage("note", 0, text) for text in lost if text not in known]
+    findings += [LintMessage("note", 0, text) for text in lost if text not in stated]
     return Conversion(Path(path), written, chosen, refitted, errors, findings)
 
 
@@ -108,11 +108,11 @@ def _for_host(tire: Tire, rules: Host, model: str) -> Tire:
     shape = {key: share * tire.values["UNLOADED_RADIUS"] for key, share in SHAPE.items()}
     values |= {key: value for key, value in shape.items() if key in declared and not values.get(key)}
     kept = tuple(entry for entry in tire.other_entries if entry[1] not in entries)
-    known = {key for _, key, _ in kept} | set(declared)
-    shape_lines = [("DIMENSION", key, repr(value)) for key, value in shape.items() if key not in known]
-    general = [("MODEL", key, repr(value)) for key, value in GENERAL.items() if key not in known]
-    own = [("MODEL", key, value) for key, value in entries.items()]
-    return replace(tire, values=values, other_entries=(*kept, *own, *general, *shape_lines))
+    present = {key for _, key, _ in kept} | set(declared)
+    shape_lines = [("DIMENSION", key, repr(value)) for key, value in shape.items() if key not in present]
+    general = [("MODEL", key, repr(value)) for key, value in GENERAL.items() if key not in present]
+    lines = [("MODEL", key, value) for key, value in entries.items()]
+    return replace(tire, values=values, other_entries=(*kept, *lines, *general, *shape_lines))
 
 
 def _changes(name: str, tire: Tire, table: pd.DataFrame, forces: pd.DataFrame) -> bool:
@@ -150,11 +150,11 @@ def _of_model(plain: Tire, model: str, table: pd.DataFrame, truth: pd.DataFrame)
     common |= {key: plain.values[key] for key in ("FNOMIN", "UNLOADED_RADIUS")}
     start = Tire(model, common)
     measured = truth[[name for name in (*table, *start.outputs) if name in truth]]
-    found = fit(
+    fitted = fit(
         measured, model, start=start, recipe="joint", screening=False, rows="equal", effects=start.has,
         without_constraints=NOT_ENFORCED,
     )  # fmt: skip
-    return replace(found.tire.in_signs("iso"), name=plain.name, side=plain.side, ranges=plain.ranges)
+    return replace(fitted.tire.in_signs("iso"), name=plain.name, side=plain.side, ranges=plain.ranges)
 
 
 def _over_all_inputs(table: pd.DataFrame, tire: Tire) -> pd.DataFrame:

@@ -72,8 +72,8 @@ def nearest(tire: Tire, forces: FloatArray, lacking: Collection[str], table: pd.
         rows = matrix.transpose(1, 0, 2).reshape(-1, len(places)) / np.sqrt(len(table))
         return np.concatenate([rows, CHANGE * np.eye(len(places))])
 
-    found = least_squares(residuals, np.zeros(len(places)), jac=jacobian, method="lm", ftol=ENOUGH, max_nfev=200)
+    solution = least_squares(residuals, np.zeros(len(places)), jac=jacobian, method="lm", ftol=ENOUGH, max_nfev=200)
     factors = start.rescaled
     fitted = {name: float(value) / factors.get(name, 1.0)
-              for name, value in zip(names, vector(found.x)[places], strict=True)}  # fmt: skip
+              for name, value in zip(names, vector(solution.x)[places], strict=True)}  # fmt: skip
     return replace(tire, values={**start.values, **fitted})

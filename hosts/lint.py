@@ -95,15 +95,15 @@ def lost_effects(tire: Tire, rules: Host, folded: Collection[str] = ()) -> list[
 
 def _entries(text: str) -> list[_Entry]:
     """Return the entries of a file, without those of tirefmu's own sections."""
-    found, section = [], ""
+    entries, section = [], ""
     for number, line in enumerate(text.splitlines(), 1):
         plain = re.split(r"[$!]", line, maxsplit=1)[0].strip()
         if plain.startswith("["):
             section = plain.strip("[] ").upper()
         elif "=" in plain and not section.startswith(OWN):
             key, _, value = plain.partition("=")
-            found.append(_Entry(number, section, key.strip(), value.strip()))
-    return found
+            entries.append(_Entry(number, section, key.strip(), value.strip()))
+    return entries
 
 
 def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[LintMessage]:
@@ -116,7 +116,7 @@ def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[LintMessage]:
         "FE_METHOD": dialect.fe_methods,
     }
     expected = {key: f": {' or '.join(accepted)} expected" for key, accepted in values.items() if accepted}
-    found = [
+    messages = [
         LintMessage("error", 0, f"{key} is missing{expected.get(key, '')}")
         for key in dialect.required
         if key not in by_key
@@ -126,8 +126,8 @@ def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[LintMessage]:
         value = entry.value.strip("'\" ").upper()
         number = str(abs(int(float(value)))) if re.fullmatch(r"-?\d+(\.0*)?", value) else value
         if number not in values[key]:
-            found.append(LintMessage("error", entry.line, f"{key} is {quoted(value)}{expected[key]}"))
-    return found
+            messages.append(LintMessage("error", entry.line, f"{key} is {quoted(value)}{expected[key]}"))
+    return messages
 
 
 def _lacking_errors(entries: list[_Entry], tire: Tire, lacking: Collection[str]) -> list[LintMessage]:
@@ -143,48 +143,48 @@ def _lacking_errors(entries: list[_Entry], tire: Tire, lacking: Collection[str])
 
 
 def _unit_errors(entries: list[_Entry], rules: Host) -> list[LintMessage]:
-    found = []
+    messages = []
     for entry in entries:
         accepted = rules.units.get(entry.key.upper()) if entry.section == "UNITS" else None
         value = entry.value.strip("'\" ").upper()
         if accepted and value not in accepted:
             text = f"{entry.key} is {quoted(value)}: {' or '.join(accepted)} expected"
-            found.append(LintMessage("error", entry.line, text))
-    return found
+            messages.append(LintMessage("error", entry.line, text))
+    return messages
 
 
 def _layout_errors(text: str, rules: Host) -> list[LintMessage]:
     """Check what simple readers stumble over: long lines, keys in lower case, several entries with one key."""
-    found: list[LintMessage] = []
+    messages: list[LintMessage] = []
     seen: dict[tuple[str, str], int] = {}
     # A cut line of tirefmu's own sections, which are last, only adds lines to sections that the host skips.
-    own = text.find(f"\n[{OWN}")
-    for number, line in enumerate(text[: own if own >= 0 else None].splitlines(), 1):
+    begin = text.find(f"\n[{OWN}")
+    for number, line in enumerate(text[: begin if begin >= 0 else None].splitlines(), 1):
         if rules.longest_line and len(line) > rules.longest_line:
-            found.append(
+            messages.append(
                 LintMessage("error", number, f"the line has {len(line)} characters: {rules.longest_line} at most")
             )
         if re.search(r"[^\s=]\$", line) and not line.lstrip().startswith(("$", "!")):
-            found.append(LintMessage("error", number, "a comment needs a blank before $"))
+            messages.append(LintMessage("error", number, "a comment needs a blank before $"))
     for entry in _entries(text):
         if entry.key != entry.key.upper():
-            found.append(LintMessage("error", entry.line, f"{quoted(entry.key)} is not in capital letters"))
+            messages.append(LintMessage("error", entry.line, f"{quoted(entry.key)} is not in capital letters"))
         if not re.match(r"[A-Z_0-9]+$", entry.key.upper()):
-            found.append(LintMessage("error", entry.line, f"{quoted(entry.key)} is no key"))
+            messages.append(LintMessage("error", entry.line, f"{quoted(entry.key)} is no key"))
         first = seen.setdefault((entry.section, entry.key), entry.line)
         if first != entry.line:
-            found.append(LintMessage("error", entry.line, f"{entry.key} is in line {first} already"))
-    return found
+            messages.append(LintMessage("error", entry.line, f"{entry.key} is in line {first} already"))
+    return messages
 
 
 def _number_errors(tire: Tire) -> list[LintMessage]:
     """Check values that every host uses as a divisor or as the limit of a range."""
-    found = [
+    messages = [
         LintMessage("error", 0, f"{key} is {tire.values[key]:g}: a positive value expected")
         for key in ("FNOMIN", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "LONGVL", "NOMPRES")
         if key in tire.values and not tire.values[key] > 0
     ]
     for name, (low, high) in tire.ranges.items():
         if not low < high:
-            found.append(LintMessage("error", 0, f"the range of {name} is empty: {low:g} to {high:g}"))
-    return found
+            messages.append(LintMessage("error", 0, f"the range of {name} is empty: {low:g} to {high:g}"))
+    return messages

@@ -159,11 +159,11 @@ def _rounding_of_deflection(tire: Tire, quantities: Mapping[str, FloatArray]) ->
     radius = values["UNLOADED_RADIUS"]
     linear = values["VERTICAL_STIFFNESS"] * radius / values["FNOMIN"]
     deflection = float(np.finfo(float).eps * radius * linear / abs(values["Q_FZ2"]))
-    found = {"rho": deflection, "R_l": deflection}
+    sizes = {"rho": deflection, "R_l": deflection}
     if "rho" in quantities and "c_z" in quantities and (loaded := quantities["rho"] > 0).any():
         # The load over the deflection.
-        found["c_z"] = float(np.max(deflection * np.abs(quantities["c_z"][loaded] / quantities["rho"][loaded])))
-    return found
+        sizes["c_z"] = float(np.max(deflection * np.abs(quantities["c_z"][loaded] / quantities["rho"][loaded])))
+    return sizes
 
 
 def _typical(values: FloatArray) -> FloatArray:

@@ -26,7 +26,7 @@ def state_rates(
     n = len(tire.inputs)
     row = dict(zip(tire.inputs, inputs, strict=False))
     given, acting = inputs[:n], inputs[:n].copy()
-    found: dict[str, FloatArray] = {}
+    rates: dict[str, FloatArray] = {}
     lagging = [label.removesuffix("_dot") for label in labels if label.endswith("lagged_dot")]
     if lagging:
         quantities = dict(zip(code.quantities_names, code.quantities(given, parameters), strict=True))
@@ -35,7 +35,7 @@ def state_rates(
         length = quantities[tire.symbolic_model.quantity("relaxation_x" if along else "relaxation_y")]
         decay = np.abs(row["V"]) / np.maximum(length, AT_ONCE)
         target = row["kappa"] if along else np.tan(row["alpha"])
-        found |= {f"{name}_decay": decay, f"{name}_dot": decay * (target - lagged)}
+        rates |= {f"{name}_decay": decay, f"{name}_dot": decay * (target - lagged)}
         acting[tire.inputs.index("kappa" if along else "alpha")] = lagged if along else np.arctan(lagged)
     at_given, at_acting = (
         dict(zip(tire.symbolic_model.drives, code.drives(rows, parameters), strict=True)) if tire.states else {}
@@ -61,5 +61,5 @@ def state_rates(
             derivative = (np.sign(u) - x) * decay
         else:
             decay, derivative = np.zeros_like(u), u
-        found |= {f"{name}_decay": decay, f"{name}_dot": derivative}
-    return np.stack([found[label] for label in labels], axis=1)
+        rates |= {f"{name}_decay": decay, f"{name}_dot": derivative}
+    return np.stack([rates[label] for label in labels], axis=1)

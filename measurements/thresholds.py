@@ -150,6 +150,8 @@ MIN_TRAIT_ROWS = 8
 MIN_SPREAD = 0.02
 #: Change of a force over the load. With more its slip is swept, whatever its unit is. Judgement.
 MIN_RESPONSE = 0.3
+#: Share of the rows at large slip with either sign of a force, from which the slip lacks its sign. Judgement.
+MIN_SIGN_SHARE = 0.1
 #: Range of a force over the load. With more its slip was swept, although its column is absent or constant. Judgement.
 SWEPT_RESPONSE = 0.8
 #: Slip stiffness times largest slip over the largest force. With more the largest force is the friction: a brush model

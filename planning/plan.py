@@ -21,7 +21,7 @@ from .bench_file import Bench, PlanError
 from .information import Experiment, Information, covariances, information, sandwich, tires_around, with_offsets
 from .maneuvers import library
 from .program import TestProgram
-from .selection import Selection
+from .selection import ManeuverSelection
 
 FloatArray = npt.NDArray[np.float64]
 #: Version of plan.json. New keys increment the second number, changed meanings the first.
@@ -135,7 +135,7 @@ class PlanResult:
     - `aims`: as given, or the effects that it separates.
     - `prediction`: what it determines; None for a program that separates effects.
     - `today`: the same of the program to which it is compared.
-    - `undetermined`: coefficients that remain undetermined, and why.
+    - `undetermined`: coefficients that remain undetermined, or pairs of effects that it does not separate, and why.
     - `separations`: how well the program separates effects.
     """
 
@@ -203,7 +203,7 @@ def plan(
     of_library = information(experiment, [maneuver.table(bench.sample_rate) for maneuver in maneuvers])
     _check_aims(wanted, experiment, of_library, bench)
     value = _value(wanted, current)
-    selection = Selection.of(
+    selection = ManeuverSelection.of(
         experiment, bench, maneuvers, (of_library.products, of_library.with_drift(experiment)),
         lambda products, noise: value(with_offsets(experiment, products, noise)),
     )  # fmt: skip

@@ -28,7 +28,7 @@ UNITS = {
 
 
 @dataclass(frozen=True)
-class Step:
+class PlannedManeuver:
     """A maneuver of a program.
 
     - `number`: index among the maneuvers from which the program is made.
@@ -54,7 +54,7 @@ class TestProgram:
     """The steps of a bench in their order."""
 
     bench: Bench
-    steps: tuple[Step, ...]
+    steps: tuple[PlannedManeuver, ...]
 
     @property
     def seconds(self) -> float:
@@ -149,7 +149,7 @@ def timed(
 
     The first one is repeated at intervals of the bench and at the end. `alternate`: whether starting sides alternate.
     """
-    steps: list[Step] = []
+    steps: list[PlannedManeuver] = []
     repeated, shortest = bench.warm_up, 1.0 / bench.sample_rate  # no two rows at one time
 
     def add(number: int, *, turned: bool = False, reason: str = "") -> None:
@@ -160,7 +160,7 @@ def timed(
             pause = max(change_time(maneuvers[last], maneuvers[number], bench), cooling, shortest)
             start = steps[-1].end + pause
         maneuver = maneuvers[number].turned if turned else maneuvers[number]
-        steps.append(Step(number, maneuver, ceil(1e3 * start - 1e-6) / 1e3, pause, reason))
+        steps.append(PlannedManeuver(number, maneuver, ceil(1e3 * start - 1e-6) / 1e3, pause, reason))
 
     for number in range(len(maneuvers)):
         if bench.repeat_every and steps and steps[-1].end - repeated >= bench.repeat_every:
@@ -172,7 +172,7 @@ def timed(
     return TestProgram(bench, tuple(steps))
 
 
-def _line(number: int, step: Step) -> dict[str, object]:
+def _line(number: int, step: PlannedManeuver) -> dict[str, object]:
     maneuver, (unit, factor) = step.maneuver, UNITS[step.maneuver.swept]
     held = {
         f"{name} ({UNITS[name][0]})" if UNITS[name][0] else name: round(value * UNITS[name][1], 4)

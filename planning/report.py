@@ -64,16 +64,20 @@ def tables(result: PlanResult) -> dict[str, tuple[list[str], list[list[str]]]]:
     """Return header and rows of the tables of the page by their titles: what the program determines comes first."""
     steps = result.program.table
     shown = {"Steps": (list(steps.columns), steps.astype(object).where(steps.notna(), "").to_numpy().tolist())}
+    reasons = [[name, reason] for name, reason in result.undetermined.items()]
     if result.prediction is None:
         rows = [[pair.effect, pair.rival, f"{pair.evidence:.3g}"] for pair in result.separations]
-        return {"Effects that it separates": (["effect", "fitted instead", "expected evidence (nats)"], rows), **shown}
+        return {
+            "Expected evidence": (["effect", "fitted instead", "expected evidence (nats)"], rows),
+            **({"Not separated": (["effects", "why"], reasons)} if reasons else {}),
+            **shown,
+        }
     programs = [result.prediction, *([result.today] if result.today else [])]
     names = ["95 % interval, planned", *(program.name for program in programs[1:])]
     widths = [
         [MEANING.get(name, name), *(f"+-{100.0 * program.widths[name]:.3g} %" for program in programs)]
         for name in result.prediction.widths
     ]
-    reasons = [[name, reason] for name, reason in result.undetermined.items()]
     return {
         "Predicted intervals": (["quantity", *names], widths),
         "Not determined": (["coefficient", "why"], reasons or [["none", "the program determines every coefficient"]]),

@@ -29,7 +29,7 @@ TRIALS = 300
 
 
 @dataclass(frozen=True, eq=False)
-class Selection:
+class ManeuverSelection:
     """Chooses maneuvers within limits of time and energy.
 
     - `maneuvers`, of length m: the library.
@@ -49,7 +49,7 @@ class Selection:
     def of(
         cls, experiment: Experiment, bench: Bench, maneuvers: Sequence[Maneuver], parts: tuple[FloatArray, ...],
         criterion: Callable[..., float],
-    ) -> Selection:  # fmt: skip
+    ) -> ManeuverSelection:  # fmt: skip
         """Return the choice among a library; raises `PlanError` if each of its maneuvers heats the tread too much."""
         energy, nominal = np.zeros(len(maneuvers)), held_levels(bench, experiment.tires[0])
         if bench.heat != Heat():

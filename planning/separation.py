@@ -33,7 +33,7 @@ from .bench_file import Bench, PlanError
 from .information import Experiment, information, thinned, tires_around
 from .maneuvers import library
 from .plan import PlanResult, Progress, Separation
-from .selection import Selection
+from .selection import ManeuverSelection
 
 FloatArray = npt.NDArray[np.float64]
 #: Rows of a maneuver that are evaluated: effects with memory change within tenths of a second.
@@ -53,8 +53,9 @@ def plan_between(
     """Plan the program that tells effects apart.
 
     `tire`: what is known of it; effects of the pairs are removed first. `bench`: the tire on it is warm. `pairs`:
-    effects of which the tire has one. `progress`: as for `plan`. Raises `PlanError` if no program of this bench
-    and time separates the effects at their typical sizes, and `UnknownName` if the tire cannot have an effect.
+    effects of which the tire has one. `progress`: as for `plan`. Pairs that no program of this bench and time
+    separates at their typical sizes are in `PlanResult.undetermined`. Raises `PlanError` if these are all pairs, and
+    `UnknownName` if the tire cannot have an effect.
 
     >>> from tirefmu.planning.bench_file import Limits
     >>> bench = Bench({"Fz": Limits(220.0, 1120.0, 3.0, levels=2), "alpha": Limits(-0.2, 0.2, 2.0, 0.14)})
@@ -69,29 +70,35 @@ def plan_between(
     maneuvers = library(bench, base, memory=True)
     tables = [maneuver.table(bench.sample_rate) for maneuver in maneuvers]
     parts = (discrimination.products(tables, pd.concat(tables, ignore_index=True)),)
-    selection = Selection.of(discrimination.experiment, bench, maneuvers, parts, discrimination.criterion)
+    selection = ManeuverSelection.of(discrimination.experiment, bench, maneuvers, parts, discrimination.criterion)
     chosen = selection.chosen(minutes, lambda share: progress("choosing maneuvers", share))
     program = selection.program(chosen, alternate=False)
     progress("simulating the program", 0.0)
     separations = discrimination.separations(discrimination.products(program.tables, program.rows).sum(axis=0))
-    _check(separations, minutes, base)
-    return PlanResult(program, tuple(f"{a} or {b}" for a, b in pairs), separations=separations)
+    hidden = _inseparable(separations, minutes, base)
+    if len(hidden) == len(pairs):
+        raise PlanError(next(iter(hidden.values())))
+    aims = tuple(f"{a} or {b}" for a, b in pairs)
+    return PlanResult(program, aims, undetermined=hidden, separations=separations)
 
 
-def _check(separations: Sequence[Separation], minutes: float, tire: Tire) -> None:
-    """Raise for an effect that a program cannot see, and for two effects that it cannot separate."""
+def _inseparable(separations: Sequence[Separation], minutes: float, tire: Tire) -> dict[str, str]:
+    """Return the pairs that a program does not separate, and why: an effect is not visible, or two look the same."""
     limit, detections = f"no program of {minutes:g} min on this bench", tire.symbolic_model.detections
+    reasons = {}
     for pair, other in zip(separations[::2], separations[1::2], strict=True):
-        for effect in (part.effect for part in (pair, other) if part.alone < SEPARATED):
-            raise PlanError(f"{limit} shows {effect} at its typical size")
-        best = max(pair.evidence, other.evidence)
-        if best < SEPARATED:
+        name, best = f"{pair.effect} or {pair.rival}", max(pair.evidence, other.evidence)
+        unseen = [part.effect for part in (pair, other) if part.alone < SEPARATED]
+        if unseen:
+            reasons[name] = f"{limit} shows {unseen[0]} at its typical size"
+        elif best < SEPARATED:
             declared = [c for part in (pair, other) if part.effect in detections
                         for c in detections[part.effect].confounded if c.other == part.rival]  # fmt: skip
-            raise PlanError(
+            reasons[name] = (
                 f"{limit} tells {pair.effect} and {pair.rival} apart: the expected evidence is {best:.2g} nats"
                 + "".join(f"; {part.separate_by}" for part in declared[:1])
             )
+    return reasons
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from typing import Any
 from tirefmu.boundary.bounded_file import read_bounded
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import excerpt
-from tirefmu.tires.drawing.whole_file import write_whole
+from tirefmu.boundary.whole_file import write_whole
 
 #: Files of a fit in its folder.
 TIRE, RESULT, PROJECT, NOTE = "tire.tir", "fit.json", "tirefmu.toml", "note.txt"

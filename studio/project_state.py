@@ -14,10 +14,10 @@ from tomlkit import TOMLDocument
 from tirefmu.boundary.bounded_file import toml_content, toml_file
 from tirefmu.boundary.errors import TirefmuError
 from tirefmu.boundary.escaping import quoted
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.measurements.interpretation import Interpretation
 from tirefmu.measurements.row_selection.expression import parse_selection
 from tirefmu.project.project_file import SECTIONS, Project, checked_project
-from tirefmu.tires.drawing.whole_file import write_whole
 
 #: Folder of the window in that of the project: earlier project files, and the fits that were kept.
 FOLDER, HISTORY = "studio", "history"

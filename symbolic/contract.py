@@ -233,10 +233,10 @@ def with_extrapolation(
     """
     far = {
         output: tuple(
-            replace(each, kind="extrapolation", on_request=True)
-            for each in own
-            if each.measure == "value" and {"Fz", "kappa", "alpha"} & set(each.over)
+            replace(constraint, kind="extrapolation", on_request=True)
+            for constraint in near
+            if constraint.measure == "value" and {"Fz", "kappa", "alpha"} & set(constraint.over)
         )
-        for output, own in constraints.items()
+        for output, near in constraints.items()
     }
-    return {output: own + far[output] for output, own in constraints.items()}
+    return {output: near + far[output] for output, near in constraints.items()}

@@ -88,7 +88,7 @@ class Section:
         cls, *, title: str, channels: tuple[str, ...] = ("Fx", "Fy", "Mz"), fitted: bool = True
     ) -> None:
         cls.title = title
-        cls.coefficients = {name: each for name, each in vars(cls).items() if isinstance(each, Coefficient)}
+        cls.coefficients = {name: declared for name, declared in vars(cls).items() if isinstance(declared, Coefficient)}
         for declaration in cls.coefficients.values():
             declaration.section = title
             declaration.channels = declaration.channels or channels

@@ -161,7 +161,7 @@ def _oscillation(
     aperiodic = square > 0
     above = eq("law", "above", where(aperiodic, square, 0), named=False)
     below = eq("law", "below", where(aperiodic, 0, -square), named=False)
-    half, turn = (eq("law", name, sp.sqrt(one), named=False) for name, one in (("half", above), ("turn", below)))
+    half, turn = (eq("law", name, sp.sqrt(square), named=False) for name, square in (("half", above), ("turn", below)))
     fast = eq("law", "fast", loss / 2 + half, named=False)
     faster = eq("law", "faster", where(aperiodic, fast, 1), named=False)
     slow = eq("law", "slow", where(aperiodic, way**2 / faster, loss / 2), named=False)
@@ -189,7 +189,7 @@ def _oscillation(
     apart = stay * x + of_speed * start + (fast * late - slow * early) / difference
     apart_change = (keep - 1) * start - way**2 * of_speed * x + way**2 * (early - late) / difference
     ends = (near, apart, far), (near_change, apart_change, far_change)
-    end, change = (where(short, one, where(wide, another, third)) for one, another, third in ends)
+    end, change = (where(short, first, where(wide, another, third)) for first, another, third in ends)
     return end, change
 
 
@@ -244,8 +244,8 @@ def _parts(
 
 #: Every law by name.
 LAWS: dict[str, Law] = {
-    each.__name__: _law(each)
-    for each in (
+    law.__name__: _law(law)
+    for law in (
         lag, lag_curved, sum_linear, sum_curved, oscillator, oscillator_speed, dahl, dahl_size, play, play_size
     )
 }  # fmt: skip

@@ -28,9 +28,9 @@ class LineFunction:
         """The lines that the results need, in their order."""
         given = {argument.name for argument in self.arguments}
         needed = {result.name for result in self.results}
-        found: list[Equation] = []
+        lines: list[Equation] = []
         for line in reversed(self.chapter.equations):
             if line.symbol.name in needed - given:
                 needed |= {symbol.name for symbol in line.expression.free_symbols}
-                found.append(line)
-        return tuple(reversed(found))
+                lines.append(line)
+        return tuple(reversed(lines))

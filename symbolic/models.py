@@ -63,8 +63,8 @@ def whole_library(model: Model, effects: Mapping[str, AddedEffect] | None = None
     >>> [effect.name for effect in whole_library(model_named("mf96")) if not effect.states]
     ['temp_friction', 'temp_stiffness', 'wear_drift']
     """
-    known = library() if effects is None else effects
-    return tuple(effect for effect in known.values() if effect.detection and model.has_place_for(effect))
+    declared = library() if effects is None else effects
+    return tuple(effect for effect in declared.values() if effect.detection and model.has_place_for(effect))
 
 
 def _stored_with_library(name: str, added: Sequence[AddedEffect]) -> Traversable | None:

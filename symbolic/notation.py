@@ -31,13 +31,13 @@ class Variant(sp.Function):
     nargs = 3
 
 
-def only(model: str, own: Any, others: Any) -> sp.Expr:
-    """Return a term that is `own` in one model and `others` in the others that share the line.
+def only(model: str, special: Any, others: Any) -> sp.Expr:
+    """Return a term that is `special` in one model and `others` in the others that share the line.
 
     >>> only("mf52", sp.Symbol("PHY3"), 0)
     Variant(mf52, PHY3, 0)
     """
-    return Variant(sp.Symbol(model), sp.sympify(own), sp.sympify(others))
+    return Variant(sp.Symbol(model), sp.sympify(special), sp.sympify(others))
 
 
 @dataclass(frozen=True)

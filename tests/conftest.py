@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import gzip
+import lzma
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -60,7 +60,7 @@ def golden() -> Path:
 def trento_table(golden: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the unpacked table of the Trento team's functions, for commands that read tables."""
     path = tmp_path_factory.mktemp("golden") / "mf96_trento.csv"
-    path.write_bytes(gzip.decompress((golden / "mf96_trento.csv.gz").read_bytes()))
+    path.write_bytes(lzma.decompress((golden / "mf96_trento.csv.xz").read_bytes()))
     return path
 
 

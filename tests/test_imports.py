@@ -1,4 +1,4 @@
-"""How packages are imported, and how large folders are. import-linter checks who may import whom (`make check`)."""
+"""Imports, sizes of folders, and names of variables. import-linter checks who may import whom (`make check`)."""
 
 from __future__ import annotations
 
@@ -53,3 +53,25 @@ def test_a_wrong_import_is_found(source):
 def test_folders_are_small():
     modules = Counter((ROOT / path).parent for path in FILES if not path.startswith("generated/"))
     assert max(modules.values()) <= MAX_MODULES, modules.most_common(1)
+
+
+#: Words that do not say what a variable is, and folders in which variables may still have one of them as a name.
+EMPTY_WORDS = {"each", "one", "own", "found", "known"}
+NOT_NAMED = ("benchmarks", "diagnosis", "examples", "tests", "generated")
+#: Keys of the JSON of a diagnosis and of a drive.
+AS_THEY_ARE = {"batch/diagnose_many.py: found", "driving/drive_content.py: found"}
+
+
+def test_names_of_variables_say_what_they_are():
+    empty = {
+        f"{path}: {name}"
+        for path in FILES
+        if not path.startswith(tuple(f"{folder}/" for folder in NOT_NAMED))
+        for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8")))
+        for name in EMPTY_WORDS & {getattr(node, "arg", None), node.id if _is_stored(node) else None}
+    }
+    assert empty == AS_THEY_ARE
+
+
+def _is_stored(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)

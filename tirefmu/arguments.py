@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError, writing
 from tirefmu.symbolic import DEFAULT_MODEL
 
 #: The models of the package; the equations take too long to load for a help text.
@@ -94,7 +94,7 @@ RADIUS = click.option(
 )
 
 
-class Named(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
+class NamesByChannel(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
     """``channel=text,channel=text``."""
 
     name = "CHANNEL=NAME,..."
@@ -111,10 +111,10 @@ class Named(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as abov
 
 
 #: Options of the commands that read tables, apart from --where.
-_COLUMNS = click.option("--columns", type=Named(),
+_COLUMNS = click.option("--columns", type=NamesByChannel(),
                         help="Columns by channel, such as Fy=FYC,alpha=-SA (minus: other sign; none: not read). "
                              "Channels: tirefmu columns")  # fmt: skip
-_UNITS = click.option("--units", type=Named(), help="Units of columns, such as Fz=lbf,alpha=deg.")
+_UNITS = click.option("--units", type=NamesByChannel(), help="Units of columns, such as Fz=lbf,alpha=deg.")
 
 
 def table_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -151,7 +151,7 @@ def common(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 @dataclass(frozen=True)
-class Selection:
+class TableOptions:
     """How tables are read: sign convention, rows, columns and units."""
 
     signs: str | None
@@ -243,7 +243,5 @@ def write_json(path: Path | None, content: dict[str, Any]) -> None:
     if str(path) == "-":
         print(text)
         return
-    try:
+    with writing(path):
         path.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error

@@ -23,7 +23,7 @@ from .arguments import (
     RADIUS,
     SIGNS,
     Numbers,
-    Selection,
+    TableOptions,
     check_input_paths,
     check_output_paths,
     command_line,
@@ -85,12 +85,12 @@ def cli() -> None:
 @click.option("--code", type=click.Choice(["auto", "numpy", "c", "casadi", "batch"]), default="auto",
               show_default=True, help="Generated code to use.")  # fmt: skip
 @common
-@grouped(selection=Selection)
+@grouped(selection=TableOptions)
 def evaluate(
     tire: Path,
     table: Path,
     output: Path,
-    selection: Selection,
+    selection: TableOptions,
     code: str,
     radius: float | None,
     quiet: bool,
@@ -157,9 +157,9 @@ def evaluate(
 @click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and the error over time.")
 @click.option("--report", type=FILE, help="HTML report: verdict, goodness of fit, errors over time and inputs.")
 @common
-@grouped(selection=Selection)
+@grouped(selection=TableOptions)
 def check(
-    fmu: Path, table: Path | None, selection: Selection, tolerance: float | None, timeout: float | None,
+    fmu: Path, table: Path | None, selection: TableOptions, tolerance: float | None, timeout: float | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Simulate FMU over TABLE and compare it with the data.
@@ -262,10 +262,10 @@ def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: 
 @table_options
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @common
-@grouped(selection=Selection)
+@grouped(selection=TableOptions)
 def draw(
     tire: Path, tables: tuple[Path, ...], output: Path, loads: tuple[float, ...] | None,
-    kappa: tuple[float, ...] | None, selection: Selection,
+    kappa: tuple[float, ...] | None, selection: TableOptions,
     draw_signs: str | None, suffix: str, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE at several loads.

@@ -35,7 +35,7 @@ from tirefmu.tires.drawing.labels import drawn_unit
 from tirefmu.tires.drawing.picture import write_figures
 
 from .arguments import write_json
-from .demo_page import Chapter, write_demo_page
+from .demo_page import DemoStep, write_demo_page
 from .terminal import Terminal
 
 FloatArray = npt.NDArray[np.float64]
@@ -43,6 +43,8 @@ FloatArray = npt.NDArray[np.float64]
 SEED = 1464
 #: Of the virtual bench, Hz: slow enough for a demo, and far above the rates of the sweeps.
 SAMPLE_RATE = 20.0
+#: Recipes of the two fits, and what they are.
+RECIPES = {"trento": "the thirteen stages of the report", "joint": "all coefficients in one fit"}
 #: Coefficients of the bench tire that differ from the Trento tire, and why.
 BENCH_TIRE = {
     # The report limited PKY2 to 4.9 .. 5.1, which overestimated the measured cornering stiffness by 36 % at 250 lbf.
@@ -82,7 +84,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     except OSError as error:
         raise TirefmuError(f"{folder}: cannot be created ({error.strerror or error})") from error
     truth = bench_tire()
-    chapters: list[Chapter] = []
+    chapters: list[DemoStep] = []
     # A second process compiles the code of the diagnosis and draws figures; a forked one would inherit threads.
     with ProcessPoolExecutor(1, get_context("spawn"), _end_with_ctrl_c) as second:
         second.submit(_compile_for_diagnosis)
@@ -95,7 +97,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
             drawn = figures.result()
     terminal.print(f"  {len(drawn)} figures of both fits: {folder / 'figures'}")
     shown = {"fit": chapters[1], "fmu_check": chapters[2], "diagnosis": chapters[4]}
-    pictures = write_figures([replace(each.figures[0], name=name) for name, each in shown.items()], folder)
+    pictures = write_figures([replace(chapter.figures[0], name=name) for name, chapter in shown.items()], folder)
     terminal.print(f"  the results in three pictures: {', '.join(map(str, pictures))}")
     seconds = time.perf_counter() - began
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
@@ -126,7 +128,7 @@ def _compile_for_diagnosis() -> None:
     code.drives(rows, parameters)
 
 
-def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter]) -> Recording:
+def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[DemoStep]) -> Recording:
     terminal.heading("1 Virtual bench.", "A tire similar to the Hoosier, measured as in the Trento report")
     with terminal.working("running the virtual bench"):
         recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program(sample_rate=SAMPLE_RATE))
@@ -141,23 +143,23 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter
     )
     terminal.print(f"  {text}: {folder / 'bench.csv'}")
     files = (folder / "inspection.html", folder / "bench.csv", folder / "truth.tir")
-    chapters.append(Chapter("The data", (f"{text}.",), (), files))
+    chapters.append(DemoStep("The data", (f"{text}.",), (), files))
     return recording
 
 
 def _fits(
-    truth: Tire, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter], second: Executor
+    truth: Tire, recording: Recording, folder: Path, terminal: Terminal, chapters: list[DemoStep], second: Executor
 ) -> tuple[FitResult, FitResult, Future[list[Path]]]:
     terminal.heading("2 Fit.", "The thirteen stages of the report, and all coefficients simultaneously")
     nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
     results, lines = {}, []
-    for recipe in ("trento", "joint"):
+    for recipe in RECIPES:
         with terminal.fitting() as progress:
             result = fit([recording], "mf96", recipe=recipe, nominal=nominal, progress=progress)
         result.tire.save(folder / f"{recipe}.tir")
         results[recipe] = result
         errors = ", ".join(f"{c.channel} {c.rmse:.3g} {c.unit} (R2 {c.r2:.4f})" for c in result.channels)
-        lines.append(f"{recipe}: RMSE {errors}; {result.status}, {result.run.seconds:.1f} s")
+        lines.append(f"{recipe} ({RECIPES[recipe]}): RMSE {errors}; {result.status}, {result.run.seconds:.1f} s")
         terminal.print(f"  {lines[-1]}")
     for line in _stiffness_lines(truth, results):
         lines.append(line)
@@ -170,7 +172,8 @@ def _fits(
         if figure.name in ("pure_Fy", "stiffness")
     ]
     files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
-    chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), tuple(shown), files))
+    texts = (f"RMSE of all coefficients in one fit: {errors}.", *(f"{line}." for line in lines))
+    chapters.append(DemoStep("The fit", texts, tuple(shown), files))
     return results["joint"], results["trento"], figures
 
 
@@ -196,7 +199,7 @@ def _stiffness_lines(truth: Tire, results: dict[str, FitResult]) -> list[str]:
             parts.append(
                 f"{recipe} " + ", ".join(f"{e:+.1f} % at {n:.0f} N" for e, n in zip(errors, loads, strict=True))
             )
-        lines.append(f"{name}, error: {'; '.join(parts)}")
+        lines.append(f"{name}, difference from the known tire: {'; '.join(parts)}")
     return lines
 
 
@@ -205,7 +208,7 @@ def _stiffness(tire: Tire, name: str, loads: FloatArray) -> Any:
 
 
 def _fmus(
-    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter]
+    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[DemoStep]
 ) -> dict[str, bool]:
     terminal.heading("3 FMU.", "Export, and simulation over the recording with fmpy")
     checks, lines, files = {}, [], []
@@ -225,12 +228,14 @@ def _fmus(
     with terminal.working("writing the report"):
         write_check(result, page := folder / "check.html")
     shown = tuple(figure for figure in check_figures(result) if figure.name == "Fy")
-    chapters.append(Chapter("The FMU over the data", tuple(f"{line}." for line in lines), shown, (page, *files)))
+    passed = ", ".join(f"{name} {'passes' if ok else 'fails'}" for name, ok in checks.items())
+    texts = (f"{passed} the check against direct evaluation.", *(f"{line}." for line in lines))
+    chapters.append(DemoStep("The FMU over the data", texts, shown, (page, *files)))
     return checks
 
 
 def _missing_effect(
-    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter]
+    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[DemoStep]
 ) -> tuple[Tire, dict[str, Any]]:
     terminal.heading("4 A missing effect.", "The same fit without camber thrust")
     with terminal.fitting() as progress:
@@ -252,7 +257,7 @@ def _missing_effect(
     terminal.print(f"  {text}: {picture}")
     texts = ("The same fit without camber thrust leaves a pattern in the residuals.", f"{text}.")
     files = (picture, folder / "without_camber_thrust.tir")
-    chapters.append(Chapter("A tire without one effect", texts, (residual_map_figure(maps),), files))
+    chapters.append(DemoStep("A tire without one effect", texts, (residual_map_figure(maps),), files))
     return reduced.tire, {
         "effect": "camber_thrust",
         "channel": "Fy",
@@ -265,7 +270,7 @@ def _missing_effect(
 
 
 def _diagnosis(
-    start: Tire, recording: Recording, main: Path, terminal: Terminal, chapters: list[Chapter]
+    start: Tire, recording: Recording, main: Path, terminal: Terminal, chapters: list[DemoStep]
 ) -> dict[str, Any]:
     """Diagnose the reduced tire, without information about the removed effect."""
     folder = main / "diagnosis"
@@ -296,9 +301,8 @@ def _diagnosis(
     names = [finding.effect for finding in result.found]
     written_files = [folder / name for name in ("report.html", "improved.tir", "improved.fmu", "base.tir", "base.fmu")]
     texts = (
+        f"{result.verdict}.",
         "The diagnosis tests all known effects without information about the removed one.",
-        result.verdict,
-        f"Identified: {', '.join(names) or 'nothing'}.",
         *(
             f"Error of {channel} on the hold-out set: {error['before']:.3g} {drawn_unit(channel)} before, "
             f"{error['after']:.3g} after, noise floor {error['floor']:.3g}."
@@ -306,7 +310,7 @@ def _diagnosis(
         ),
     )
     files = tuple(path for path in written_files if path.is_file())
-    chapters.append(Chapter("The missing effect, found", texts, (curves_figure(result, "Fy"),), files))
+    chapters.append(DemoStep("The missing effect, found", texts, (curves_figure(result, "Fy"),), files))
     return {"ok": names == ["camber_thrust"] and simulated["ok"], "found": names, "gap": gap, "simulated": simulated}
 
 

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import writing
 from tirefmu.tires.drawing.figure import Figure
 from tirefmu.tires.drawing.page import page_text, write_page
 
 
 @dataclass(frozen=True)
-class Chapter:
+class DemoStep:
     """A step of the demo.
 
+    - `texts`: the first one is the result, with which the page begins.
     - `files`: in or below the folder of the page, which links to them.
     """
 
@@ -25,7 +26,7 @@ class Chapter:
     files: tuple[Path, ...] = ()
 
 
-def write_demo_page(chapters: Sequence[Chapter], folder: Path, ok: bool, seconds: float) -> Path:
+def write_demo_page(chapters: Sequence[DemoStep], folder: Path, ok: bool, seconds: float) -> Path:
     """Write the page ``index.html``.
 
     `ok`: whether every check passed. `seconds`: time of the steps. Raises `TirefmuError` if the file cannot be written.
@@ -33,8 +34,6 @@ def write_demo_page(chapters: Sequence[Chapter], folder: Path, ok: bool, seconds
     path = folder / "index.html"
     filters = {"address": lambda file: "./" + quote(file.relative_to(folder).as_posix())}
     text = page_text("tirefmu", filters, template="demo.html", chapters=chapters, ok=ok, seconds=seconds)
-    try:
+    with writing(path):
         write_page(text, path)
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error
     return path

@@ -105,6 +105,7 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
     )  # fmt: skip
     remarkable = {name for direction in result.findings.undetermined for name in direction.coefficients}
     remarkable |= {profile.name for profile in result.profiles}
+    remarkable |= {c.name for c in result.coefficients if c.other is not None}
     consequences = {consequence.name: consequence.text() for consequence in result.bounds}
     every = every or bool(result.bootstrap)
     for c in result.coefficients:
@@ -113,6 +114,8 @@ def _coefficients(result: FitResult, every: bool) -> Iterator[Table | str]:
         remark = (
             f"at bound: {consequences.get(c.name, '')}".rstrip(": ")
             if c.at_bound
+            else f"or {c.other:.5g}"
+            if c.other is not None
             else "from the family"
             if c.from_family
             else ""

@@ -79,8 +79,8 @@ class TireDefinition:
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "effects", present)
         object.__setattr__(self, "about", {_word(key): str(text) for key, text in self.about.items()})
-        known = {name: pair for name, pair in RANGES.items() if set(pair) <= given.keys()}
-        ranges = {**self.ranges, **{name: (values[low], values[high]) for name, (low, high) in known.items()}}
+        complete = {name: pair for name, pair in RANGES.items() if set(pair) <= given.keys()}
+        ranges = {**self.ranges, **{name: (values[low], values[high]) for name, (low, high) in complete.items()}}
         object.__setattr__(self, "ranges", {name: _range(name, *r) for name, r in ranges.items()})
 
     def _present(self) -> frozenset[str]:

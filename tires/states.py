@@ -26,22 +26,23 @@ from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.model import Model
 
 from .code import Code
-from .code.modules import state_laws
 from .oscillator import Oscillation, Part
 from .path import PathCourse
 from .transient import (
     Accumulation,
     Course,
+    Steps,
     exchange,
     followed,
     held_system,
-    recursion,
+    integrated,
     segment_starts,
     vector_recursion,
 )
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
+_Course = Course | Accumulation | PathCourse | Part
 
 #: First step after a change of the inputs, as a share of the shortest time constant, and the ratio of a step to the
 #: one before. `fmu/packaging/written_headers.py` prints these numbers and the next ones for the FMU.
@@ -259,7 +260,7 @@ class StateSimulation:
                                   for state, i in zip(driven, indices, strict=True)])  # fmt: skip
                     rows[indices, last] = x
 
-    def _steps(self, first: int, last: int, driven: list[State]) -> _Steps:
+    def _steps(self, first: int, last: int, driven: list[State]) -> Steps:
         """Return the steps from row to row; they grow with the time since the last change of the inputs."""
         # Linear inputs do not jump: lags of them need no short steps.
         courses = (*self.slips.values(), *self._courses.values()) if self.hold else ()
@@ -279,10 +280,10 @@ class StateSimulation:
         length = np.where(length > 0.0, length, 1.0)
         begin = FIRST_STEP * (GROWTH**k - 1.0) / growth / length
         end = np.where(last_step, 1.0, FIRST_STEP * (GROWTH ** (k + 1) - 1.0) / growth / length)
-        return _Steps(interval, begin, end, (end - begin) * rows, last_step)
+        return Steps(interval, begin, end, (end - begin) * rows, last_step)
 
     @np.errstate(over="ignore", invalid="ignore")  # of values that are not accepted
-    def _solve(self, steps: _Steps, driven: list[State], x: FloatArray, rows: FloatArray) -> FloatArray:
+    def _solve(self, steps: Steps, driven: list[State], x: FloatArray, rows: FloatArray) -> FloatArray:
         """Solve steps, write the values at rows into the acting rows, and return the values at the end."""
         if not len(steps.h):
             return x
@@ -293,10 +294,12 @@ class StateSimulation:
         for _ in range(MAX_ITERATIONS):
             nodes[indices] = values
             lines = self._lines(nodes)
-            found = np.concatenate([self._integrated(*each, lines, steps.h) for each in zip(driven, x, strict=True)])
-            found = found.reshape(len(driven), 3 * m)
-            change = np.abs(found - values).max(axis=1)
-            values = found
+            integrals = np.concatenate(
+                [self._integrated(*start, lines, steps.h) for start in zip(driven, x, strict=True)]
+            )
+            integrals = integrals.reshape(len(driven), 3 * m)
+            change = np.abs(integrals - values).max(axis=1)
+            values = integrals
             if (change <= CONVERGED * np.abs(values).max(axis=1)).all():
                 break
         else:
@@ -315,7 +318,7 @@ class StateSimulation:
     def _integrated(self, state: State, x: float, lines: Mapping[str, FloatArray], h: FloatArray) -> FloatArray:
         """Return the values of a state at start, middle and end of steps, shape (3, m)."""
         target, rate, *_ = state.line_names
-        return _integrated(state, lines[target].reshape(3, -1), lines[rate].reshape(3, -1), h, x)
+        return integrated(state.settles, lines[target].reshape(3, -1), lines[rate].reshape(3, -1), h, x)
 
     def _nodes(self, interval: IntArray, share: FloatArray, rows: FloatArray) -> FloatArray:
         """Return the acting inputs at shares of the intervals that begin at some rows, shape (n_inputs, m).
@@ -331,57 +334,6 @@ class StateSimulation:
         for state in (state for state in self.states if state.is_temperature):
             nodes[self.index[state.name]] = rows[self.index[state.name], interval]
         return nodes
-
-
-@dataclass(frozen=True)
-class _Steps:
-    """Steps from row to row: the row at which the interval begins, shares of it, length in s, whether it ends it."""
-
-    interval: IntArray
-    begin: FloatArray
-    end: FloatArray
-    h: FloatArray
-    last: npt.NDArray[np.bool_]
-    halvings: int = 0
-
-    def take(self, chosen: IntArray) -> _Steps:
-        """Return some of the steps."""
-        begin, end, h, last = self.begin[chosen], self.end[chosen], self.h[chosen], self.last[chosen]
-        return _Steps(self.interval[chosen], begin, end, h, last, self.halvings)
-
-    def halves(self) -> tuple[_Steps, _Steps]:
-        """Return the first and the second half of the steps; a single step is divided."""
-        if len(self.h) > 1:
-            first, second = np.array_split(np.arange(len(self.h)), 2)
-            return self.take(first), self.take(second)
-        middle, h, n = (self.begin + self.end) / 2, self.h / 2, self.halvings + 1
-        return (
-            _Steps(self.interval, self.begin, middle, h, np.array([False]), n),
-            _Steps(self.interval, middle, self.end, h, self.last, n),
-        )
-
-
-_Course = Course | Accumulation | PathCourse | Part
-
-
-def _integrated(state: State, drive: FloatArray, rate: FloatArray, h: FloatArray, x: float) -> FloatArray:
-    """Return the values at start, middle and end of steps, shape (3, m), for drives and rates there."""
-    first, half, last = drive
-    quarter = (3.0 * first + 6.0 * half - last) / 8.0
-    if state.settles:
-        way, way_half = (
-            h * (rate[0] + 4.0 * rate[1] + rate[2]) / 6.0,
-            h * (5.0 * rate[0] + 8.0 * rate[1] - rate[2]) / 24.0,
-        )
-        decay, decay_half = (state_laws.lag(1.0, 0.0, 0.0, each) for each in (way, way_half))
-        gained = state_laws.lag_curved(0.0, first, half, last, way)
-        gained_half = state_laws.lag_curved(0.0, first, quarter, half, way_half)
-    else:
-        decay = decay_half = np.ones(len(h))
-        gained = state_laws.sum_curved(0.0, first, half, last, h)
-        gained_half = state_laws.sum_curved(0.0, first, quarter, half, h / 2.0)
-    ends = recursion(x, decay, gained)
-    return np.stack([ends[:-1], decay_half * ends[:-1] + gained_half, ends[1:]])
 
 
 def equilibrium(

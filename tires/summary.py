@@ -34,8 +34,8 @@ def tire_text(tire: TireDefinition) -> str:
         f"  nominal: {', '.join(f'{name} {value:.4g} {unit}'.rstrip() for name, value, unit in _nominal(tire))}",
     ]
     if tire.ranges:
-        known = (f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in tire.ranges.items())
-        lines.append(f"  ranges (SI): {', '.join(known)}")
+        ranges = (f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in tire.ranges.items())
+        lines.append(f"  ranges (SI): {', '.join(ranges)}")
     lines.append(f"  {given} of {len(tire.values)} coefficients given, {len(tire.has)} effects")
     if absent:
         lines.append(f"  without: {_few(absent)}")
@@ -49,8 +49,8 @@ def tire_html(tire: TireDefinition) -> str:
     >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
     True
     """
-    given = [each for name, each in tire.symbolic_model.coefficients.items() if name not in tire.defaulted]
-    rows = [(each.name, tire.values[each.name], each.unit, each.description) for each in given]
+    given = [declared for name, declared in tire.symbolic_model.coefficients.items() if name not in tire.defaulted]
+    rows = [(declared.name, tire.values[declared.name], declared.unit, declared.description) for declared in given]
     table = html_table(["coefficient", "value", "unit", "description"], rows)
     return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
 
@@ -58,7 +58,7 @@ def tire_html(tire: TireDefinition) -> str:
 def _nominal(tire: TireDefinition) -> list[tuple[str, float, str]]:
     """Return name, value and unit of the nominal inputs that are not 0."""
     values = [(q.name, tire.nominal(q.name), "" if q.unit == "1" else q.unit) for q in tire.symbolic_model.inputs]
-    return [each for each in values if each[1] != 0.0]
+    return [entry for entry in values if entry[1] != 0.0]
 
 
 def _few(names: list[str], most: int = 6) -> str:

@@ -232,3 +232,61 @@ def rolled_distance(t: FloatArray, speed: FloatArray, *, hold: bool = False) -> 
     held, following = np.abs(speed[:-1]), np.abs(speed[1:])
     rolled = state_laws.sum_linear(0.0, held, held if hold else following, np.maximum(np.diff(t), 0.0))
     return np.concatenate([[0.0], np.cumsum(rolled)])[: len(t)]
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Steps from row to row: the row at which the interval begins, shares of it, length in s, whether it ends it."""
+
+    interval: IntArray
+    begin: FloatArray
+    end: FloatArray
+    h: FloatArray
+    last: npt.NDArray[np.bool_]
+    halvings: int = 0
+
+    def take(self, chosen: IntArray) -> Steps:
+        """Return some of the steps."""
+        begin, end, h, last = self.begin[chosen], self.end[chosen], self.h[chosen], self.last[chosen]
+        return Steps(self.interval[chosen], begin, end, h, last, self.halvings)
+
+    def halves(self) -> tuple[Steps, Steps]:
+        """Return the first and the second half of the steps; a single step is divided."""
+        if len(self.h) > 1:
+            first, second = np.array_split(np.arange(len(self.h)), 2)
+            return self.take(first), self.take(second)
+        middle, h, n = (self.begin + self.end) / 2, self.h / 2, self.halvings + 1
+        return (
+            Steps(self.interval, self.begin, middle, h, np.array([False]), n),
+            Steps(self.interval, middle, self.end, h, self.last, n),
+        )
+
+
+def integrated(settles: bool, drive: FloatArray, rate: FloatArray, h: FloatArray, x: float) -> FloatArray:
+    """Return the values of a state at start, middle and end of steps, shape (3, m).
+
+    `settles`: whether it follows its drive; otherwise it is the sum of it. `drive`, `rate`, shape (3, m): at start,
+    middle and end. `h`, shape (m,): lengths of the steps, s. `x`: value at the first start.
+
+    >>> drive, h = np.ones((3, 2)), np.array([1.0, 2.0])
+    >>> integrated(False, drive, drive, h, 0.0)
+    array([[0. , 1. ],
+           [0.5, 2. ],
+           [1. , 3. ]])
+    """
+    first, half, last = drive
+    quarter = (3.0 * first + 6.0 * half - last) / 8.0
+    if settles:
+        way, way_half = (
+            h * (rate[0] + 4.0 * rate[1] + rate[2]) / 6.0,
+            h * (5.0 * rate[0] + 8.0 * rate[1] - rate[2]) / 24.0,
+        )
+        decay, decay_half = (state_laws.lag(1.0, 0.0, 0.0, path) for path in (way, way_half))
+        gained = state_laws.lag_curved(0.0, first, half, last, way)
+        gained_half = state_laws.lag_curved(0.0, first, quarter, half, way_half)
+    else:
+        decay = decay_half = np.ones(len(h))
+        gained = state_laws.sum_curved(0.0, first, half, last, h)
+        gained_half = state_laws.sum_curved(0.0, first, quarter, half, h / 2.0)
+    ends = recursion(x, decay, gained)
+    return np.stack([ends[:-1], decay_half * ends[:-1] + gained_half, ends[1:]])

@@ -14,6 +14,7 @@ from tirefmu.measurements.channels import OUTPUTS
 from tirefmu.tires.tire import Tire
 
 from .disturbances import Disturbances, reported_disturbances
+from .predicted_temperature import SURROUNDINGS, TEMPERATURE
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
@@ -46,7 +47,7 @@ def recording_errors(
         As `Diagnosis.recording`.
     """
     table = recording.table
-    known = {"t", "distance", *tire.inputs, *OUTPUTS}
+    known = {"t", "distance", *tire.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in signals.derived else ())}
     waves = [i for i, name in enumerate(disturbances.names) if name.startswith("wave")]
     turning = residual + disturbances.columns[:, :, waves] @ values[waves]
     return reported_disturbances(disturbances, values, signals) | {

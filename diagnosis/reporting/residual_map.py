@@ -11,12 +11,12 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.boundary.errors import DataError, nearest
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.measurements import Recording, TableLike, levels, recording_from
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.drawing.figure import Cells, Figure, Panel, Series
 from tirefmu.tires.drawing.labels import axis_label, drawn_unit, note, per_si
 from tirefmu.tires.drawing.style import BLACK
-from tirefmu.tires.drawing.whole_file import write_whole
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]

@@ -49,8 +49,6 @@ def verdict_text(
         parts.append(removed)
     if recording["derived_columns"]:
         parts.append(f"not recorded, but computed from other columns: {', '.join(recording['derived_columns'])}")
-    if recording["ignored_columns"]:
-        parts.append(f"ignored columns: {', '.join(recording['ignored_columns'])}")
     return ". ".join(part[0].upper() + part[1:] for part in parts)
 
 

@@ -30,7 +30,10 @@ STEERING_WINDOW, SPIN_WINDOW = 0.02, 0.1
 #: Accelerations below which a wheel rolls freely, m/s^2: there its rolling radius is calibrated.
 FREE_ROLLING = 0.5
 #: The channels of a grid, in the order of the residuals of the estimate.
-MEASURED = ("yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading")
+MEASURED = ("yaw_rate", "ax", "ay", "speed", "beta", "vy", "x", "y", "heading", "speed_rate")
+#: Without ax, the rate of the speed is that of the logged one, averaged over this time, s; its smallest standard
+#: deviation, m/s^2.
+RATE_WINDOW, RATE_DEVIATION = 0.3, 0.1
 
 
 @dataclass(frozen=True)
@@ -133,6 +136,9 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     for row, name in enumerate(MEASURED):
         if name in channels:
             means[row], noise[row] = _averaged(channels[name], edges, usable, name)
+    if "ax" not in channels:
+        means[-1] = np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
+        noise[-1] = RATE_DEVIATION
     empty = np.zeros((4, len(chosen)))
     rims = _rims(log, car, middle, speed)[:, chosen]
     grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty, rims)

@@ -171,8 +171,8 @@ def _matched(headers: list[str], columns: Mapping[str, str], source: str) -> Ite
             raise DataError(f"{source}: no column {quoted(wanted)} for {name}{nearest(wanted, headers)}")
         else:
             continue
-        own = _UNIT.fullmatch(header)
-        yield name, header, unit or (own["unit"] if own and header != wanted else "")
+        declared = _UNIT.fullmatch(header)
+        yield name, header, unit or (declared["unit"] if declared and header != wanted else "")
 
 
 def _clean(t: FloatArray, values: FloatArray, name: str, place: str) -> Samples:
@@ -189,8 +189,8 @@ def _clean(t: FloatArray, values: FloatArray, name: str, place: str) -> Samples:
 
 def _check(channels: dict[str, Samples], source: str, headers: list[str]) -> None:
     """Give each channel its times without gaps of its own, and raise if what an estimate needs is missing."""
-    own = [name for name, (t, _) in channels.items() if not len(t)]
-    if own and "t" not in channels:
+    empty = [name for name, (t, _) in channels.items() if not len(t)]
+    if empty and "t" not in channels:
         raise DataError(f"{source}: no channel t (time, s){_hint('t', headers)}")
     clock = channels.pop("t", (np.empty(0), np.empty(0)))[1]
     for name, (t, values) in channels.items():

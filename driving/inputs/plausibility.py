@@ -29,6 +29,7 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
     source = log.source
     yaw_rate = _yaw_rate(grid)
     wanted = speed * steer / car.values["wheelbase"]
+    # About zero, not about the means: a circle at rising speed explains itself, a slalom with held steering does not.
     gain, correlation = _slope(wanted, yaw_rate)
     if np.std(steer) < MIN_STEER and abs(correlation) < MIN_CORRELATION:
         raise DataError(
@@ -47,7 +48,8 @@ def check_log(log: Log, car: Car, grid: Grid, speed: FloatArray) -> None:
         raise DataError(f"{source}: the yaw rate is {gain:.3g} times v delta / wheelbase of {car.source}: {hint}?")
     ay = grid.means[MEASURED.index("ay")]
     if np.isfinite(ay).any():
-        gain, correlation = _slope(speed * yaw_rate, ay)
+        lateral = speed * yaw_rate
+        gain, correlation = _slope(lateral - np.nanmean(lateral), ay - np.nanmean(ay))
         if correlation < 0.0:
             raise DataError(f"{source}: ay and yaw rate have opposite signs: both are positive to the left")
         if not LATERAL_GAIN[0] < gain < LATERAL_GAIN[1]:
@@ -60,11 +62,11 @@ def _yaw_rate(grid: Grid) -> FloatArray:
     if np.isfinite(measured).any():
         return np.asarray(measured)
     heading = grid.means[MEASURED.index("heading")]
-    known = np.isfinite(heading)
-    return np.asarray(np.gradient(np.interp(grid.t, grid.t[known], heading[known]), grid.t))
+    finite = np.isfinite(heading)
+    return np.asarray(np.gradient(np.interp(grid.t, grid.t[finite], heading[finite]), grid.t))
 
 
 def _slope(x: FloatArray, y: FloatArray) -> tuple[float, float]:
-    known = np.isfinite(x) & np.isfinite(y)
-    x, y = x[known] - x[known].mean(), y[known] - y[known].mean()
+    finite = np.isfinite(x) & np.isfinite(y)
+    x, y = x[finite], y[finite]
     return float(x @ y / (x @ x + 1e-300)), float(x @ y / np.sqrt((x @ x) * (y @ y) + 1e-300))

@@ -1,15 +1,24 @@
 "use strict";
 
-/** Lines differ in colour, width and dashes; every colour has a contrast of at least 4.5 on white. */
+/**
+ * Lines differ in colour, width and dashes; every colour has a contrast of at least 4.5 on white. Axes are not stretched
+ * for the extrapolation of a second tire.
+ */
 const STYLES = {
   loaded: { stroke: "#3d3d3d", width: 2, dash: [3, 4] },
   other: { stroke: "#a33b00", width: 2, dash: [10, 4] },
-  family: { stroke: "#4a6fa5", width: 1, dash: [] },
+  otherBeyond: { stroke: "#a33b00", width: 2, dash: [2, 4], auto: false },
+  family: { width: 1.5, dash: [] },
+  steady: { stroke: "#4a6fa5", width: 1, dash: [] },
   now: { stroke: "#0b4f9c", width: 2.5, dash: [] },
   beyond: { stroke: "#0b4f9c", width: 2.5, dash: [2, 4] },
 };
-/** Measured points: bytes alpha, blue, green, red, and the side of a square in pixels of the page. */
-const POINT_COLOR = 0xa05f7800;
+/** Colours of other loads and of their measured points, from the smallest load. */
+const LOAD_COLORS = ["#7b3294", "#b2182b", "#8a5a00", "#00785f", "#c51b7d", "#4d4d4d"];
+/** Colour of a measured point without its own. */
+const POINT_COLOR = "#00785f";
+/** Opacity of a measured point, and the side of its square in pixels of the page. */
+const POINT_OPACITY = 0xa0;
 const POINT_SIZE = 3;
 const CHART_HEIGHT = 260;
 /** Half the width of a printed A4 or letter page, less margins and frame. */
@@ -32,7 +41,7 @@ class Chart {
     this.figure.append(caption, this.box);
     host.append(this.figure);
     this.labels = "";
-    this.points = null;
+    this.points = [];
     this.ranges = {};
     this.moving = false;
     this.width = 0;
@@ -50,17 +59,19 @@ class Chart {
   }
 
   /**
-   * Draw curves {label, style, x, y} and points {x, y}; all curves of a chart that is no locus have the same x. While
-   * they move, axes grow in steps and do not shrink: points are drawn again only if an axis has changed.
+   * Draw curves {label, style, x, y} and lists of points {x, y, color}; all curves of a chart that is no locus have the
+   * same x. A colour of a curve replaces that of its style. While they move, axes grow in steps and do not shrink:
+   * points are drawn again only if an axis has changed.
    */
-  draw(curves, points, moving = false) {
-    if (this.points?.x !== points?.x || this.points?.y !== points?.y) this.layer = null;
+  draw(curves, points = [], moving = false) {
+    const same = (each, i) => ["x", "y", "color"].every((key) => each[key] === this.points[i][key]);
+    if (points.length !== this.points.length || !points.every(same)) this.layer = null;
     this.points = points;
     this.moving = moving;
     const data = this.locus
       ? [null, ...curves.map((each) => [each.x, each.y])]
       : [curves[0].x, ...curves.map((each) => each.y)];
-    const labels = curves.map((each) => `${each.label} ${each.style}`).join("|");
+    const labels = curves.map((each) => `${each.label} ${each.style} ${each.color}`).join("|");
     if (labels === this.labels) this.plot.setData(data);
     else {
       this.plot?.destroy();
@@ -95,8 +106,8 @@ class Chart {
       series: [
         this.locus ? {} : { label: this.titles[0], value: (_, value) => shortNumber(value) },
         ...curves.map((each) => ({
-          label: each.label, ...STYLES[each.style], ...paths, points: { show: false },
-          value: (_, value) => shortNumber(value),
+          label: each.label, ...STYLES[each.style], ...(each.color ? { stroke: each.color } : {}), ...paths,
+          points: { show: false }, value: (_, value) => shortNumber(value),
         })),
       ],
       cursor: { drag: { x: true, y: this.locus }, ...(this.locus ? { points: { show: false } } : {}) },
@@ -109,8 +120,8 @@ class Chart {
   range(axis, low, high) {
     if (low === null || low === undefined) return [0, 1];
     let [from, to] = [low, high];
-    if (this.points && !this.zoomed()) {
-      const [least, most] = this.points[axis].extent;
+    for (const each of this.zoomed() ? [] : this.points) {
+      const [least, most] = each[axis].extent;
       from = Math.min(from, least);
       to = Math.max(to, most);
     }
@@ -129,7 +140,7 @@ class Chart {
 
   /** Draw the measured points from a layer of their own, made again when a scale or the size has changed. */
   drawPoints(plot) {
-    if (!this.points) return;
+    if (!this.points.length) return;
     const { left, top, width, height } = plot.bbox;
     const { x, y } = plot.scales;
     const key = [left, top, width, height, x.min, x.max, y.min, y.max].join();
@@ -139,7 +150,7 @@ class Chart {
       canvas.height = height;
       const across = (value) => ((value - x.min) / (x.max - x.min)) * width;
       const down = (value) => (1 - (value - y.min) / (y.max - y.min)) * height;
-      fillSquares(canvas, this.points.x.values, across, this.points.y.values, down);
+      fillSquares(canvas, this.points, across, down);
       this.layer = { key, canvas };
     }
     plot.ctx.drawImage(this.layer.canvas, left, top);
@@ -147,22 +158,31 @@ class Chart {
 }
 
 /** Fill a square at each point of a layer. Pixels are set directly: thousands of rectangles would take a frame's time. */
-function fillSquares(canvas, xs, across, ys, down) {
+function fillSquares(canvas, points, across, down) {
   const { width, height } = canvas;
   const context = canvas.getContext("2d");
   const image = context.createImageData(width, height);
   const pixels = new Uint32Array(image.data.buffer);
   const size = Math.round(POINT_SIZE * devicePixelRatio);
-  for (let i = 0; i < xs.length; i += 1) {
-    const left = Math.round(across(xs[i]) - size / 2);
-    const top = Math.round(down(ys[i]) - size / 2);
-    for (let row = Math.max(top, 0); row < Math.min(top + size, height); row += 1) {
-      for (let column = Math.max(left, 0); column < Math.min(left + size, width); column += 1) {
-        pixels[row * width + column] = POINT_COLOR;
+  for (const { x, y, color = POINT_COLOR } of points) {
+    const pixel = pixelOf(color);
+    for (let i = 0; i < x.values.length; i += 1) {
+      const left = Math.round(across(x.values[i]) - size / 2);
+      const top = Math.round(down(y.values[i]) - size / 2);
+      for (let row = Math.max(top, 0); row < Math.min(top + size, height); row += 1) {
+        for (let column = Math.max(left, 0); column < Math.min(left + size, width); column += 1) {
+          pixels[row * width + column] = pixel;
+        }
       }
     }
   }
   context.putImageData(image, 0, 0);
+}
+
+/** Return a colour "#rrggbb" as the bytes opacity, blue, green, red. */
+function pixelOf(color) {
+  const [red, green, blue] = [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16));
+  return ((POINT_OPACITY << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }
 
 /** Draw a curve whose points are in any order; nothing remains for the library to draw. */

@@ -3,6 +3,8 @@
 /** Points of a curve: at rest, and while a slider moves. */
 const POINTS = 201;
 const MOVING_POINTS = 101;
+/** Points by which a curve that is the same everywhere is recognized. */
+const FEW_POINTS = 5;
 /** Loads of the family of curves, as shares of the selected load. */
 const FAMILY = [0.5, 0.75, 1, 1.25, 1.5];
 /** Slip angles of the curves of combined slip, deg. */

@@ -7,10 +7,11 @@ class MeasuredRows {
     this.conditions = data.conditions.map((each) => ({ ...each, columns: decodedColumns(each.columns) }));
   }
 
-  /** The measured loads, from the smallest: levels within 3 % are one load. */
-  get loads() {
-    const found = this.conditions.map((each) => each.levels.Fz).filter((load) => load > 0).sort((a, b) => a - b);
-    return found.filter((load, i) => !i || load > 1.03 * found[i - 1]);
+  /** Return the conditions that have all levels but the load in common with a selected one, from the smallest load. */
+  atAllLoads(selected) {
+    const others = ({ texts }) => JSON.stringify({ ...texts, Fz: "" });
+    const found = this.conditions.filter((each) => each.levels.Fz > 0 && others(each) === others(this.conditions[selected]));
+    return found.sort((a, b) => a.levels.Fz - b.levels.Fz);
   }
 
   /** The axes of a grid of conditions: the sweep and each held input with several levels, with their texts. */

@@ -14,12 +14,13 @@ let panel = null;
 let timePanel = null;
 let charts = [];
 let conditionAxes = [];
-let drawn = 0;
+let drawn = "";
 let seen = null;
 let pending = 0;
 let delayed = 0;
 let resting = 0;
 
+const titlesOf = (specs) => specs.map((each) => each.name).join();
 const input = (name) => now.data.inputs.find((each) => each.name === name);
 const range = (name) => {
   const { low, high } = input(name);
@@ -30,56 +31,70 @@ const range = (name) => {
 function sources() {
   const load = view.inputs.Fz;
   const found = [{ label: "as loaded", tire: loaded, load, style: "loaded" }];
-  if (other) found.push({ label: other.data.name, tire: other, load, style: "other" });
-  for (const each of view.family ? familyLoads() : []) {
-    found.push({ label: `${shortNumber(Math.round(each))} N`, tire: now, load: each, style: "family" });
+  if (other) found.push({ label: other.data.name, tire: other, load, style: extrapolated(other).length ? "otherBeyond" : "other" });
+  for (const each of view.family ? familyLoads().filter((load) => !isSelected(load)) : []) {
+    found.push({ label: `${shortNumber(Math.round(each))} N`, tire: now, load: each, style: "family", color: loadColor(each) });
   }
-  return [...found, { label: "this tire", tire: now, load, style: extrapolated().length ? "beyond" : "now" }];
+  return [...found, { label: "this tire", tire: now, load, style: extrapolated(now).length ? "beyond" : "now" }];
 }
 
-/** Return the measured loads, or shares of the selected one within the range of the tire, without the selected one. */
+/** Return the loads measured at the selected condition, or shares of the selected load within the range of the tire. */
 function familyLoads() {
   const { low, high } = range("Fz");
-  const loads = measured.loads.length > 1 ? measured.loads : FAMILY.map((share) => share * view.inputs.Fz);
-  return loads.filter((load) => load >= 0.99 * low && load <= 1.01 * high && Math.abs(load / view.inputs.Fz - 1) > 0.03);
+  const found = measuredLoads().map((each) => each.levels.Fz);
+  if (found.length > 1) return found;
+  return FAMILY.map((share) => share * view.inputs.Fz).filter((load) => load >= 0.99 * low && load <= 1.01 * high);
 }
 
-/** Return the selected inputs that are beyond the range of the tire. */
-function extrapolated() {
-  const outside = ({ name, low, high }) => Math.max(low - view.inputs[name], view.inputs[name] - high) > 0.01 * (high - low);
-  return now.data.inputs.filter(outside).map((each) => each.name);
+const measuredLoads = () => (measured.conditions.length ? measured.atAllLoads(view.condition) : []);
+const isSelected = (load) => Math.abs(load / view.inputs.Fz - 1) < 0.03;
+/** Return the colour of a load: the selected one has that of the tire's curve. */
+const loadColor = (load) => (isSelected(load) ? STYLES.now.stroke : LOAD_COLORS[familyLoads().indexOf(load) % LOAD_COLORS.length]);
+
+/** Return the selected inputs that are beyond the range of a tire. */
+function extrapolated(tire) {
+  return tire.data.inputs.filter((each) => isBeyond(each, view.inputs[each.name])).map((each) => each.name);
+}
+
+const isBeyond = ({ low, high }, value) => Math.max(low - value, value - high) > 0.01 * (high - low);
+
+/** Return a curve of a tire over an input without its part beyond the range of the tire. */
+function within(tire, name, xs, ys) {
+  const own = tire.data.inputs.find((each) => each.name === name);
+  return ys.map((y, i) => (isBeyond(own, xs[i]) ? null : y));
 }
 
 /** Whether several loads are shown unless the user chooses otherwise. */
-const familyAtFirst = () => measured.loads.length > 1;
+const familyAtFirst = () => measuredLoads().length > 1;
 
 /** Return the charts for the selected slip: an output or a quantity with a role, over an input. */
 function chartSpecs() {
   const first = view.over === "alpha" ? ["Fy", "Mz"] : ["Fx", "Fy"];
   const place = (each) => (first.includes(each.name) ? first.indexOf(each.name) : first.length);
-  const outputs = now.data.outputs.filter((each) => !isEmpty(each.name)).sort((a, b) => place(a) - place(b));
-  const specs = outputs.map((each) => ({ ...each, results: "forces", of: () => each.name, over: view.over }));
+  const outputs = [...now.data.outputs].sort((a, b) => place(a) - place(b));
+  const specs = outputs.map((each) => ({ ...each, results: "forces", of: () => each.name, over: view.over, idle: 0 }));
   const weighting = view.over === "alpha" ? "weighting_x" : "weighting_y";
   for (const role of [weighting, "stiffness_y", "stiffness_x", "friction_y", "friction_x"]) {
     const own = now.data.roles[role];
     const over = role === weighting ? view.over : "Fz";
-    if (own) specs.push({ ...own, results: "quantities", of: (tire) => tire.data.roles[role]?.name, over });
+    const idle = role === weighting ? 1 : 0;
+    if (own) specs.push({ ...own, results: "quantities", of: (tire) => tire.data.roles[role]?.name, over, idle });
   }
-  return specs;
+  return specs.filter((each) => !isEmpty(each) || measuredPoints(each.name, each.over).length);
 }
 
-/** Return whether an output is 0 at all slips for every tire of the page. */
-function isEmpty(name) {
-  const slips = ["alpha", "kappa"].filter(input).flatMap((slip) => [range(slip).low, range(slip).high].map((end) => ({ [slip]: end })));
-  const tires = [now, loaded, ...(other ? [other] : [])].filter((tire) => tire.data.outputs.some((each) => each.name === name));
-  return tires.every((tire) => slips.every((slip) => tire.forces(inputsOf(tire, { ...view.inputs, ...slip }))[name] === 0));
+/** Return whether a chart has nothing to show: a force of 0, or a weighting of 1, over the slip for every tire. */
+function isEmpty({ results, of, over, idle }) {
+  const places = spaced(range(over).low, range(over).high, FEW_POINTS).map((value) => ({ ...view.inputs, [over]: value }));
+  const tires = [now, loaded, ...(other ? [other] : [])].filter(of);
+  return tires.every((tire) => places.every((at) => (tire[results](inputsOf(tire, at))[of(tire)] ?? idle) === idle));
 }
 
 function buildCharts() {
   const host = find("charts");
   host.replaceChildren();
   const specs = chartSpecs();
-  drawn = specs.length;
+  drawn = titlesOf(specs);
   charts = specs.map((spec) => {
     const over = input(spec.over);
     const title = `${spec.name} over ${over.name}: ${spec.text}`;
@@ -113,7 +128,7 @@ function updateCurves(chart, spec, moving = false) {
   const { scale } = input(spec.over);
   const count = moving ? MOVING_POINTS : POINTS;
   const curves = [];
-  for (const { label, tire, load, style } of sources()) {
+  for (const { label, tire, load, style, color } of sources()) {
     const name = spec.of(tire);
     if (!name || !tire.data.inputs.some((each) => each.name === spec.over)) continue;
     const inputs = { ...view.inputs, Fz: load };
@@ -121,9 +136,10 @@ function updateCurves(chart, spec, moving = false) {
     const wanted = wantedNames(tire, spec.results);
     const found = sweeps.sweep(label, tire, inputs, spec.over, range(spec.over), count, spec.results, wanted);
     found.shown ??= found.x.map((x) => x * scale);
-    if (found.curves[name]) curves.push({ label, style, x: found.shown, y: found.curves[name] });
+    const values = found.curves[name];
+    if (values) curves.push({ label, style, color, x: found.shown, y: tire === other ? within(tire, spec.over, found.x, values) : values });
   }
-  chart.draw(curves, spec.results === "forces" ? measuredPoints(spec.name, spec.over) : null, moving);
+  chart.draw(curves, spec.results === "forces" ? measuredPoints(spec.name, spec.over) : [], moving);
 }
 
 function wantedNames(tire, results) {
@@ -140,7 +156,7 @@ function updateLoci(chart, alphas, moving = false) {
       return { label: place, style, x: found.curves.Fx, y: found.curves.Fy };
     }),
   );
-  chart.draw(curves, null, moving);
+  chart.draw(curves, [], moving);
 }
 
 /** Draw a surface; `shared` has the forces that other surfaces have computed for the same state. */
@@ -152,15 +168,17 @@ function updateSurface(chart, name, shared) {
   chart.draw(alphas.map((alpha) => alpha * scale), kappas, shared.surfaces[name]);
 }
 
-/** Return the measured points of the selected condition over a slip. */
+/** Return the measured points over a slip: those of the selected condition, and at the other loads that are shown. */
 function measuredPoints(output, over) {
-  const condition = measured.conditions[view.condition];
-  const columns = condition?.columns ?? {};
-  if (!(output in columns) || !(over in columns) || (condition.slip && condition.slip !== over)) return null;
-  condition.axes ??= {};
-  condition.axes[over] ??= measuredAxis(columns[over], input(over).scale);
-  condition.axes[output] ??= measuredAxis(columns[output], 1);
-  return { x: condition.axes[over], y: condition.axes[output] };
+  const selected = measured.conditions[view.condition];
+  const conditions = view.family && familyAtFirst() ? measuredLoads() : selected ? [selected] : [];
+  const drawn = ({ columns, slip }) => output in columns && over in columns && (!slip || slip === over);
+  return conditions.filter(drawn).map((each) => {
+    each.axes ??= {};
+    each.axes[over] ??= measuredAxis(each.columns[over], input(over).scale);
+    each.axes[output] ??= measuredAxis(each.columns[output], 1);
+    return { x: each.axes[over], y: each.axes[output], color: conditions.length > 1 ? loadColor(each.levels.Fz) : POINT_COLOR };
+  });
 }
 
 /** Draw visible charts in the next frame; everything else when no change has followed for a moment. */
@@ -174,13 +192,14 @@ function render() {
   clearTimeout(delayed);
   clearTimeout(resting);
   delayed = setTimeout(() => {
-    if (chartSpecs().length !== drawn) buildCharts();
+    if (titlesOf(chartSpecs()) !== drawn) buildCharts();
     const shared = {};
     for (const each of charts) if (each.visible) drawWhole(each, shared);
     timePanel.draw();
     showNumbers();
     showQuality();
     showStatus();
+    showKey();
     writeHash();
     drawRest(charts.filter((each) => !each.visible), shared);
   }, 150);
@@ -243,45 +262,9 @@ function showStatus() {
   const tire = changeText(now.changes());
   const inputs = [...inputRows].filter(([, row]) => row.changed).map(([name]) => name).join(", ");
   const changed = [tire && `Changed: ${tire}.`, inputs && `Inputs changed: ${inputs}.`].filter(Boolean).join(" ");
-  const beyond = extrapolated().join(", ");
-  find("status").textContent = (changed || "Nothing is changed.") + (beyond && ` Extrapolated: ${beyond} beyond the range of the tire.`);
-}
-
-/** Write the state of the page to its address: coefficients, effects, inputs and choices that differ. */
-function writeHash() {
-  const state = new URLSearchParams();
-  const changes = now.changes();
-  for (const each of changes.coefficients) state.set(each.name, now.values.get(each.name));
-  for (const each of changes.effects) state.set(`effect.${each.name}`, now.on.has(each.name) ? "on" : "off");
-  for (const [name, row] of inputRows) if (row.changed) state.set(`input.${name}`, view.inputs[name]);
-  if (view.over !== (measured.conditions[view.condition]?.slip || "alpha")) state.set("over", view.over);
-  if (view.family !== familyAtFirst()) state.set("loads", view.family ? "5" : "1");
-  if (view.condition) state.set("condition", view.condition);
-  if (timePanel.text()) state.set("time", timePanel.text());
-  const hash = `#${state}`;
-  if (hash !== location.hash && !(hash === "#" && !location.hash)) history.replaceState(null, "", hash);
-}
-
-/** Read the state of the page from its address; what is unknown or no number is ignored. */
-function readHash() {
-  now.reset();
-  const state = new URLSearchParams(location.hash.slice(1));
-  const number = (text) => (text !== null && text.trim() !== "" && Number.isFinite(Number(text)) ? Number(text) : undefined);
-  view.condition = Math.min(Math.max(Math.trunc(number(state.get("condition")) ?? 0), 0), Math.max(measured.conditions.length - 1, 0));
-  view.over = measured.conditions[view.condition]?.slip || view.over;
-  resetInputs();
-  for (const [key, text] of state) {
-    const value = number(text);
-    if (now.values.has(key) && value !== undefined) now.values.set(key, value);
-    const [kind, name] = key.split(".");
-    if (kind === "input" && name in view.inputs && value !== undefined) view.inputs[name] = value;
-    if (kind === "effect" && now.all.has(name)) text === "on" ? now.on.add(name) : now.on.delete(name);
-  }
-  now.update();
-  const slips = now.data.inputs.map((each) => each.name);
-  view.over = ["alpha", "kappa"].includes(state.get("over")) && slips.includes(state.get("over")) ? state.get("over") : view.over;
-  view.family = familyAtFirst() ? state.get("loads") !== "1" : state.get("loads") === "5";
-  timePanel.read(state.get("time"));
+  const beyond = [now, ...(other ? [other] : [])].filter((each) => extrapolated(each).length);
+  const notes = beyond.map((each) => ` Extrapolated: ${extrapolated(each).join(", ")} beyond the range of ${each === now ? "the tire" : each.data.name}.`);
+  find("status").textContent = (changed || "Nothing is changed.") + notes.join("");
 }
 
 /** Return an input of the page without changes: the level of the selected condition, or nominal. */
@@ -330,10 +313,21 @@ function buildInputs() {
   }
 }
 
-function buildKey() {
-  const styles = [["now", "this tire"], ["loaded", "as loaded"], ...(other ? [["other", other.data.name]] : []), ["family", "other loads"]];
-  for (const [style, text] of styles) find("key").append(element("li", {}, element("span", { class: `line ${style}`, "aria-hidden": "true" }), text));
-  if (measured.conditions.length) find("key").append(element("li", {}, element("span", { class: "point", "aria-hidden": "true" }), "measured"));
+/** Show the line of each tire and the color of each load. */
+function showKey() {
+  const entry = (kind, text, color = "") => {
+    const sign = element("span", { class: kind, "aria-hidden": "true" });
+    sign.style.borderColor = color;
+    return element("li", {}, sign, text);
+  };
+  const loads = sources().filter((each) => each.style === "family");
+  find("key").replaceChildren(
+    entry("line now", loads.length ? `this tire, ${Math.round(view.inputs.Fz)} N` : "this tire"),
+    entry("line loaded", "as loaded"),
+    ...(other ? [entry("line other", other.data.name)] : []),
+    ...loads.map((each) => entry("line family", each.label, each.color)),
+    ...(measured.conditions.length ? [loads.length ? entry("point", "measured, in the color of its load", STYLES.now.stroke) : entry("point", "measured")] : []),
+  );
 }
 
 /** Return the condition with a text on an axis that differs on the fewest others from the selected condition. */
@@ -371,7 +365,6 @@ function start() {
   const elements = { ...found, section: find("time"), host: find("responses") };
   timePanel = new TimePanel(elements, { now, loaded, other }, () => view.inputs, render);
   buildInputs();
-  buildKey();
   buildMeasured();
   find("save").addEventListener("click", () => saveFile(`${now.data.file_name}.tir`, propertyFile(now)));
   find("reset-all").addEventListener("click", () => {

@@ -22,7 +22,7 @@ class TimePanel {
     this.exists = this.states.length > 0;
     found.section.hidden = !this.exists;
     if (!this.exists) return;
-    this.inputs = data.inputs;
+    this.inputs = data.inputs.filter((each) => !data.states.some(({ name }) => name === each.name));
     for (const { name } of this.inputs) found.input.append(element("option", { value: name }, name));
     for (const kind of COURSES) {
       const radio = element("input", { type: "radio", name: "course", id: `course-${kind}`, value: kind });
@@ -93,31 +93,38 @@ class TimePanel {
     const { data } = this.tires.now;
     const axes = (each) => ({ xTitle: "t (s)", yTitle: each.unit ? `${each.name} (${each.unit})` : each.name });
     const chart = (each) => new Chart(this.found.host, { title: `${each.name} over time: ${each.text}`, ...axes(each) });
+    const alone = (kind) => (each) => ({ name: each.name, kind, members: [each.name], chart: chart(each) });
+    const nodes = this.states.filter((each) => each.temperature);
+    const together = { name: "temperature", text: "of each part of the tire", unit: nodes[0]?.unit };
     this.charts = [
-      ...data.outputs.map((each) => ({ name: each.name, kind: "forces", chart: chart(each) })),
-      ...this.states.map((each) => ({ name: each.name, kind: "states", chart: chart(each) })),
+      ...data.outputs.map(alone("forces")),
+      ...(nodes.length ? [{ ...alone("states")(together), members: nodes.map((each) => each.name) }] : []),
+      ...this.states.filter((each) => !each.temperature).map(alone("states")),
     ];
   }
 
-  /** Compute the responses and draw them; a chart of a state that no tire has is hidden. */
+  /** Compute the responses and draw them; a chart of a state that no tire has, or of a force of 0, is hidden. */
   draw() {
     if (!this.exists) return;
     const course = { ...this.course, duration: this.duration() };
     const shown = Object.entries({ loaded: this.tires.loaded, other: this.tires.other, now: this.tires.now })
       .filter(([, tire]) => tire?.data.inputs.some((each) => each.name === course.input))
       .map(([style, tire]) => [style, tire, timeResponse(tire, this.selected(), course)]);
-    for (const { name, kind, chart } of this.charts) {
+    for (const { kind, members, chart } of this.charts) {
       const curves = [];
       for (const [style, tire, response] of shown) {
         const label = { loaded: "as loaded", other: tire.data.name, now: "this tire" }[style];
+        members.forEach((name, i) => {
+          const y = response[kind].map((each) => each[name]);
+          const own = members.length > 1 ? { label: `${name}, ${label}`, color: LOAD_COLORS[i] } : { label };
+          if (y[0] !== undefined) curves.push({ ...own, style, x: response.t, y });
+        });
         if (kind === "forces" && style === "now") {
-          curves.push({ label: "in steady state", style: "family", x: response.t, y: response.steady.map((each) => each[name]) });
+          curves.unshift({ label: "in steady state", style: "steady", x: response.t, y: response.steady.map((each) => each[members[0]]) });
         }
-        const y = response[kind].map((each) => each[name]);
-        if (y[0] !== undefined) curves.push({ label, style, x: response.t, y });
       }
-      chart.figure.hidden = !curves.length;
-      if (curves.length) chart.draw(curves, null);
+      chart.figure.hidden = !curves.length || (kind === "forces" && curves.every(({ y }) => y.every((value) => !value)));
+      if (curves.length) chart.draw(curves);
       chart.describe();
     }
   }

@@ -111,7 +111,7 @@ class TireState {
 
   /**
    * Return silent inputs with every state in equilibrium, as in Python's `equilibrium`; at the start of a recording a
-   * state that declares a start value has that, and a temperature always.
+   * state that declares a start value has that. A temperature has the selected value, else that of the start.
    */
   acting(inputs, start = false) {
     const acting = this.silent(inputs);
@@ -121,7 +121,7 @@ class TireState {
       let converged = true;
       for (const state of this.states) {
         const before = acting[state.name];
-        let now = lines[state.start];
+        let now = (state.temperature ? inputs[state.name] : undefined) ?? lines[state.start];
         if (state.settles && !(state.declares_start && (start || state.temperature))) {
           now = i === 0 ? lines[state.target] : (before + lines[state.target]) / 2;
         }

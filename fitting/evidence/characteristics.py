@@ -62,12 +62,12 @@ class _Peak:
 
 def characteristics(residuals: Residuals) -> tuple[Characteristic, ...]:
     """Return largest friction, its slip, and trail of each recording at each load; empty without such rows."""
-    found: list[Characteristic] = []
+    results: list[Characteristic] = []
     for number, source in enumerate(residuals.sources):
         for slip, channel in FORCES.items():
             if channel in residuals.channels and slip in residuals.table:
-                found += _peaks(residuals, number, source, slip, channel)
-    return (*found, *_trails(residuals))
+                results += _peaks(residuals, number, source, slip, channel)
+    return (*results, *_trails(residuals))
 
 
 def _peaks(residuals: Residuals, number: int, source: str, slip: str, channel: str) -> Iterator[Characteristic]:
@@ -112,19 +112,19 @@ def _peak(residuals: Residuals, rows: IntArray, slip: str, channel: str) -> _Pea
     parts = min(PARTS, len(rows) // (2 * MIN_ROWS))
     part = np.minimum((slips / slips.max() * parts).astype(np.int64), parts - 1)
     count = np.bincount(part, minlength=parts)
-    own = count >= MIN_ROWS
-    if own.sum() < MIN_PARTS:
+    filled = count >= MIN_ROWS
+    if filled.sum() < MIN_PARTS:
         return None
-    means = [np.bincount(part, values / load, parts)[own] / count[own] for values in (measured, computed)]
-    at = (np.bincount(part, slips, parts)[own] / count[own])[1:-1]
+    means = [np.bincount(part, values / load, parts)[filled] / count[filled] for values in (measured, computed)]
+    at = (np.bincount(part, slips, parts)[filled] / count[filled])[1:-1]
     sign = np.sign(means[0][-MIN_PARTS:].mean())
-    curve, fitted = (sign * np.convolve(each, np.ones(AVERAGED) / AVERAGED, "valid") for each in means)
+    curve, fitted = (sign * np.convolve(mean, np.ones(AVERAGED) / AVERAGED, "valid") for mean in means)
     peak, fitted_peak = int(curve.argmax()), int(fitted.argmax())
     scatter = (measured - computed) / load
     mean = np.bincount(part, scatter, parts) / np.maximum(count, 1)
     scatter = scatter - mean[part]
     length = correlation_length(scatter, residuals.segment[rows])
-    rows_at_peak = float(count[own][peak : peak + AVERAGED].sum())
+    rows_at_peak = float(count[filled][peak : peak + AVERAGED].sum())
     error = float(np.std(scatter)) * float(np.sqrt(length / rows_at_peak))
     flat = at[curve >= curve[peak] - 2.0 * error]
     width = float(slips.max()) / parts
@@ -137,7 +137,7 @@ def _peak(residuals: Residuals, rows: IntArray, slip: str, channel: str) -> _Pea
 def _trails(residuals: Residuals) -> Iterator[Characteristic]:
     """Yield the pneumatic trail at zero slip at each load: the slope of Mz over the slope of Fy."""
     slopes = read_stiffnesses(residuals, (("alpha", "Fy"), ("alpha", "Mz")))
-    by_load = {channel: [each for each in slopes if each.channel == channel] for channel in ("Fy", "Mz")}
+    by_load = {channel: [stiffness for stiffness in slopes if stiffness.channel == channel] for channel in ("Fy", "Mz")}
 
     def fitted(slope: ReadStiffness) -> float:
         return float(slope.influence @ residuals.computed[slope.channel][slope.rows])

@@ -36,7 +36,7 @@ class Clipped:
 def clipped_channels(residuals: Residuals) -> tuple[Clipped, ...]:
     """Return the fitted channels of each recording of which many rows have the same extreme value."""
     units = {output.name: output.unit for output in residuals.tire.symbolic_model.outputs}
-    found = []
+    clipped = []
     for number, source in enumerate(residuals.sources):
         for channel in residuals.channels:
             values = residuals.table[channel].to_numpy(dtype=float)[residuals.recording == number]
@@ -49,5 +49,5 @@ def clipped_channels(residuals: Residuals) -> tuple[Clipped, ...]:
             enough = max(MIN_SHARE, MIN_ROWS / len(values))
             if max(shares) >= enough:
                 low, high = (end if share >= enough else nan for end, share in zip(ends, shares, strict=True))
-                found.append(Clipped(source, channel, units[channel], low, high, sum(shares)))
-    return tuple(found)
+                clipped.append(Clipped(source, channel, units[channel], low, high, sum(shares)))
+    return tuple(clipped)

@@ -66,7 +66,7 @@ def disagreeing_files(residuals: Residuals) -> tuple[Disagreement, ...]:
         for channel in residuals.channels:
             sides = np.flatnonzero(numbers == a), np.flatnonzero(numbers == b)
             differences.append(_compared(residuals, channel, sides, (residuals.sources[a], residuals.sources[b])))
-    return tuple(each for each in differences if each is not None)
+    return tuple(difference for difference in differences if difference is not None)
 
 
 def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
@@ -87,12 +87,12 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
             for k in same
         ]
         for channel in residuals.channels:
-            found = [
+            differences_of_channel = [
                 _compared(residuals, channel, sides, (f"{source}, segment {k + 1}", "others")) for k, sides in pairs
             ]
-            known = [each for each in found if each is not None]
-            if known:
-                differences.append(max(known, key=lambda each: abs(each.sigmas)))
+            defined = [difference for difference in differences_of_channel if difference is not None]
+            if defined:
+                differences.append(max(defined, key=lambda difference: abs(difference.sigmas)))
     return tuple(differences)
 
 
@@ -111,11 +111,11 @@ def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
             if _swept(residuals, rows_of_recording, slip)
         }
         for channel in residuals.channels if rates else ():
-            own = OWN_SLIP.get(channel, "alpha")
-            slip = own if own in rates else next(iter(rates))
+            usual_slip = OWN_SLIP.get(channel, "alpha")
+            slip = usual_slip if usual_slip in rates else next(iter(rates))
             sides = rows_of_recording[rates[slip] > 0], rows_of_recording[rates[slip] < 0]
             differences.append(_compared(residuals, channel, sides, (f"{source}, {slip} up", "down")))
-    return tuple(each for each in differences if each is not None)
+    return tuple(difference for difference in differences if difference is not None)
 
 
 def _swept(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> bool:

@@ -49,10 +49,10 @@ class Discontinuity:
 
 def discontinuities(residuals: Residuals) -> tuple[Discontinuity, ...]:
     """Return the largest jump of each fitted channel over the tested slips at the tested conditions, or its kink."""
-    found: dict[str, list[Discontinuity]] = {}
-    for each in _all(residuals):
-        found.setdefault(each.channel, []).append(each)
-    return tuple(max(own, key=lambda d: (d.kind == "jump", abs(d.size))) for own in found.values())
+    by_channel: dict[str, list[Discontinuity]] = {}
+    for discontinuity in _all(residuals):
+        by_channel.setdefault(discontinuity.channel, []).append(discontinuity)
+    return tuple(max(places, key=lambda d: (d.kind == "jump", abs(d.size))) for places in by_channel.values())
 
 
 def _all(residuals: Residuals) -> Iterator[Discontinuity]:
@@ -90,11 +90,11 @@ def _place(curve: FloatArray, spread: float) -> tuple[str, int, float] | None:
     worst = ("jump", 0, 0.0, 0.0)
     for part in PARTS:
         change = curve[part:] - curve[:-part]
-        before, own, after = change[: -2 * part], change[part:-part], change[2 * part :]
-        beyond = np.abs(own) - np.maximum(np.abs(before), np.abs(after))
+        before, here, after = change[: -2 * part], change[part:-part], change[2 * part :]
+        beyond = np.abs(here) - np.maximum(np.abs(before), np.abs(after))
         index = int(beyond.argmax())
         if beyond[index] > worst[3]:
-            worst = ("jump", index + part + part // 2, float(own[index]), float(beyond[index]))
+            worst = ("jump", index + part + part // 2, float(here[index]), float(beyond[index]))
     if worst[3] > JUMP * spread:
         return worst[:3]
     slope = np.diff(curve)

@@ -35,7 +35,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Family:
+class CurveFamily:
     """Groups whose curves are drawn in one panel.
 
     - `channel`, `slip`, `by`: the output, the slip on the horizontal axis, and the channel with one curve for each
@@ -52,7 +52,7 @@ class Family:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MeasuredCurves:
     """Measured and computed values by row, in one sign convention.
 
     - `signs`: that of the recordings, or iso if they differ.
@@ -78,7 +78,7 @@ class Comparison:
         """Return the tolerance of the levels of a channel."""
         return level_tolerance(self.table[channel], channel)
 
-    def pure(self, channel: str, slip: str) -> list[Family]:
+    def pure(self, channel: str, slip: str) -> list[CurveFamily]:
         """Return the families of pure slip: by load at the smallest inclination, by inclination at the nominal load.
 
         Both are at the pressure and the speed with the most rows; with several of these, families by them follow.
@@ -94,10 +94,10 @@ class Comparison:
         families = []
         for by in ("Fz", "gamma", *held):
             others = {name: level for name, level in levels.items() if name != by}
-            families.append(Family(channel, slip, by, self.groups(self._at(rows, others), by), others))
+            families.append(CurveFamily(channel, slip, by, self.groups(self._at(rows, others), by), others))
         return [families[0], *(family for family in families[1:] if len(family.groups) > 1)]
 
-    def combined(self) -> list[Family]:
+    def combined(self) -> list[CurveFamily]:
         """Return the families of combined slip over kappa; empty without a held nonzero slip angle.
 
         Fx and Fy by slip angle at one load and the smallest inclination; Fy by load at the largest slip angle, and by
@@ -111,32 +111,34 @@ class Comparison:
             held = self._main_levels(rows)
             rows = self._at(rows, held)
             camber, load = self._smallest(rows, "gamma"), self._reference_load(rows)
-            held_angles = [each for each in self._levels(rows, "alpha") if abs(each) > self.tolerance("alpha")]
+            held_angles = [
+                slip_angle for slip_angle in self._levels(rows, "alpha") if abs(slip_angle) > self.tolerance("alpha")
+            ]
             if not held_angles:
                 continue
             angle = max(held_angles, key=abs)
             upright, loaded = self._near(rows, "gamma", camber), self._near(rows, "Fz", load)
             angles = self.groups(self._near(upright, "Fz", load), "alpha")
-            families.append(Family(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber} | held))
+            families.append(CurveFamily(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber} | held))
             if channel == "Fy":
                 loads = self.groups(self._near(upright, "alpha", angle), "Fz")
-                families.append(Family(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber} | held))
+                families.append(CurveFamily(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber} | held))
                 for moderate in sorted(held_angles, key=abs):
                     cambers = self.groups(self._near(loaded, "alpha", moderate), "gamma")
                     if len(cambers) > 1:
                         levels = {"alpha": moderate, "Fz": load} | held
-                        families.append(Family(channel, "kappa", "gamma", cambers, levels))
+                        families.append(CurveFamily(channel, "kappa", "gamma", cambers, levels))
                         break
         return [family for family in families if family.groups]
 
     def groups(self, rows: pd.DataFrame, channel: str) -> tuple[Group, ...]:
         """Return the rows near each level of a channel, in increasing magnitude."""
-        found = np.array(sorted(self._levels(rows, channel), key=abs))
-        if not len(found):
+        centers = np.array(sorted(self._levels(rows, channel), key=abs))
+        if not len(centers):
             return ()
-        distance = np.abs(rows[channel].to_numpy()[:, None] - found)
+        distance = np.abs(rows[channel].to_numpy()[:, None] - centers)
         nearest, near = distance.argmin(axis=1), distance.min(axis=1) <= self.tolerance(channel)
-        parts = [(level, rows[near & (nearest == number)]) for number, level in enumerate(found.tolist())]
+        parts = [(level, rows[near & (nearest == number)]) for number, level in enumerate(centers.tolist())]
         return tuple(Group(level, part) for level, part in parts if len(part))
 
     def curve(self, group: Group, slip: str, tire: Tire | None = None) -> pd.DataFrame:
@@ -168,7 +170,7 @@ class Comparison:
         table = pd.DataFrame(columns).assign(**held)
         return (tire or self.tire).evaluate(table, signs=self.signs)
 
-    def slopes_at_zero(self, family: Family) -> list[tuple[float, float]]:
+    def slopes_at_zero(self, family: CurveFamily) -> list[tuple[float, float]]:
         """Return the magnitudes of load and measured slope at zero slip of each group."""
         read = []
         for group in family.groups:
@@ -186,13 +188,13 @@ class Comparison:
 
     def _main_levels(self, rows: pd.DataFrame) -> dict[str, float]:
         """Return the level with the most rows of each further input that has several levels."""
-        found = {}
+        main = {}
         for name in FURTHER:
-            known = held_levels(rows[name]) if name in rows else []
-            if len(known) > 1:
-                rows_at = {level: len(self._near(rows, name, level)) for level in known}
-                found[name] = max(rows_at, key=rows_at.__getitem__)
-        return found
+            held = held_levels(rows[name]) if name in rows else []
+            if len(held) > 1:
+                rows_at = {level: len(self._near(rows, name, level)) for level in held}
+                main[name] = max(rows_at, key=rows_at.__getitem__)
+        return main
 
     def _at(self, rows: pd.DataFrame, levels: Mapping[str, float]) -> pd.DataFrame:
         for name, level in levels.items():
@@ -207,8 +209,8 @@ class Comparison:
         # Sweeps of alpha at zero kappa contain all slip angles and are excluded, so that held slip angles are found.
         moving = rows[rows["kappa"].abs() > self.tolerance("kappa")] if channel == "alpha" else rows
         values = (moving if len(moving) else rows)[channel]
-        found = levels(values, tolerance=self.tolerance(channel) or None)
-        return found or np.quantile(values, (0.1, 0.3, 0.5, 0.7, 0.9)).tolist()
+        held = levels(values, tolerance=self.tolerance(channel) or None)
+        return held or np.quantile(values, (0.1, 0.3, 0.5, 0.7, 0.9)).tolist()
 
     def _smallest(self, rows: pd.DataFrame, channel: str) -> float:
         return min(self._levels(rows, channel), key=abs)
@@ -217,7 +219,7 @@ class Comparison:
         return min(self._levels(rows, "Fz"), key=lambda load: abs(abs(load) - self.tire.values["FNOMIN"]))
 
 
-def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: str | None = None) -> Comparison:
+def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: str | None = None) -> MeasuredCurves:
     """Combine recordings in one table with measured outputs and outputs of the tire.
 
     `recordings`: of any signs. `signs`: convention of the comparison; by default that of the recordings, or iso if they
@@ -250,7 +252,7 @@ def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: 
         for name in OUTPUTS
         if name in tire.outputs and name in data and data[name].notna().any()
     }
-    return Comparison(tire, signs, tuple(distinct([recording.source for recording in given])), data.assign(**fits))
+    return MeasuredCurves(tire, signs, tuple(distinct([recording.source for recording in given])), data.assign(**fits))
 
 
 def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[np.bool_]]:

@@ -77,8 +77,12 @@ class Findings:
 
     def worst(self, recording: str, channel: str) -> ConditionFit | None:
         """Return the operating condition with the largest error of a channel; None if there is only one."""
-        conditions = [each for each in self.conditions if (each.recording, each.channel) == (recording, channel)]
-        return max(conditions, key=lambda each: each.rmse) if len(conditions) > 1 else None
+        conditions = [
+            condition
+            for condition in self.conditions
+            if (condition.recording, condition.channel) == (recording, channel)
+        ]
+        return max(conditions, key=lambda condition: condition.rmse) if len(conditions) > 1 else None
 
 
 def find(
@@ -117,7 +121,9 @@ def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
             here = np.flatnonzero((residuals.recording == number) & np.isfinite(values))
             conditions, index = np.unique(residuals.condition[here], return_inverse=True)
             rows = np.bincount(index, minlength=len(conditions))
-            squares, sums = (np.bincount(index, each, len(conditions)) for each in (values[here] ** 2, values[here]))
+            squares, sums = (
+                np.bincount(index, weights, len(conditions)) for weights in (values[here] ** 2, values[here])
+            )
             for k in np.flatnonzero(rows >= MIN_ROWS):
                 rmse, mean = float(np.sqrt(squares[k] / rows[k])), residuals.sign(channel) * float(sums[k] / rows[k])
                 at = residuals.at(int(conditions[k]))

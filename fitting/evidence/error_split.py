@@ -91,7 +91,7 @@ def error_split(
     rows = _sample(n)
     targets = np.stack([residual[rows] for residual in residuals.values()])
     of_inputs, of_both = _regressions(table, t, step, rows, targets)
-    found = {}
+    splits = {}
     for i, (name, residual) in enumerate(residuals.items()):
         total = _mean_square(residual)
         after_inputs = min(total, _mean_square(targets[i] - of_inputs[i]))
@@ -102,8 +102,8 @@ def error_split(
         differing = _between_segments(targets[i] - of_both[i], segment[rows], cell[rows]) + alternating
         repeats = min(differing, max(after_both - noise, 0.0))
         parts = (noise, total - after_inputs, after_inputs - noise - repeats, repeats)
-        found[name] = ErrorSplit(*(float(np.sqrt(max(part, 0.0))) for part in parts))
-    return found
+        splits[name] = ErrorSplit(*(float(np.sqrt(max(part, 0.0))) for part in parts))
+    return splits
 
 
 def _sample(n: int) -> IntArray:
@@ -120,37 +120,37 @@ def _regressions(
     part = (np.arange(len(rows)) // length) % PARTS
     inputs, scales = varying_inputs(table)
     history = slip_history(table, t, step) if step > 0.0 else []
-    found: list[FloatArray] = []
+    regressions: list[FloatArray] = []
     for added in ([], history):
         candidates = []
         for scale in SCALES:
-            lengths = [scale if own == SCALE else own for own in scales] + [1.0] * len(added)
+            lengths = [scale if fixed == SCALE else fixed for fixed in scales] + [1.0] * len(added)
             features = random_features([column[rows] for column in (*inputs, *added)], lengths)
             predicted = out_of_sample(features, targets, part)
             candidates.append(np.where(np.isfinite(predicted), predicted, 0.0))
-        found.append(_best(candidates, targets))
-    return found[0], _best(found, targets)
+        regressions.append(_best(candidates, targets))
+    return regressions[0], _best(regressions, targets)
 
 
 def _best(candidates: Sequence[FloatArray], targets: FloatArray) -> FloatArray:
     """Return for each target the prediction with the smallest error, or zero if none reduces it."""
     options = [np.zeros_like(targets), *candidates]
-    errors = np.array([[_mean_square(y - x) for x, y in zip(each, targets, strict=True)] for each in options])
+    errors = np.array([[_mean_square(y - x) for x, y in zip(option, targets, strict=True)] for option in options])
     best = np.where(np.isfinite(errors), errors, np.inf).argmin(axis=0)
     return np.stack([options[k][i] for i, k in enumerate(best)])
 
 
 def _mean_square(values: FloatArray) -> float:
-    known = values[np.isfinite(values)]
-    return float(np.mean(known**2)) if known.size else nan
+    finite = values[np.isfinite(values)]
+    return float(np.mean(finite**2)) if finite.size else nan
 
 
 def _scatter(residual: FloatArray, segment: IntArray, step: float) -> tuple[float, float]:
     """Return the mean square about cubics in time, of all rows and of every other row; NaN if too few are in pieces."""
-    known = np.flatnonzero(np.isfinite(residual))
-    values, own = residual[known], segment[known]
-    edges = np.flatnonzero(np.diff(own, prepend=-1, append=-1))
-    found = []
+    finite = np.flatnonzero(np.isfinite(residual))
+    values, segments = residual[finite], segment[finite]
+    edges = np.flatnonzero(np.diff(segments, prepend=-1, append=-1))
+    variances = []
     for stride in (1, 2):
         length = max(MIN_PIECE, round(PIECE / (step * stride)))
         starts = np.concatenate(
@@ -158,19 +158,19 @@ def _scatter(residual: FloatArray, segment: IntArray, step: float) -> tuple[floa
              for first, last in pairwise(edges.tolist()) for offset in range(stride)]
         ).astype(np.int64) if len(edges) > 1 else np.zeros(0, dtype=np.int64)  # fmt: skip
         if len(starts) * length < MIN_IN_PIECES * len(values) or not len(starts):
-            found.append(nan)
+            variances.append(nan)
             continue
         basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), CUBIC))
         pieces = values[starts[:, None] + stride * np.arange(length)]
         about = pieces - (pieces @ basis) @ basis.T
-        found.append(float(np.sum(about**2)) / (len(starts) * (length - CUBIC)))
-    return found[0], found[1]
+        variances.append(float(np.sum(about**2)) / (len(starts) * (length - CUBIC)))
+    return variances[0], variances[1]
 
 
 def _between_segments(rest: FloatArray, segment: IntArray, cell: IntArray) -> float:
     """Return the variance between segments in equal cells: that of their means without the contribution of noise."""
-    known = np.isfinite(rest)
-    groups = pd.DataFrame({"cell": cell[known], "segment": segment[known], "rest": rest[known]})
+    finite = np.isfinite(rest)
+    groups = pd.DataFrame({"cell": cell[finite], "segment": segment[finite], "rest": rest[finite]})
     means = groups.groupby(["cell", "segment"])["rest"].agg(["mean", "var", "size"]).reset_index()
     means = means[means["size"] >= MIN_ROWS]
     means = means[means.groupby("cell")["segment"].transform("size") > 1]

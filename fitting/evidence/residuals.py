@@ -60,15 +60,15 @@ class Residuals:
     @cached_property
     def computed(self) -> Mapping[str, FloatArray]:
         """The tire's channels at every row, each of shape (n,)."""
-        found = {name: np.empty(len(self.table)) for name in self.channels}
+        outputs = {name: np.empty(len(self.table)) for name in self.channels}
         code, parameters = fastest_code(self.tire.symbolic_model), self.tire.parameters()
         for start in range(0, len(self.table), BLOCK):  # few rows at a time: all inputs and outputs are much memory
             rows = slice(start, start + BLOCK)
             inputs = Rows.of(self.table.iloc[rows], self.tire, ()).inputs
             forces = code.forces(self.tire.effective_inputs(inputs), parameters)
-            for name, values in found.items():
+            for name, values in outputs.items():
                 values[rows] = forces[self.tire.outputs.index(name)]
-        return found
+        return outputs
 
     @cached_property
     def measured_minus_computed(self) -> Mapping[str, FloatArray]:
@@ -89,8 +89,8 @@ class Residuals:
     def levels(self) -> Mapping[str, Sequence[float]]:
         """The levels of each input with several levels, over all recordings."""
         varied = [name for name in NOMINAL_INPUTS if name in self.table and np.ptp(self.table[name].to_numpy()) > 0]
-        found = {name: held_levels(self.table[name]) for name in varied}
-        return {name: held for name, held in found.items() if len(held) > 1}
+        by_input = {name: held_levels(self.table[name]) for name in varied}
+        return {name: held for name, held in by_input.items() if len(held) > 1}
 
     @cached_property
     def condition(self) -> IntArray:

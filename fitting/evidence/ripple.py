@@ -39,10 +39,14 @@ def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
 
     Returns: one for each recording and channel; empty if the data have no time or no speed.
     """
-    own = residuals.tire.values.get("UNLOADED_RADIUS", nan)
-    if not {"t", "V"} <= set(residuals.table.columns) or not own > 0:
+    radius = residuals.tire.values.get("UNLOADED_RADIUS", nan)
+    if not {"t", "V"} <= set(residuals.table.columns) or not radius > 0:
         return ()
-    return tuple(each for number in range(len(residuals.sources)) for each in _of_recording(residuals, number, own))
+    return tuple(
+        ripple_of_recording
+        for number in range(len(residuals.sources))
+        for ripple_of_recording in _of_recording(residuals, number, radius)
+    )
 
 
 def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[Ripple]:
@@ -55,12 +59,12 @@ def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[
     if "kappa" in residuals.table:
         speed = speed * (1.0 + residuals.table["kappa"].to_numpy(dtype=float)[rows])
     values = np.stack([residuals.measured_minus_computed[name][rows] for name in channels])
-    found = once_per_revolution(t, speed, values, residuals.segment[rows], radius)
-    if found is None:
+    periodic = once_per_revolution(t, speed, values, residuals.segment[rows], radius)
+    if periodic is None:
         return
     units = {output.name: output.unit for output in residuals.tire.symbolic_model.outputs}
     for i, channel in enumerate(channels):
         yield Ripple(
-            residuals.sources[number], channel, units[channel], float(found.amplitude[i]), float(found.share[i]),
-            found.frequency, found.radius, bool(found.significant[i]),
+            residuals.sources[number], channel, units[channel], float(periodic.amplitude[i]), float(periodic.share[i]),
+            periodic.frequency, periodic.radius, bool(periodic.significant[i]),
         )  # fmt: skip

@@ -99,7 +99,7 @@ def read_stiffnesses(
     sweep through zero slip at zero other slip.
     """
     loads = np.array(residuals.levels.get("Fz", ()))
-    found = []
+    stiffnesses = []
     for number in range(len(residuals.sources)):
         for slip, channel in slopes:
             if channel not in residuals.channels or slip not in residuals.table:
@@ -109,20 +109,20 @@ def read_stiffnesses(
                 level = int(np.abs(load - loads).argmin()) if loads.size else 0
                 by_level.setdefault(level, []).append((load, slope))
             for level in sorted(by_level):
-                own = [slope for _, slope in by_level[level]]
-                count = len(own)
-                found.append(
+                slopes_of_level = [slope for _, slope in by_level[level]]
+                count = len(slopes_of_level)
+                stiffnesses.append(
                     ReadStiffness(
                         number, channel, slip,
                         float(np.mean([abs(load) for load, _ in by_level[level]])),
-                        float(np.mean([slope.value for slope in own])),
-                        float(np.sqrt(np.sum([slope.error**2 for slope in own]))) / count,
-                        np.concatenate([slope.rows for slope in own]),
-                        np.concatenate([slope.influence for slope in own]) / count,
+                        float(np.mean([slope.value for slope in slopes_of_level])),
+                        float(np.sqrt(np.sum([slope.error**2 for slope in slopes_of_level]))) / count,
+                        np.concatenate([slope.rows for slope in slopes_of_level]),
+                        np.concatenate([slope.influence for slope in slopes_of_level]) / count,
                         count,
                     )
                 )  # fmt: skip
-    return tuple(found)
+    return tuple(stiffnesses)
 
 
 def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
@@ -132,11 +132,11 @@ def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
     """
     return tuple(
         SlipStiffness(
-            residuals.sources[each.recording], each.channel, each.slip, "N/rad" if each.slip == "alpha" else "N",
-            each.load, abs(each.value), abs(float(each.influence @ residuals.computed[each.channel][each.rows])),
-            each.conditions, each.error,
+            residuals.sources[read.recording], read.channel, read.slip, "N/rad" if read.slip == "alpha" else "N",
+            read.load, abs(read.value), abs(float(read.influence @ residuals.computed[read.channel][read.rows])),
+            read.conditions, read.error,
         )
-        for each in read_stiffnesses(residuals)
+        for read in read_stiffnesses(residuals)
     )  # fmt: skip
 
 
@@ -145,13 +145,13 @@ def slope_targets(residuals: Residuals) -> tuple[SlopeTarget, ...]:
     tire, table = residuals.tire, residuals.table
     return tuple(
         SlopeTarget(
-            each.recording, tire.outputs.index(each.channel),
-            np.ascontiguousarray(tire.effective_inputs(Rows.of(table.iloc[each.rows], tire, ()).inputs)),
-            each.influence, table[each.channel].to_numpy(dtype=float)[each.rows],
-            table.index.to_numpy()[each.rows], each.value, each.error,
-            float(np.hypot(each.error, MODEL_ERROR * each.value)),
+            read.recording, tire.outputs.index(read.channel),
+            np.ascontiguousarray(tire.effective_inputs(Rows.of(table.iloc[read.rows], tire, ()).inputs)),
+            read.influence, table[read.channel].to_numpy(dtype=float)[read.rows],
+            table.index.to_numpy()[read.rows], read.value, read.error,
+            float(np.hypot(read.error, MODEL_ERROR * read.value)),
         )
-        for each in read_stiffnesses(residuals)
+        for read in read_stiffnesses(residuals)
     )  # fmt: skip
 
 

@@ -62,10 +62,10 @@ def undetermined(
     if not sets:
         return ()
     identifiability = _Identifiability(residuals, tuple(free), effective)
-    found: dict[str, list[str]] = {}
+    by_reason: dict[str, list[str]] = {}
     for names in sets:
-        found.setdefault(identifiability.reason(names), []).extend(names)
-    return tuple(Undetermined(tuple(dict.fromkeys(names)), reason) for reason, names in found.items())
+        by_reason.setdefault(identifiability.reason(names), []).extend(names)
+    return tuple(Undetermined(tuple(dict.fromkeys(names)), reason) for reason, names in by_reason.items())
 
 
 def at_bounds(
@@ -79,15 +79,15 @@ def at_bounds(
     if not bounded:
         return ()
     identifiability = _Identifiability(residuals, tuple(free), effective)
-    found: dict[str, list[str]] = {}
+    by_reason: dict[str, list[str]] = {}
     for name in bounded:
         reason = (
             "the optimum is beyond it"
             if identifiability.determines(name)
             else f"not identifiable, {identifiability.reason([name])}"
         )
-        found.setdefault(f"at a bound: {reason}", []).append(name)
-    return tuple(Undetermined(tuple(names), reason) for reason, names in found.items())
+        by_reason.setdefault(f"at a bound: {reason}", []).append(name)
+    return tuple(Undetermined(tuple(names), reason) for reason, names in by_reason.items())
 
 
 @dataclass(frozen=True, eq=False)

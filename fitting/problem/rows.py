@@ -26,6 +26,7 @@ class Rows:
     - `group`, shape (n,): number of the recording of each row.
     - `segment`, shape (n,): number of the segment without gaps of each row; by default each recording is one segment.
     - `weight`, shape (n,): weight of each row within its recording; by default 1.
+    - `time`, shape (n,): s; by default NaN.
     """
 
     inputs: FloatArray
@@ -33,12 +34,15 @@ class Rows:
     group: npt.NDArray[np.int64]
     segment: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     weight: FloatArray = field(default_factory=lambda: np.zeros(0))
+    time: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         if len(self.segment) != len(self.group):
             object.__setattr__(self, "segment", self.group)
         if len(self.weight) != len(self.group):
             object.__setattr__(self, "weight", np.ones(len(self.group)))
+        if len(self.time) != len(self.group):
+            object.__setattr__(self, "time", np.broadcast_to(np.nan, len(self.group)))
 
     @classmethod
     def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
@@ -54,12 +58,13 @@ class Rows:
             np.asarray(group, dtype=np.int64),
             np.asarray(segment, dtype=np.int64),
             np.asarray(weight, dtype=float),
+            np.asarray(table.get("t", absent), dtype=float),
         )
 
     def in_table(self, table: pd.DataFrame, tire: Tire) -> pd.DataFrame:
         """Return the table of these rows with their arrays as columns, which need no memory of their own then."""
         arrays = dict(zip((*tire.inputs, *tire.outputs), (*self.inputs, *self.measured.T), strict=True))
-        arrays |= {"recording": self.group, "segment": self.segment, "weight": self.weight}
+        arrays |= {"recording": self.group, "segment": self.segment, "weight": self.weight, "t": self.time}
         # A column of the table shares the memory of others, which would not be released.
         columns = {name: arrays[name] if name in arrays else table[name].to_numpy(copy=True) for name in table}
         return pd.DataFrame(columns, table.index, copy=False)
@@ -71,9 +76,7 @@ class Rows:
         """Yield the rows in their order, `BLOCK` at most at a time, without a copy."""
         for start in range(0, len(self.group), BLOCK):
             rows = slice(start, start + BLOCK)
-            yield Rows(
-                self.inputs[:, rows], self.measured[rows], self.group[rows], self.segment[rows], self.weight[rows]
-            )
+            yield self.take(rows)
 
     def of_recording(self, group: int) -> Rows:
         """Return the rows of one recording."""
@@ -109,9 +112,9 @@ class Rows:
         rows = np.concatenate([np.flatnonzero(self.group == groups[i]) for i in order])
         return self.take(np.sort(np.random.default_rng(seed).choice(rows, n, replace=False)))
 
-    def take(self, chosen: npt.NDArray[np.int64]) -> Rows:
-        """Return some of the rows."""
+    def take(self, chosen: npt.NDArray[np.int64] | slice) -> Rows:
+        """Return some of the rows; a slice is no copy."""
         return Rows(
             self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen],
-            self.weight[chosen],
+            self.weight[chosen], self.time[chosen],
         )  # fmt: skip

@@ -11,7 +11,7 @@ free coefficients. Without a compiler `equations_by_chunks` computes the same.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 
 import numpy as np
@@ -102,6 +102,11 @@ class Problem:
     def __reduce__(self) -> tuple[type[Problem], tuple[object, ...]]:
         """Let other processes build the problem from its arguments: compiled code cannot be sent."""
         return Problem, tuple(getattr(self, attribute.name) for attribute in fields(self) if attribute.init)
+
+    def sampled(self, n: int) -> Problem:
+        """Return a problem with up to n random rows, of about the same cost."""
+        rows = self.rows.sample(n)
+        return replace(self, rows=rows, weights=self.weights * (len(self.rows) / len(rows)))
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """Return the complete parameter vector for scaled free values x."""

@@ -28,7 +28,7 @@ from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
 from tirefmu.tires.drawing.style import BLUE, level_styles, some_of
 from tirefmu.tires.tire import Tire
 
-from ..evidence.curves import Comparison, Family, compare
+from ..evidence.curves import CurveFamily, MeasuredCurves, compare
 from ..results.fit_result import FitResult
 from ..results.intervals import band as confidence_band
 from ..results.records import quality
@@ -114,7 +114,7 @@ def figures_of(
         ("combined", "Forces at combined slip", comparison.combined()),
     ]
     drawn = [
-        *(_families(comparison, found, name, title, fitted) for name, title, found in families if found),
+        *(_families(comparison, family, name, title, fitted) for name, title, family in families if family),
         _weighting(comparison),
         stiffness_over_load(comparison, truth, fitted),
         friction_over_load(comparison, fitted),
@@ -131,7 +131,7 @@ def figures_of(
 
 
 def _families(
-    comparison: Comparison, families: Sequence[Family], name: str, title: str, fitted: FitResult | None
+    comparison: MeasuredCurves, families: Sequence[CurveFamily], name: str, title: str, fitted: FitResult | None
 ) -> Figure:
     """One panel for each family: measured points and curves of the tire."""
     rows = pd.concat([group.rows for family in families for group in family.groups])
@@ -140,7 +140,7 @@ def _families(
     return Figure(name, title, in_rows(panels), note(comparison.signs, text, data_text(comparison, rows)))
 
 
-def _family_panel(comparison: Comparison, family: Family, fitted: FitResult | None) -> Panel:
+def _family_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None) -> Panel:
     signs, channel, slip = comparison.signs, family.channel, family.slip
     points, lines = [], []
     for group, style in zip(family.groups, level_styles(len(family.groups), family.by), strict=True):
@@ -162,7 +162,7 @@ def _family_panel(comparison: Comparison, family: Family, fitted: FitResult | No
     )  # fmt: skip
 
 
-def _weighting(comparison: Comparison) -> Figure | None:
+def _weighting(comparison: MeasuredCurves) -> Figure | None:
     """Weighting functions of combined slip over each slip, for levels of the other: figures 13 and 15 of the report."""
     model = comparison.tire.symbolic_model
     names = {"Fx": (model.quantity("weighting_x"), "Gxα"), "Fy": (model.quantity("weighting_y"), "Gyκ")}
@@ -187,7 +187,7 @@ def _weighting(comparison: Comparison) -> Figure | None:
     return Figure("weighting", title, in_rows(panels), note(comparison.signs, text)) if panels else None
 
 
-def _over_alpha(comparison: Comparison, family: Family) -> list[tuple[float, pd.DataFrame]]:
+def _over_alpha(comparison: MeasuredCurves, family: CurveFamily) -> list[tuple[float, pd.DataFrame]]:
     """Return the tire over the measured slip angles at evenly spaced longitudinal slips from 0 to the largest."""
     rows = pd.concat([group.rows for group in family.groups])
     grid = np.linspace(min(rows["alpha"].min(), 0.0), max(rows["alpha"].max(), 0.0), CURVE_POINTS)
@@ -195,7 +195,7 @@ def _over_alpha(comparison: Comparison, family: Family) -> list[tuple[float, pd.
     return [(level, comparison.over(rows, {"alpha": grid, "kappa": np.full(len(grid), level)})) for level in levels]
 
 
-def _residuals(comparison: Comparison) -> Figure:
+def _residuals(comparison: MeasuredCurves) -> Figure:
     """Residuals over time and their histogram, for each recording and measured channel."""
     table = comparison.table
     rows = []

@@ -16,7 +16,7 @@ from tirefmu.tires.drawing.labels import axis_label, held_text, letter, level_te
 from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, DOTTED, RED, level_styles
 from tirefmu.tires.tire import Tire
 
-from ..evidence.curves import Comparison, Family, Group
+from ..evidence.curves import CurveFamily, Group, MeasuredCurves
 from ..results.fit_result import FitResult
 from ..results.intervals import band as confidence_band
 
@@ -33,7 +33,7 @@ BEYOND = 1.25
 FloatArray = npt.NDArray[np.float64]
 
 
-def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
+def data_text(comparison: MeasuredCurves, rows: pd.DataFrame) -> str:
     """Return the recordings of the rows and their inflation pressures as a text."""
     numbers = sorted(set(rows["recording"].tolist()))
     sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
@@ -47,7 +47,7 @@ def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
     return f"{text}; inflation pressure {', '.join(held) or span} kPa"
 
 
-def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
+def stiffness_over_load(comparison: MeasuredCurves, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
     """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
     model = comparison.tire.symbolic_model
     panels: list[Panel] = []
@@ -56,11 +56,11 @@ def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitR
     for channel, slip in (("Fx", "kappa"), ("Fy", "alpha")):
         for family in comparison.pure(channel, slip)[:1]:
             stiffness, slope = (model.quantity(f"{kind}_{channel[1]}") for kind in ("stiffness", "slope"))
-            known = comparison.curve(family.groups[0], slip)
-            if stiffness in known:
+            curve = comparison.curve(family.groups[0], slip)
+            if stiffness in curve:
                 panels.append(_stiffness_panel(comparison, family, stiffness, truth, fitted))
             panels.append(_slopes_panel(comparison, family, slope, truth))
-            held_constant |= slope in known
+            held_constant |= slope in curve
             rows += [group.rows for group in family.groups]
     if not panels:
         return None
@@ -76,7 +76,7 @@ def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitR
 
 
 def _stiffness_panel(
-    comparison: Comparison, family: Family, quantity: str, truth: Tire | None, fitted: FitResult | None
+    comparison: MeasuredCurves, family: CurveFamily, quantity: str, truth: Tire | None, fitted: FitResult | None
 ) -> Panel:
     sign, scale = float(np.sign(family.groups[0].level)), per_si(family.slip)
     measured = [abs(group.level) for group in family.groups]
@@ -101,7 +101,7 @@ def _stiffness_panel(
     )  # fmt: skip
 
 
-def _slopes_panel(comparison: Comparison, family: Family, quantity: str, truth: Tire | None) -> Panel:
+def _slopes_panel(comparison: MeasuredCurves, family: CurveFamily, quantity: str, truth: Tire | None) -> Panel:
     scale = per_si(family.slip)
     series = []
     for group, style in zip(family.groups, level_styles(len(family.groups), "Fz"), strict=True):
@@ -121,7 +121,7 @@ def _slopes_panel(comparison: Comparison, family: Family, quantity: str, truth: 
     )  # fmt: skip
 
 
-def _slopes(curve: pd.DataFrame, family: Family, quantity: str) -> FloatArray:
+def _slopes(curve: pd.DataFrame, family: CurveFamily, quantity: str) -> FloatArray:
     """Return the slope of a curve: the model's quantity, or the derivative by differences if the model has none."""
     if quantity in curve:
         return curve[quantity].to_numpy(dtype=np.float64)
@@ -154,7 +154,7 @@ def _read(loads: npt.ArrayLike, values: npt.ArrayLike, label: str) -> Series:
     return Series("points", loads, values, RED, label, marker="o", size=6.0)
 
 
-def friction_over_load(comparison: Comparison, fitted: FitResult | None) -> Figure | None:
+def friction_over_load(comparison: MeasuredCurves, fitted: FitResult | None) -> Figure | None:
     """Largest force over load within the measured slip range, of the data and of the tire."""
     families = [*comparison.pure("Fx", "kappa")[:1], *comparison.pure("Fy", "alpha")[:1]]
     if not families:
@@ -170,7 +170,7 @@ def friction_over_load(comparison: Comparison, fitted: FitResult | None) -> Figu
     return Figure("friction", "Friction", in_rows(panels), text)
 
 
-def _friction_panel(comparison: Comparison, family: Family, fitted: FitResult | None) -> Panel:
+def _friction_panel(comparison: MeasuredCurves, family: CurveFamily, fitted: FitResult | None) -> Panel:
     channel, slip = family.channel, family.slip
     measured = [(abs(group.level), _largest_friction(group, family)) for group in family.groups]
     rows = pd.concat([group.rows for group in family.groups])
@@ -195,7 +195,7 @@ def _friction_panel(comparison: Comparison, family: Family, fitted: FitResult | 
     )  # fmt: skip
 
 
-def _largest_friction(group: Group, family: Family) -> float:
+def _largest_friction(group: Group, family: CurveFamily) -> float:
     """Return the largest median of |force| / load over parts of the slip range."""
     slip = group.rows[family.slip].to_numpy(dtype=float)
     friction = (group.rows[family.channel] / group.rows["Fz"]).abs().to_numpy(dtype=float)

@@ -44,15 +44,26 @@ def load_rows(result: FitResult) -> Iterator[LoadRow]:
     for c in result.channels:
         if c.channel not in FORCES.values():
             continue
-        own = [each for each in findings.conditions if (each.recording, each.channel) == (c.recording, c.channel)]
-        for load in sorted({each.at["Fz"] for each in own if "Fz" in each.at}, key=abs):
-            here = [each for each in own if each.at["Fz"] == load]
-            rmse = sqrt(sum(each.rows * each.rmse**2 for each in here) / sum(each.rows for each in here))
+        conditions = [
+            condition
+            for condition in findings.conditions
+            if (condition.recording, condition.channel) == (c.recording, c.channel)
+        ]
+        for load in sorted({condition.at["Fz"] for condition in conditions if "Fz" in condition.at}, key=abs):
+            here = [condition for condition in conditions if condition.at["Fz"] == load]
+            rmse = sqrt(
+                sum(condition.rows * condition.rmse**2 for condition in here)
+                / sum(condition.rows for condition in here)
+            )
             frictions = [
-                each for each in findings.characteristics
-                if each.quantity == "peak friction" and _belongs(each, c.recording, c.channel, load)
+                characteristic for characteristic in findings.characteristics
+                if characteristic.quantity == "peak friction" and _belongs(characteristic, c.recording, c.channel, load)
             ]  # fmt: skip
-            slopes = [each for each in findings.stiffnesses if _belongs(each, c.recording, c.channel, load)]
+            slopes = [
+                slip_stiffness
+                for slip_stiffness in findings.stiffnesses
+                if _belongs(slip_stiffness, c.recording, c.channel, load)
+            ]
             friction, friction_error = _mean(frictions)
             stiffness, stiffness_error = _mean(slopes)
             unit = slopes[0].unit if slopes else ""
@@ -71,5 +82,5 @@ def _mean(read: list[Characteristic] | list[SlipStiffness]) -> tuple[float, floa
     """Return the mean of the data and the relative error of the mean of the tire."""
     if not read:
         return nan, nan
-    data, tire = (float(np.mean([getattr(each, name) for each in read])) for name in ("read", "fitted"))
+    data, tire = (float(np.mean([getattr(row, name) for row in read])) for name in ("read", "fitted"))
     return data, tire / data - 1.0

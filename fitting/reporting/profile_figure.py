@@ -18,7 +18,7 @@ def profile_curves(result: FitResult) -> Figure:
 
     `result`: with profiles.
     """
-    half = {one.name: one.interval for one in result.coefficients}
+    half = {coefficient.name: coefficient.interval for coefficient in result.coefficients}
     panels = [_panel(profile, half[profile.name]) for profile in result.profiles]
     text = note(result.signs, f"the 95 % interval ends at a deviance of {QUANTILE**2:.2f}")
     return Figure("profile_likelihood", "Profile likelihood", in_rows(panels), text)

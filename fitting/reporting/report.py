@@ -97,13 +97,13 @@ def report_page(
         "profile": partial(profile_text, result),
     }
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
-    largest = [each for each in errors if each[2]]
+    largest = [error for error in errors if error[2]]
     return page_text(
         "tirefmu.fitting.reporting", filters, result=result, overview=overview(figures), figures=figures,
-        loads=list(load_rows(result)), consequences={each.name: each.text() for each in result.bounds},
+        loads=list(load_rows(result)), consequences={bound.name: bound.text() for bound in result.bounds},
         largest=largest, findings=findings,
         differences=significant_differences(result), significant=SIGNIFICANT,
-        intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
+        intervals=[interval for interval in listed_intervals(result) if set(interval["at"]) == {"Fz"}],
         bootstrap=bootstrap_summary(result.bootstrap) if result.bootstrap else "",
         ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
         correlations=correlated_pairs(result.correlation), correlated=CORRELATED, origin=origin,
@@ -112,14 +112,14 @@ def report_page(
 
 def overview(figures: Sequence[Figure]) -> list[Figure]:
     """Return the curves in pure slip at all measured loads, side by side: those of forces, and those of moments."""
-    first = {each.name: each for each in figures if each.panels}
-    found = []
+    first = {figure.name: figure for figure in figures if figure.panels}
+    overview_figures = []
     for title, names in OVERVIEW.items():
         shown = [first[name] for name in names if name in first]
         if shown:
-            panels = tuple(each.panels[0] for each in shown)
-            found.append(Figure("overview", title, (panels,), shown[0].note))
-    return found
+            panels = tuple(figure.panels[0] for figure in shown)
+            overview_figures.append(Figure("overview", title, (panels,), shown[0].note))
+    return overview_figures
 
 
 def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:

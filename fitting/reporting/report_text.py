@@ -38,8 +38,8 @@ def interval_text(half: float) -> str:
 
 def bootstrap_text(result: FitResult, name: str) -> str:
     """Return the percentile interval of a coefficient; empty if it has none."""
-    found = result.bootstrap.interval(name) if result.bootstrap else None
-    return f"{found.lower:.5g} to {found.upper:.5g}" if found and isfinite(found.lower) else ""
+    interval = result.bootstrap.interval(name) if result.bootstrap else None
+    return f"{interval.lower:.5g} to {interval.upper:.5g}" if interval and isfinite(interval.lower) else ""
 
 
 def bootstrap_summary(bootstrap: Bootstrap) -> str:
@@ -56,10 +56,10 @@ def profile_text(result: FitResult, name: str) -> str:
 
     An end at which the likelihood has not decreased enough is followed by the reason.
     """
-    found = next((each for each in result.profiles if each.name == name), None)
-    if found is None:
+    profile = next((profile for profile in result.profiles if profile.name == name), None)
+    if profile is None:
         return ""
-    ends = ((found.lower, found.lower_end), (found.upper, found.upper_end))
+    ends = ((profile.lower, profile.lower_end), (profile.upper, profile.upper_end))
     texts = [f"{value:.5g}" if end == "likelihood" else f"{value:.5g} ({end})" if isfinite(value) else "?"
              for value, end in ends]  # fmt: skip
     return " to ".join(texts)
@@ -96,18 +96,22 @@ def extrapolation_text(result: FitResult) -> str:
 
 def significant_differences(result: FitResult) -> list[Disagreement]:
     """Return the significant differences within the data: between files, then sweeps, then segments."""
-    found = result.findings
-    return [each for each in (*found.files, *found.sweeps, *found.segments) if abs(each.sigmas) >= SIGNIFICANT]
+    findings = result.findings
+    return [
+        difference
+        for difference in (*findings.files, *findings.sweeps, *findings.segments)
+        if abs(difference.sigmas) >= SIGNIFICANT
+    ]
 
 
 def ripple_texts(ripples: Sequence[Ripple]) -> list[str]:
     """Return a sentence on significant ripple for each recording."""
     lines = []
-    for recording in dict.fromkeys(each.recording for each in ripples):
-        distinct = [each for each in ripples if each.recording == recording and each.stands_out]
+    for recording in dict.fromkeys(ripple.recording for ripple in ripples):
+        distinct = [ripple for ripple in ripples if ripple.recording == recording and ripple.stands_out]
         if distinct:
             channels = ", ".join(
-                f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in distinct
+                f"{ripple.channel} {ripple.amplitude:.3g} {ripple.unit} ({ripple.share:.0%})" for ripple in distinct
             )
             wheel = f"{distinct[0].frequency:.1f} Hz, radius {distinct[0].radius:.3f} m"
             lines.append(f"{recording}: once per revolution ({wheel}): {channels}")

@@ -19,7 +19,7 @@ from ..problem.weighted_residuals import Problem
 from ..results.fit_result import FitResult
 from ..results.records import BoundConsequence
 from ..results.solved_stage import SolvedStage
-from .near_solution import cost_of_a_row, solve_near
+from .near_solution import cost_of_a_row, sampled, solve_near
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -38,15 +38,8 @@ def with_consequences(result: FitResult) -> FitResult:
     for stage in result.solution.stages:
         names = [name for name in stage.problem.free if name in bounded & stage.determined]
         if names:
-            consequences += _of_stage(_sampled(stage), names)
+            consequences += _of_stage(sampled(stage, MAX_ROWS), names)
     return replace(result, bounds=tuple(consequences))
-
-
-def _sampled(stage: SolvedStage) -> SolvedStage:
-    """Return the stage with fewer rows, of about the same cost."""
-    rows = stage.problem.rows.sample(MAX_ROWS)
-    weights = stage.problem.weights * (len(stage.problem.rows) / len(rows))
-    return replace(stage, problem=replace(stage.problem, rows=rows, weights=weights))
 
 
 def _of_stage(stage: SolvedStage, names: Sequence[str]) -> list[BoundConsequence]:

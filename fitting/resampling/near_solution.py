@@ -5,6 +5,8 @@ A few Gauss-Newton steps suffice, except along curved constraints, where no step
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -24,6 +26,11 @@ def cost_of_a_row(stage: SolvedStage) -> float:
     """Return the cost of one independent row with the noise of the solution; see `solvers.convergence`."""
     least, rows = noise_of(stage.problem, stage.x)
     return max(stage.problem.cost(stage.x), least) / max(rows, 1.0)
+
+
+def sampled(stage: SolvedStage, n: int) -> SolvedStage:
+    """Return a stage with up to n random rows."""
+    return replace(stage, problem=stage.problem.sampled(n))
 
 
 def solve_near(

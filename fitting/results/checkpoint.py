@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, nan
@@ -15,9 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FitError
+from tirefmu.boundary.errors import FitError, writing
 from tirefmu.boundary.json_schema import json_value, schema_of
 from tirefmu.boundary.schema_check import check_content
+from tirefmu.boundary.whole_file import write_whole
 
 from ..problem.recipe import Freed
 from .records import StageFit
@@ -97,14 +97,8 @@ class Checkpoint:
         Raises `FitError` if the file cannot be written.
         """
         content = {"version": VERSION, "identity": dict(self.identity), "state": json_value(state)}
-        part = self.path.with_name(f".{self.path.name}.part")
-        try:
-            part.unlink(missing_ok=True)  # a link would lead elsewhere
-            part.write_text(self.sealed(content), encoding="utf-8")
-            os.replace(part, self.path)
-        except OSError as error:
-            part.unlink(missing_ok=True)
-            raise FitError(f"{self.path}: cannot be written ({error.strerror or error})") from error
+        with writing(self.path, FitError):
+            write_whole(self.path, self.sealed(content).encode())
 
     @staticmethod
     def sealed(content: Mapping[str, Any]) -> str:

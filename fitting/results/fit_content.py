@@ -17,7 +17,7 @@ from .records import BoundConsequence, ChannelFit, FittedCoefficient, HeldOut, S
 from .resampled import Bootstrap, Profile
 
 #: Version of fit.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.0"
+VERSION = "1.1"
 
 
 class Covariance(TypedDict):

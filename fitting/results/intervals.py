@@ -80,7 +80,7 @@ def band(result: FitResult, quantity: str, table: pd.DataFrame, signs: str, leve
     variance = np.einsum("ni,ij,nj->n", by_name, covariance * np.outer(flips, flips), by_name)
     in_adapted = by_name * [-1.0 if formula == "iso" and declarations[n].flips else 1.0 for n in covariance.index]
     for discrepancy in result.solution.discrepancies:  # the covariance has what they do to the coefficients
-        at = _place(tire, quantity, discrepancy.channel, inputs) if discrepancy.own else None
+        at = _place(tire, quantity, discrepancy.channel, inputs) if discrepancy.final else None
         if at is not None:
             slopes_of_channel = in_adapted[list(discrepancy.names)].to_numpy().T
             at = at[

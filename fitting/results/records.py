@@ -25,8 +25,9 @@ class FittedCoefficient:
       value of the start tire or the recipe.
     - `stage`: the last stage that freed and determined it.
     - `interval`: half the width of its 95 % interval under time-correlated noise; infinite if the data determine it
-      only together with others, NaN at a bound, or if no stage with all its rows freed it.
+      only together with others, NaN at a bound, or if no stage with all its rows freed it. It contains `other`.
     - `from_family`: the data hardly determine the value, it comes from the family (`FitOptions.family`).
+    - `other`: its value in a second solution that the data do not distinguish from this one; None without one.
     """
 
     name: str
@@ -40,11 +41,13 @@ class FittedCoefficient:
     stage: str
     interval: float = nan
     from_family: bool = False
+    other: float | None = None
 
     def mirrored(self) -> FittedCoefficient:
         """Return the same with the opposite sign."""
         guess, lower, upper, value = (0.0 - number for number in (self.guess, self.upper, self.lower, self.value))
-        return replace(self, guess=guess, lower=lower, upper=upper, value=value)  # 0.0 - number: no -0.0
+        other = None if self.other is None else 0.0 - self.other  # 0.0 - number: no -0.0
+        return replace(self, guess=guess, lower=lower, upper=upper, value=value, other=other)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 GOOD, LIMITED, UNUSABLE = "good", "usable with limits", "not usable"
 #: The forces, without which a tire is not usable.
 FORCES = ("Fx", "Fy")
-#: R2 below which a channel is described poorly; below 0 its mean is a better description.
+#: R2 below which a channel is described poorly: 70 % of its variation remain, which may be noise; below 0 its mean is a
+#: better description.
 POOR_R2 = 0.5
 #: Relative errors of the slip stiffness: above the first, at one load and beyond two standard errors of the data, the
 #: handling of a vehicle changes noticeably; above the second, over all loads, it is that of another tire. Judgement.
@@ -38,9 +39,9 @@ STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
 #: this share of the standard deviation of the channel. Above the last share, what depends on time or differs between
 #: repeats is too large for any tire. Judgement.
 ABOVE_FLOOR, NEGLIGIBLE, WRONG_DATA = 2.0, 0.01, 0.1
-#: Change of the forces over time, two standard deviations, above which a recording is not of one tire. As that of the
-#: stiffness.
-UNSTEADY = 0.1
+#: Change of the forces over time above which a recording is not of one tire, as that of the stiffness; and the range of
+#: a steady change in its standard deviations.
+UNSTEADY, RANGE = 0.1, 12.0**0.5
 #: Chance under noise alone below which an error of the form is reported, over all channels, and its least size, as a
 #: share of the channel.
 CHANCE, NEGLIGIBLE_FORM = 0.02, 0.002
@@ -79,7 +80,8 @@ class Verdict:
 def verdict_of(result: FitResult) -> Verdict:
     """Return the verdict on a fit."""
     wrong = [] if result.ok else [result.status]
-    wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
+    poor = [c for c in result.channels if c.channel in FORCES and c.fitted_r2 < POOR_R2]
+    wrong += [_quality_reason(c) for c in poor if c.fitted_r2 < 0.0 or lacks_something(c)]
     wrong += [_clipped_reason(c) for c in result.findings.clipped if c.channel in FORCES]
     wrong += _wrong_data(result.channels)
     wrong += _unsteady(result)
@@ -88,7 +90,7 @@ def verdict_of(result: FitResult) -> Verdict:
     wrong += _few_rows(result, 1)
     limits = [
         *_missing_forces(result),
-        *(_quality_reason(c) for c in result.channels if c.channel in FORCES and 0.0 <= c.fitted_r2 < POOR_R2),
+        *(_quality_reason(c) for c in poor),
         *(floor_reason(c) for c in result.channels if lacks_something(c)),
         *_stiffness_reasons(result.findings),
         *_characteristic_reasons(result.findings),
@@ -98,6 +100,7 @@ def verdict_of(result: FitResult) -> Verdict:
         *_structure(result),
         *_few_rows(result, ROWS_PER_COEFFICIENT),
         *_not_imposed(result),
+        *_second_solution(result),
         *_at_bounds(result),
         *_excluded(result),
         *([] if result.solution.residuals is None else _extrapolated(result.solution.residuals)),
@@ -125,16 +128,14 @@ def _unsteady(result: FitResult) -> Iterator[str]:
 
     The residual has to confirm it: where a form is far off, its error over the inputs is an error over time as well.
     """
-    found = result.solution.discrepancies
-    over_time = {
-        c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs and lacks_something(c)
-    }
-    for each in found:
-        large = each.channel in over_time.intersection(FORCES) and 2.0 * each.state > UNSTEADY
-        if large and each.own and _chance(each.state_chance, found):
+    discrepancies = result.solution.discrepancies
+    over_time = {c.channel for c in result.channels if c.explained_by_time > c.explained_by_inputs}
+    for d in discrepancies:
+        large = d.channel in over_time.intersection(FORCES) and RANGE * d.state > UNSTEADY
+        if large and d.final and _chance(d.state_chance, discrepancies):
             yield (
-                f"{each.channel} changes by {2.0 * each.state:.0%} (two standard deviations) over time, or with an "
-                "input that the table lacks: diagnose"
+                f"{d.channel} changes by about {RANGE * d.state:.0%} over time, or with an input that the table "
+                "lacks: diagnose"
             )
 
 
@@ -149,7 +150,10 @@ def _wrong_between_loads(findings: Findings) -> Iterator[str]:
         for c in friction:
             if (c.recording, c.channel) == (recording, channel):
                 by_load.setdefault(c.at.get("Fz", c.load), []).append(c)
-        error = {load: float(np.median([c.reliable_error for c in own])) for load, own in by_load.items()}
+        error = {
+            load: float(np.median([c.reliable_error for c in characteristics]))
+            for load, characteristics in by_load.items()
+        }
         right = [load for load, size in error.items() if abs(size) <= CHARACTERISTIC_LIMITS["peak friction"]]
         for load in sorted(error.keys() - right):
             if right and min(right) < load < max(right):
@@ -160,9 +164,9 @@ def _wrong_between_loads(findings: Findings) -> Iterator[str]:
                 )
 
 
-def _chance(chance: float, found: Sequence[Discrepancy]) -> bool:
+def _chance(chance: float, discrepancies: Sequence[Discrepancy]) -> bool:
     """Return whether noise alone causes so large an error of the form rarely, over all channels."""
-    return chance < CHANCE / (2 * len(found))
+    return chance < CHANCE / (2 * len(discrepancies))
 
 
 def floor_reason(c: ChannelFit) -> str:
@@ -182,19 +186,19 @@ def floor_reason(c: ChannelFit) -> str:
 
 def _structure(result: FitResult) -> Iterator[str]:
     """Yield the errors of the form that are significant in channels whose error is near the noise floor."""
-    found = result.solution.discrepancies
+    discrepancies = result.solution.discrepancies
     far = {c.channel for c in result.channels if lacks_something(c)}
     texts = [
-        f"{each.channel} {size:.1%} over {cause}"
-        for each in found
-        if each.channel not in far and each.own
+        f"{d.channel} {size:.1%} over {cause}"
+        for d in discrepancies
+        if d.channel not in far and d.final
         for size, chance, cause in (
-            (each.form, each.form_chance, "the inputs"), (each.state, each.state_chance, "time")
+            (d.form, d.form_chance, "the inputs"), (d.state, d.state_chance, "time")
         )
-        if _chance(chance, found) and size > NEGLIGIBLE_FORM
+        if _chance(chance, discrepancies) and size > NEGLIGIBLE_FORM
     ]  # fmt: skip
     if texts:
-        yield f"small errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
+        yield f"errors that are not noise, in the intervals: {', '.join(texts)}: diagnose"
 
 
 def _clipped_reason(c: Clipped) -> str:
@@ -204,9 +208,9 @@ def _clipped_reason(c: Clipped) -> str:
 
 def _characteristic_reasons(findings: Findings) -> Iterator[str]:
     """Yield the largest error of each quantity of a recording and channel beyond its limit."""
-    found = [c for c in findings.characteristics if abs(c.reliable_error) > CHARACTERISTIC_LIMITS[c.quantity]]
+    wrong = [c for c in findings.characteristics if abs(c.reliable_error) > CHARACTERISTIC_LIMITS[c.quantity]]
     worst: dict[tuple[str, str, str], Characteristic] = {}
-    for c in sorted(found, key=lambda c: -abs(c.reliable_error)):
+    for c in sorted(wrong, key=lambda c: -abs(c.reliable_error)):
         worst.setdefault((c.recording, c.channel, c.quantity), c)
     for (recording, channel, quantity), c in worst.items():
         at = condition_text(c.at) if c.at else f"{c.load:.0f} N"
@@ -219,10 +223,10 @@ def _discontinuity_reason(d: Discontinuity) -> str:
     return f"{d.channel} of the tire {size} at {where}"
 
 
-def _few_rows(result: FitResult, each: int) -> Iterator[str]:
+def _few_rows(result: FitResult, rows_per_coefficient: int) -> Iterator[str]:
     """Yield that there are fewer rows than a multiple of the coefficients."""
     evidence, count = result.solution.residuals, sum(c.determined for c in result.coefficients)
-    if evidence is not None and len(evidence.table) < each * count:
+    if evidence is not None and len(evidence.table) < rows_per_coefficient * count:
         yield f"{len(evidence.table)} rows for {count} coefficients: the tire follows the noise of the rows"
 
 
@@ -234,20 +238,22 @@ def _quality_reason(c: ChannelFit) -> str:
 def _stiffnesses(findings: Findings) -> Iterator[tuple[str, list[SlipStiffness]]]:
     """Yield the slip stiffnesses of each force of a recording, with a text that names them."""
     for recording, channel in dict.fromkeys((s.recording, s.channel) for s in findings.stiffnesses):
-        own = [s for s in findings.stiffnesses if (s.recording, s.channel) == (recording, channel)]
-        yield f"{recording}: the slip stiffness of {channel} differs by", own
+        stiffnesses = [s for s in findings.stiffnesses if (s.recording, s.channel) == (recording, channel)]
+        yield f"{recording}: the slip stiffness of {channel} differs by", stiffnesses
 
 
 def _wrong_stiffness(findings: Findings) -> Iterator[str]:
-    for text, own in _stiffnesses(findings):
-        error = sum(s.fitted for s in own) / sum(s.read for s in own) - 1.0
+    for text, stiffnesses in _stiffnesses(findings):
+        error = sum(s.fitted for s in stiffnesses) / sum(s.read for s in stiffnesses) - 1.0
         if abs(error) > WRONG_STIFFNESS:
             yield f"{text} {error:+.0%} over all loads"
 
 
 def _stiffness_reasons(findings: Findings) -> list[str]:
     """Return the largest error at one load for each force of a recording, the largest first."""
-    worst = [(text, max(own, key=lambda s: abs(s.reliable_error))) for text, own in _stiffnesses(findings)]
+    worst = [
+        (text, max(stiffnesses, key=lambda s: abs(s.reliable_error))) for text, stiffnesses in _stiffnesses(findings)
+    ]
     worst = sorted(worst, key=lambda pair: -abs(pair[1].reliable_error))
     return [f"{text} {s.off:+.0%} at {s.load:.0f} N" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
 
@@ -262,32 +268,38 @@ def _not_imposed(result: FitResult) -> Iterator[str]:
     """Yield the default constraints on fitted channels that the fit did not enforce."""
     fitted, imposed = {c.channel for c in result.channels}, {margin.name for margin in result.margins}
     declared = chosen_constraints(result.tire.model)
-    expected = [each for output in fitted for each in declared.get(output, ())]
+    expected = [constraint for output in fitted for constraint in declared.get(output, ())]
     missing = sorted(
-        each.name for each in expected
-        if each.name not in imposed and (not each.effect or each.effect in result.tire.has)
+        constraint.name for constraint in expected
+        if constraint.name not in imposed and (not constraint.effect or constraint.effect in result.tire.has)
     )  # fmt: skip
     if missing:
         yield f"physical constraints not imposed: {_listed(missing)}"
 
 
+def _second_solution(result: FitResult) -> Iterator[str]:
+    values = [f"{c.name} {c.value:.3g} or {c.other:.3g}" for c in result.coefficients if c.other is not None]
+    if values:
+        yield f"two solutions fit equally well: {_listed(values)}"
+
+
 def _at_bounds(result: FitResult) -> Iterator[str]:
     names = [c.name for c in result.coefficients if c.at_bound]
-    harmless = {each.name for each in result.bounds if each.matters is False}
-    known = {each.name: each for each in result.bounds}
-    for name in (name for name in names if name in known and name not in harmless):
-        yield f"{name} at a bound: {known[name].text()}"
-    unknown = [name for name in names if name not in known]
+    harmless = {bound.name for bound in result.bounds if bound.matters is False}
+    bounds = {bound.name: bound for bound in result.bounds}
+    for name in (name for name in names if name in bounds and name not in harmless):
+        yield f"{name} at a bound: {bounds[name].text()}"
+    unknown = [name for name in names if name not in bounds]
     if unknown:
         yield f"{len(unknown)} of {len(result.coefficients)} coefficients at bounds: {_listed(unknown)}"
 
 
 def _excluded(result: FitResult) -> Iterator[str]:
     for recording in dict.fromkeys(rows.recording for rows in result.excluded_rows):
-        own = [rows for rows in result.excluded_rows if rows.recording == recording]
-        share = sum(rows.rows for rows in own) / own[0].of
+        excluded = [rows for rows in result.excluded_rows if rows.recording == recording]
+        share = sum(rows.rows for rows in excluded) / excluded[0].of
         if share > MANY_EXCLUDED:
-            yield f"{recording}: {share:.0%} of the rows excluded ({', '.join(rows.reason for rows in own)})"
+            yield f"{recording}: {share:.0%} of the rows excluded ({', '.join(rows.reason for rows in excluded)})"
 
 
 def _extrapolated(evidence: Residuals) -> Iterator[str]:

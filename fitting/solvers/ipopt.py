@@ -53,6 +53,7 @@ ATTEMPTS: tuple[tuple[dict[str, str | float], float], ...] = (
 )
 #: Reasons: a stop was requested, the iteration limit was reached, or a later stage continues and needs no optimum.
 INTERRUPTED, LIMIT, CONTINUED = "interrupted", "iteration limit", "little further gain before the next stage"
+SUPERSEDED = "a later stage continues"
 #: Called with (iteration, cost) in each iteration.
 Progress = Callable[[int, float], None]
 
@@ -191,7 +192,8 @@ def solve(
     - `stop`: called after every iteration; True ends the solver with the best feasible point, or with the start if
       there is none.
 
-    If no optimum is found, `converged` is False and `reason` states why.
+    If no optimum is found, `converged` is False and `reason` states why. A stage that is not final needs none: a later
+    one frees its coefficients again.
     """
     imposed = ConstraintFunctions(problem, constraints)
     cached = _CachedCost(problem, start, ridge, progress)
@@ -223,10 +225,12 @@ def solve(
         x, iterations = last_point.x, iterations + last_point.steps
         if last_point.converged or iterations >= max_iterations or stop():
             break
-    reason = last_point.reason
-    if not last_point.converged and (stop() or iterations >= max_iterations):
+    reason, converged = last_point.reason, last_point.converged
+    if not converged and (stop() or iterations >= max_iterations):
         reason = INTERRUPTED if stop() else f"{LIMIT}: {reason}"
-    return SolverResult(x, problem.cost(x), iterations, last_point.converged, reason, ", ".join(statuses))
+    if not converged and stage_type != "final" and not stop():
+        converged, reason = True, f"{reason}, {SUPERSEDED}"
+    return SolverResult(x, problem.cost(x), iterations, converged, reason, ", ".join(statuses))
 
 
 def _ipopt(

@@ -1,4 +1,4 @@
-"""Restarts of a stage from other initial values of a few coefficients, against local minima."""
+"""Restarts of a stage from other initial values of a few coefficients and from other roots, against local minima."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ..problem.weighted_residuals import Problem
 from .ipopt import SolverResult
+from .other_roots import other_roots
 
 FloatArray = npt.NDArray[np.float64]
 #: Largest distance of a scaled value at a bound; least relative reduction of the cost for which a restart is accepted.
@@ -28,7 +29,7 @@ def best_end(
 ) -> SolverResult:
     """Solve again from other values of a few coefficients, with all others at the best solution; return the best.
 
-    `first`: the solution of the stage. `settle`: solves the stage from scaled values. `lower`, `upper`, shape
+    `first`: the solution of the stage. `solve_from`: solves the stage from scaled values. `lower`, `upper`, shape
     (n_free,): scaled bounds. `again`: the values of each restart. `always`: run all restarts; otherwise only those of
     which one coefficient is at a bound, as in most local minima. Returns: its iterations are those of the first
     solution and of the accepted restarts.
@@ -41,7 +42,27 @@ def best_end(
             continue
         start = best.x.copy()
         start[indices] = [values[problem.free[i]] / problem.scale[i] for i in indices]
-        other = solve_from(np.clip(start, lower, upper))
-        if other.converged and (not best.converged or other.cost < (1 - MIN_BETTER) * best.cost):
-            best = replace(other, iterations=best.iterations + other.iterations)
+        best = _better(best, solve_from(np.clip(start, lower, upper)))
+    return best
+
+
+def best_root(
+    problem: Problem, first: SolverResult, near: Callable[[FloatArray], SolverResult],
+    solve_from: Callable[[FloatArray], SolverResult], lower: FloatArray, upper: FloatArray,
+) -> SolverResult:  # fmt: skip
+    """Solve again from the other roots of a solution (`other_roots`) if they are better; return the best.
+
+    `near`: takes a few steps from a root. The other arguments are those of `best_end`.
+    """
+    best = first
+    for start in other_roots(problem, first.x, lower, upper):
+        other = near(start)
+        if _better(best, other) is not best:
+            best = _better(best, solve_from(other.x))
+    return best
+
+
+def _better(best: SolverResult, other: SolverResult) -> SolverResult:
+    if other.converged and (not best.converged or other.cost < (1 - MIN_BETTER) * best.cost):
+        return replace(other, iterations=best.iterations + other.iterations)
     return best

@@ -63,8 +63,8 @@ class HeatBalance:
         """Return the heat balance of a recording with time and a recorded temperature in deg C."""
         tire = unaffected(tire).in_signs("adapted-sae")
         table = recording.with_signs("adapted-sae").table
-        known = table[[name for name in ("t", column, *tire.inputs) if name in table]].notna().all(axis=1)
-        table = table[known & (table["t"].diff().fillna(1.0) > 0.0)]
+        complete = table[[name for name in ("t", column, *tire.inputs) if name in table]].notna().all(axis=1)
+        table = table[complete & (table["t"].diff().fillna(1.0) > 0.0)]
         rows = np.stack([table[name] if name in table else np.full(len(table), tire.nominal(name))
                          for name in tire.inputs])  # fmt: skip
         slips = [tire.inputs.index(name) for name in ("kappa", "alpha")]

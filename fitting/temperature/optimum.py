@@ -1,30 +1,35 @@
 """The temperature at which friction is largest, from measured forces and recorded temperatures.
 
-Around the fitted tire, forces are linear in the coefficients of `temp_friction` (to second order in the temperature)
-and in the level of friction. The correlated residual determines their covariance, and with it whether friction has a
-maximum within the recorded range.
+Around the fitted tire, forces are linear in the coefficients of `temp_friction` (to second order in the temperature),
+in the level of friction, and in the delay of the sensor. The correlated residual determines their covariance, and with
+it whether friction has a maximum within the recorded range. The delay is that between forces and temperature: the one
+with which a heat balance describes the temperature also has what the balance lacks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
 
+from .solution import DELAY, DELAY_SPREAD
+
 FloatArray = npt.NDArray[np.float64]
 
 #: The effect with the coefficients TMU1 and TMU2, per K and per K^2 about TREF.
 EFFECT = "temp_friction"
-#: Percentiles of the recorded temperature within which a maximum can be determined; standard deviations of an interval.
-RANGE, QUANTILE = (5.0, 95.0), 1.96
-#: Steps of differences: of TMU1 and TMU2, and of the level as a share; Gauss-Newton steps.
-STEPS, SHARE, ITERATIONS = (1e-5, 1e-7), 1e-4, 2
+#: Percentiles of the recorded temperature within which a maximum can be determined; standard deviations of an interval,
+#: and of the curvature of friction that has one (a chance of 0.001, as for an effect in a diagnosis).
+RANGE, QUANTILE, SIGNIFICANT = (5.0, 95.0), 1.96, 3.09
+#: Steps of differences: of TMU1, TMU2 and the delay, s, and of the level as a share; Gauss-Newton steps.
+STEPS, SHARE, ITERATIONS = (1e-5, 1e-7, 1e-3), 1e-4, 3
 
 
 @dataclass(frozen=True)
@@ -54,40 +59,39 @@ class Optimum:
         return f"friction is largest at {self.value:.1f} +- {self.half:.1f} deg C"
 
 
-def optimum_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "T", delay: float = 0.0) -> Optimum:
+def optimum_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "T") -> Optimum:
     """Return the temperature of the largest friction.
 
     `tire`: fitted, with the effect `temp_friction`. `recordings`: with forces and the recorded temperature `column`,
-    deg C. `delay`: of the sensor, s.
+    deg C.
     """
-    recordings = [_surface(recording, column, delay) for recording in recordings]
     temperatures = np.concatenate([recording.table[column].to_numpy(dtype=np.float64) for recording in recordings])
-    low, high = np.nanpercentile(temperatures, RANGE)
-    linear, curved = tire.values["TMU1"] - tire.values["TMUA"], _curvature(tire)
-    covariance = np.zeros((2, 2))
+    low, high = map(float, np.nanpercentile(temperatures, RANGE))
+    linear, curved, delay = tire.values["TMU1"] - tire.values["TMUA"], _curvature(tire), DELAY
+    covariance = np.zeros((3, 3))
     for _ in range(ITERATIONS):
         centered = tire.with_values(TMUA=0.0, TMU1=linear, TMU2=curved)
-        change, covariance = _step(centered, recordings, column)
-        linear, curved = linear + change[0], curved + change[1]
-    if not curved < -QUANTILE * np.sqrt(covariance[1, 1]):
-        return Optimum(np.nan, np.nan, False, float(low), float(high))
+        change, covariance = _step(centered, recordings, column, delay)
+        linear, curved, delay = linear + change[0], curved + change[1], delay + change[2]
+    if not curved < -SIGNIFICANT * np.sqrt(covariance[1, 1]):
+        return Optimum(np.nan, np.nan, False, low, high)
     value = tire.values["TREF"] - linear / (2.0 * curved)
-    slope = np.array([-1.0, linear / curved]) / (2.0 * curved)
+    slope = np.array([-1.0, linear / curved, 0.0]) / (2.0 * curved)
     half = QUANTILE * float(np.sqrt(slope @ covariance @ slope))
     determined = bool(low <= value <= high and half <= (high - low) / 2.0)
-    return Optimum(*((value, half) if determined else (np.nan, np.nan)), determined, float(low), float(high))
+    return Optimum(*((float(value), half) if determined else (np.nan, np.nan)), determined, low, high)
 
 
-def _surface(recording: Recording, column: str, delay: float) -> Recording:
-    """Return a recording whose column is the temperature of the surface, which the sensor shows later."""
-    if "t" not in recording.table:
-        return recording
+def _surface(recording: Recording, column: str, delay: float) -> pd.DataFrame:
+    """Return a table without time whose T is the temperature of the surface, which the sensor shows later."""
     table, shown = recording.table, recording.table[column].to_numpy(dtype=np.float64, copy=True)
+    if "t" not in table:
+        return table.assign(T=shown)
     for number in np.unique(segment := recording.segment_numbers()):
         rows = np.flatnonzero(segment == number)
         t = table["t"].to_numpy(dtype=np.float64)[rows]
         shown[rows] = np.interp(t + delay, t, shown[rows])
-    return replace(recording, table=table.assign(**{column: shown}))
+    return table.assign(T=shown).drop(columns="t")
 
 
 def _curvature(tire: Tire) -> float:
@@ -96,34 +100,35 @@ def _curvature(tire: Tire) -> float:
     return tire.values["TMU2"] - tire.values["TMU1"] * decay + decay**2 / 2.0
 
 
-def _step(tire: Tire, recordings: Sequence[Recording], column: str) -> tuple[FloatArray, FloatArray]:
-    """Return the Gauss-Newton step of TMU1 and TMU2, and their covariance."""
+def _step(tire: Tire, recordings: Sequence[Recording], column: str, delay: float) -> tuple[FloatArray, FloatArray]:
+    """Return the Gauss-Newton step of TMU1, TMU2 and the delay of the sensor, and their covariance."""
     levels = [name for role in ("friction_x", "friction_y") if (name := tire.symbolic_model.leading(role))]
-    steps = dict(zip(("TMU1", "TMU2"), STEPS, strict=True))
+    steps = dict(zip(("TMU1", "TMU2", "delay"), STEPS, strict=True))
     steps |= {name: SHARE * abs(tire.values[name]) for name in levels}
-    normal, right = np.zeros((len(steps), len(steps))), np.zeros(len(steps))
+    prior = np.array([0.0, 0.0, DELAY_SPREAD**-2, *np.zeros(len(levels))])
+    normal, right = np.diag(prior), prior * (DELAY - delay)
     for recording in recordings:
         for channel in (name for name in ("Fx", "Fy") if name in recording.table):
-            residual, columns = _linearized(tire, recording, column, channel, steps)
+            residual, columns = _linearized(tire, recording, column, channel, steps, delay)
             weight = 1.0 / (np.mean(residual**2) * correlation_length(residual, recording.segment_numbers()))
             normal += weight * columns @ columns.T
             right += weight * columns @ residual
     covariance = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
-    return (covariance @ right)[:2], covariance[:2, :2]
+    return (covariance @ right)[:3], covariance[:3, :3]
 
 
 def _linearized(
-    tire: Tire, recording: Recording, column: str, channel: str, steps: dict[str, float]
+    tire: Tire, recording: Recording, column: str, channel: str, steps: dict[str, float], delay: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return measured minus computed force, shape (n,), and derivatives by coefficients, shape (p, n); 0 if unknown."""
-    table = recording.table.assign(T=recording.table[column]).drop(columns="t")
+    """Return measured minus computed force, shape (n,), and derivatives by unknowns, shape (p, n); 0 if unknown."""
 
-    def computed(changed: Tire) -> FloatArray:
+    def computed(name: str = "", step: float = 0.0) -> FloatArray:
+        table = _surface(recording, column, delay + (step if name == "delay" else 0.0))
+        changed = tire.with_values(**{name: tire.values[name] + step}) if name in tire.values else tire
         return changed.evaluate(table, signs=recording.signs)[channel].to_numpy(dtype=np.float64)
 
-    now = computed(tire)
-    residual = table[channel].to_numpy(dtype=np.float64) - now
-    known = np.isfinite(residual)
-    columns = [(computed(tire.with_values(**{name: tire.values[name] + step})) - now) / step
-               for name, step in steps.items()]  # fmt: skip
-    return np.where(known, residual, 0.0), np.where(known, np.stack(columns), 0.0)
+    now = computed()
+    residual = recording.table[channel].to_numpy(dtype=np.float64) - now
+    present = np.isfinite(residual)
+    columns = [(computed(name, step) - now) / step for name, step in steps.items()]
+    return np.where(present, residual, 0.0), np.where(present, np.stack(columns), 0.0)

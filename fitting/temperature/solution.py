@@ -34,7 +34,7 @@ HALVINGS = 6
 
 
 @dataclass(frozen=True)
-class Solution:
+class ThermalSolution:
     """Values of coefficients and starts.
 
     - `free`: names of coefficients; `center`, `x`, shape (p,): prior mean and value of their logarithms.
@@ -69,7 +69,9 @@ class Solution:
         return np.interp(balance.t - self.delay, balance.t, course[:, 0])
 
 
-def solved(balances: Sequence[HeatBalance], used: Used, free: Sequence[str], begin: Solution | None = None) -> Solution:
+def solved(
+    balances: Sequence[HeatBalance], used: Used, free: Sequence[str], begin: ThermalSolution | None = None
+) -> ThermalSolution:
     """Return the coefficients with the largest posterior density, for the used nodes of recordings.
 
     The residual is correlated: its sum of squares is divided by the correlation length, so that a recording counts as
@@ -87,14 +89,14 @@ def solved(balances: Sequence[HeatBalance], used: Used, free: Sequence[str], beg
     return _converged(balances, used, solution)
 
 
-def _first(balances: Sequence[HeatBalance], free: Sequence[str]) -> Solution:
+def _first(balances: Sequence[HeatBalance], free: Sequence[str]) -> ThermalSolution:
     declared = balances[0].tire.symbolic_model.coefficients
     center = np.log([declared[name].default for name in free])
     starts = [np.full(len(b.states), b.measured[np.isfinite(b.measured)][0]) for b in balances]
-    return Solution(tuple(free), center, center.copy(), np.stack(starts))
+    return ThermalSolution(tuple(free), center, center.copy(), np.stack(starts))
 
 
-def _converged(balances: Sequence[HeatBalance], used: Used, solution: Solution) -> Solution:
+def _converged(balances: Sequence[HeatBalance], used: Used, solution: ThermalSolution) -> ThermalSolution:
     for _ in range(ITERATIONS):
         residual, jacobian = _linearized(balances, used, solution)
         normal = jacobian.T @ jacobian
@@ -115,7 +117,7 @@ def _converged(balances: Sequence[HeatBalance], used: Used, solution: Solution) 
     return solution
 
 
-def _moved(solution: Solution, change: FloatArray) -> Solution:
+def _moved(solution: ThermalSolution, change: FloatArray) -> ThermalSolution:
     x, starts = np.split(change[:-1], [len(solution.x)])
     return replace(
         solution, x=solution.x + x, starts=solution.starts + starts.reshape(solution.starts.shape),
@@ -123,21 +125,23 @@ def _moved(solution: Solution, change: FloatArray) -> Solution:
     )  # fmt: skip
 
 
-def _prior(balances: Sequence[HeatBalance], solution: Solution) -> FloatArray:
+def _prior(balances: Sequence[HeatBalance], solution: ThermalSolution) -> FloatArray:
     first = np.stack([b.measured[np.isfinite(b.measured)][:1] for b in balances])
     starts = (solution.starts - first) / START_SPREAD
     delay = (solution.delay - DELAY) / DELAY_SPREAD
     return np.concatenate([(solution.x - solution.center) / SPREAD, starts.ravel(), [delay]])
 
 
-def _cost(balances: Sequence[HeatBalance], used: Used, solution: Solution) -> float:
+def _cost(balances: Sequence[HeatBalance], used: Used, solution: ThermalSolution) -> float:
     weight = 1.0 / (solution.noise * np.sqrt(solution.length))
     errors = [weight * error[part] for error, part in zip(solution.errors(balances), used, strict=True)]
     residual = np.concatenate([*errors, _prior(balances, solution)])
     return float(residual @ residual)
 
 
-def _linearized(balances: Sequence[HeatBalance], used: Used, solution: Solution) -> tuple[FloatArray, FloatArray]:
+def _linearized(
+    balances: Sequence[HeatBalance], used: Used, solution: ThermalSolution
+) -> tuple[FloatArray, FloatArray]:
     """Return residual and Jacobian, prior included, in standard deviations."""
     weight = 1.0 / (solution.noise * np.sqrt(solution.length))
     p, (k, m) = len(solution.x), solution.starts.shape

@@ -16,15 +16,15 @@ from .heat_balance import BLOCK, EFFECT, HeatBalance
 from .optimum import EFFECT as FRICTION
 from .optimum import QUANTILE, optimum_temperature
 from .selection import check_temperature
-from .solution import SPREAD, Solution, solved
+from .solution import SPREAD, ThermalSolution, solved
 
 FloatArray = npt.NDArray[np.float64]
 
 #: The coefficients that a fit frees, in the logarithm; prior means are their neutral values. The others cannot be
 #: separated from these in recordings at one speed; heat capacities and conductances are relative to THSHARE.
 FREE = (
-    "THCAPS", "THCAPB", "THCAPC", "THCAPG", "THCONS", "THCONB", "THCONG", "THROAD", "THAIR", "THSIDE", "THROLL",
-    "THSHAREX",
+    "THCAPS", "THCAPB", "THCAPC", "THCAPG", "THCONS", "THCONB", "THCONG", "THROAD", "THAIR", "THSIDE", "THROLLB",
+    "THROLL", "THSHAREX",
 )  # fmt: skip
 STARTS = ("THSTARTS", "THSTARTB", "THSTARTC", "THSTARTG")
 #: A coefficient is determined if the data reduce the standard deviation of its logarithm below this share of the prior.
@@ -67,17 +67,17 @@ def fit_temperature(tire: Tire, recordings: Sequence[Recording], column: str = "
     used = [_first_part(balance) for balance in balances]
     early = solved(balances, used, FREE)
     held_out, constant = _held_out(balances, used, early)
-    found = solved(balances, [np.isfinite(balance.measured) for balance in balances], FREE, early)
-    errors = np.concatenate([error[np.isfinite(error)] for error in found.errors(balances)])
-    values = found.values()
-    spread = {name: float(s) for name, s in zip(found.free, found.spread, strict=True)}
-    optimum = optimum_temperature(forces, recordings, column, found.delay) if FRICTION in tire.has else None
+    solution = solved(balances, [np.isfinite(balance.measured) for balance in balances], FREE, early)
+    errors = np.concatenate([error[np.isfinite(error)] for error in solution.errors(balances)])
+    values = solution.values()
+    spread = {name: float(s) for name, s in zip(solution.free, solution.spread, strict=True)}
+    optimum = optimum_temperature(forces, recordings, column) if FRICTION in tire.has else None
     fitted = FittedTemperature(
-        column, _rms(errors), held_out, constant, found.length * BLOCK, values,
+        column, _rms(errors), held_out, constant, solution.length * BLOCK, values,
         {name: float(np.exp(QUANTILE * s)) for name, s in spread.items()},
         tuple(name for name, s in spread.items() if s < DETERMINED * SPREAD),
-        tuple(tuple(map(float, start)) for start in found.starts),
-        (found.delay, QUANTILE * found.delay_spread), optimum,
+        tuple(tuple(map(float, start)) for start in solution.starts),
+        (solution.delay, QUANTILE * solution.delay_spread), optimum,
     )  # fmt: skip
     given = dict(zip(STARTS, fitted.starts[0], strict=True))
     return tire.with_values(**values, **given, THACT=1.0), fitted
@@ -89,7 +89,7 @@ def _first_part(balance: HeatBalance) -> npt.NDArray[np.bool_]:
 
 
 def _held_out(
-    balances: Sequence[HeatBalance], used: Sequence[npt.NDArray[np.bool_]], early: Solution
+    balances: Sequence[HeatBalance], used: Sequence[npt.NDArray[np.bool_]], early: ThermalSolution
 ) -> tuple[float, float]:
     """Return the rms error of the nodes that were not used, and that of their mean, K."""
     errors, constants = [], []

@@ -11,13 +11,16 @@ too few for such functions.
 
 Both random functions are sums of random Fourier features (Rahimi and Recht, 2007), d = sum of w_k cos(a_k x + b_k) with
 independent w_k. The error of a coefficient is a linear function of the w_k, and so is that of a prediction: what the
-coefficients change minus the function itself.
+coefficients change minus the function itself. The residual shows some of these functions and excludes others, so that
+their errors are the expected squares for w_k given the residual: where the residual shows an error, it is in the
+interval; where it shows none, the interval is narrow.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -65,7 +68,8 @@ class Features:
         half = 0.5 * (upper - lower)
         varies = half > 0.005 * np.abs(inputs).max(axis=1)
         scale = np.repeat([[SLIP_SCALE] * 2 if name in SLIPS else SCALES for name in names], FEATURES // 2, axis=1)
-        waves = np.where(varies[:, None], rng.standard_normal((len(names), FEATURES)) / scale, 0.0)
+        waves = rng.standard_normal((len(names), FEATURES)) / scale
+        waves[~varies[:, None] | (rng.uniform(size=waves.shape) < 0.5)] = 0.0
         return cls(tuple(names), lower, np.where(varies, half, 1.0), waves, rng.uniform(0.0, 2.0 * np.pi, FEATURES))
 
     def at(self, inputs: FloatArray) -> FloatArray:
@@ -81,9 +85,10 @@ class Discrepancy:
     - `form`, `state`: standard deviations of the relative error over the inputs, and over time.
     - `form_chance`, `state_chance`: probabilities of such large sums of squares under noise alone.
     - `features`: of the form.
-    - `names`: the coefficients, of shape (n_coefficients,) in the following.
-    - `form_response`, `state_response`, shape (n_coefficients, FEATURES): derivatives of the coefficients by weights.
-    - `own`: whether the stage is the last one that fits the channel.
+    - `names`: the coefficients.
+    - `response`, shape (n_coefficients, 2 FEATURES): their derivatives by the weights of both functions.
+    - `information`, shape (2 FEATURES, 2 FEATURES), and `score`, shape (2 FEATURES,): of the weights in the residual.
+    - `final`: whether the stage is the last one that fits the channel.
     """
 
     channel: str
@@ -93,23 +98,29 @@ class Discrepancy:
     state_chance: float
     features: Features
     names: tuple[str, ...]
-    form_response: FloatArray
-    state_response: FloatArray
-    own: bool = True
+    response: FloatArray
+    information: FloatArray
+    score: FloatArray
+    final: bool = True
+
+    @cached_property
+    def squares(self) -> FloatArray:
+        """Expected products of the weights given the residual, shape (2 FEATURES, 2 FEATURES)."""
+        scale = np.repeat([self.form, self.state], FEATURES) / FEATURES**0.5
+        scaled = np.eye(2 * FEATURES) + scale[:, None] * self.information * scale
+        covariance = scale[:, None] * np.linalg.inv(scaled) * scale
+        mean = covariance @ self.score
+        return np.asarray(covariance + np.outer(mean, mean))
 
     @property
     def covariance(self) -> FloatArray:
         """Covariance of the coefficients, shape (n_coefficients, n_coefficients)."""
-        form, state = self.form_response, self.state_response
-        return np.asarray(self.form**2 * form @ form.T + self.state**2 * state @ state.T) / FEATURES
+        return np.asarray(self.response @ self.squares @ self.response.T)
 
     def of(self, names: Collection[str]) -> Discrepancy:
         """Return the same for some of the coefficients."""
         rows = [i for i, name in enumerate(self.names) if name in names]
-        kept = tuple(self.names[i] for i in rows)
-        return replace(
-            self, names=kept, form_response=self.form_response[rows], state_response=self.state_response[rows]
-        )
+        return replace(self, names=tuple(self.names[i] for i in rows), response=self.response[rows])
 
     def variance(self, slopes: FloatArray, values: FloatArray, inputs: FloatArray) -> FloatArray:
         """Return the variance of the error of predictions, shape (n,).
@@ -117,10 +128,9 @@ class Discrepancy:
         `slopes`, shape (n_coefficients, n): derivatives by the coefficients. `values`, shape (n,): of predictions that
         are proportional to the channel, otherwise 0. `inputs`, shape (n_inputs, n): where the channel determines them.
         """
-        form = slopes.T @ self.form_response - values[:, None] * self.features.at(inputs)
-        state = slopes.T @ self.state_response
-        time = np.sum(state**2, axis=1) / FEATURES + values**2
-        return np.asarray(self.form**2 * np.sum(form**2, axis=1) / FEATURES + self.state**2 * time)
+        error = slopes.T @ self.response
+        error[:, :FEATURES] -= values[:, None] * self.features.at(inputs)
+        return np.asarray(np.sum((error @ self.squares) * error, axis=1) + (self.state * values) ** 2)
 
 
 def discrepancies(problem: Problem, samples: Iterable[Sample], inverse: FloatArray) -> tuple[Discrepancy, ...]:
@@ -130,10 +140,12 @@ def discrepancies(problem: Problem, samples: Iterable[Sample], inverse: FloatArr
     along directions that are not identifiable.
     """
     estimated = (_of_channel(problem, inverse, problem.tire.outputs[sample.channel], sample) for sample in samples)
-    found = [each for each in estimated if each]
-    both = [each for each in found if each.channel in FORCES]
-    form, state = (max((getattr(each, name) for each in both), default=0.0) for name in ("form", "state"))
-    return tuple(replace(each, form=form, state=state) if each in both else each for each in found)
+    present = [discrepancy for discrepancy in estimated if discrepancy]
+    both = [discrepancy for discrepancy in present if discrepancy.channel in FORCES]
+    form, state = (max((getattr(discrepancy, name) for discrepancy in both), default=0.0) for name in ("form", "state"))
+    return tuple(
+        replace(discrepancy, form=form, state=state) if discrepancy in both else discrepancy for discrepancy in present
+    )
 
 
 def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: Sample) -> Discrepancy | None:
@@ -147,32 +159,30 @@ def _of_channel(problem: Problem, inverse: FloatArray, channel: str, sample: Sam
         return np.asarray(np.sqrt(2.0) * np.cos(sample.place[:, None] * waves + phases))
 
     slow = timed(SLOW[0] * (SLOW[1] / SLOW[0]) ** rng.uniform(size=FEATURES))
-    functions = [sample.computed[:, None] * each for each in (features.at(sample.rows.inputs), slow)]
-    responses = [inverse @ (sample.gradient @ each) for each in functions]
-    left = [each - sample.jacobian.T @ own for each, own in zip(functions, responses, strict=True)]
+    functions = [sample.computed[:, None] * function for function in (features.at(sample.rows.inputs), slow)]
+    responses = [inverse @ (sample.gradient @ function) for function in functions]
+    left = [function - sample.jacobian.T @ response for function, response in zip(functions, responses, strict=True)]
     fast = max(FAST_ROWS / sample.of, FAST)
     quick = sample.computed[:, None] * np.concatenate([timed(fast), timed(2.0 * fast)], axis=1)
-    estimate = _estimated(sample, left, quick)
-    if estimate is None:
-        return None
-    form, state, form_chance, state_chance = estimate
-    own = [problem.scale[:, None] * each for each in responses]
-    return Discrepancy(channel, form, state, form_chance, state_chance, features, problem.free, own[0], own[1])
-
-
-def _estimated(
-    sample: Sample, left: Sequence[FloatArray], quick: FloatArray
-) -> tuple[float, float, float, float] | None:
-    """Return the standard deviations of form and state, and the chances of such sums of squares under noise alone.
-
-    `left`: what the fit leaves of the features of both. `quick`: functions that change faster than any tire.
-    """
-    weighted = [sample.weight[:, None] * each for each in left]
     fast = sample.weight[:, None] * quick
     noise = float(np.sum((sample.residual @ fast) ** 2) / max(float(np.sum(fast**2)), 1e-300))
-    noise = min(noise, sample.noise)
-    expected = noise * np.array([float(np.sum(each**2)) for each in weighted])
-    excess = np.array([float(np.sum((sample.residual @ each) ** 2)) for each in weighted]) - expected
+    noise = max(min(noise, sample.noise), 1e-300)
+    estimate = _estimated(sample, left, noise)
+    if estimate is None:
+        return None
+    response, shown = problem.scale[:, None] * np.hstack(responses), np.hstack(left)
+    information, score = shown.T @ shown / noise, -(sample.residual @ shown) / noise
+    return Discrepancy(channel, *estimate, features, problem.free, response, information, score)
+
+
+def _estimated(sample: Sample, left: Sequence[FloatArray], noise: float) -> tuple[float, float, float, float] | None:
+    """Return the standard deviations of form and state, and the chances of such sums of squares under noise alone.
+
+    `left`: what the fit leaves of the features of both.
+    """
+    weighted = [sample.weight[:, None] * function for function in left]
+    expected = noise * np.array([float(np.sum(function**2)) for function in weighted])
+    excess = np.array([float(np.sum((sample.residual @ function) ** 2)) for function in weighted]) - expected
     matrix = np.array([[float(np.sum((a.T @ b) ** 2)) / FEATURES for b in left] for a in weighted])
     deviation = noise * np.sqrt(2.0) * np.array([float(np.sqrt(np.sum((w.T @ w) ** 2))) for w in weighted])
     if not (matrix.diagonal() > 0.0).all() or not (deviation > 0.0).all():

@@ -25,7 +25,8 @@ FAR_APART = 8.0
 class Sample:
     """Some rows of a channel: one at random of each few rows.
 
-    - `channel`: its index among the outputs. `rows`: the sampled ones of `of` rows.
+    - `channel`: its index among the outputs. `rows`: the sampled ones of `of` rows. `number`, shape (n,): of each row
+      among all rows of the problem.
     - `jacobian`, shape (n_free, n): of the channel by the scaled free values.
     - `weight`, `residual`, `computed`, shape (n,). `place`, shape (n,): of each row among all rows, from 0 to 1.
     - `noise`: variance of the sum of the noise of n sampled rows over n; infinite if sampled rows are near each other.
@@ -33,6 +34,7 @@ class Sample:
 
     channel: int
     rows: Rows
+    number: npt.NDArray[np.int64]
     of: int
     jacobian: FloatArray
     weight: FloatArray
@@ -67,8 +69,8 @@ def _sample(problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[
         start = rows.stop
         weight[rows] = root[channel] ** 2
         if channel in outputs:
-            free, own = outputs[channel]
-            jacobian[free, rows] = own
+            free, derivatives = outputs[channel]
+            jacobian[free, rows] = derivatives
     residual = part.residual(x)[channel]
     computed = part.rows.measured[:, channel] + residual
     noise, apart = np.inf, len(present) / len(number)
@@ -76,4 +78,4 @@ def _sample(problem: Problem, x: FloatArray, channel: int, present: npt.NDArray[
         deviation, correlation = noise_of(every)
         noise = deviation**2 * (1.0 + correlation**apart) / (1.0 - correlation**apart)
     place = number / len(present)
-    return Sample(channel, part.rows, len(present), jacobian, weight, residual, computed, place, noise)
+    return Sample(channel, part.rows, present[number], len(present), jacobian, weight, residual, computed, place, noise)

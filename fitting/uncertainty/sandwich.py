@@ -91,8 +91,8 @@ def across_stages(covariance: pd.DataFrame) -> pd.DataFrame:
     >>> across_stages(blocks).to_numpy().tolist()
     [[4.0, 0.0, nan], [0.0, 1.0, nan], [nan, nan, nan]]
     """
-    known = np.isfinite(np.diag(covariance))
-    return covariance.mask(covariance.isna() & np.outer(known, known), 0.0)
+    estimated = np.isfinite(np.diag(covariance))
+    return covariance.mask(covariance.isna() & np.outer(estimated, estimated), 0.0)
 
 
 def uncertainty_of_stages(
@@ -122,17 +122,20 @@ def uncertainty_of_stages(
         last = {name for name in problem.free if last_stage[name] == stage}
         if not last:
             continue
-        known = uncertainty(problem, x, [name for name in problem.free if name in at_bound], sensors=sensors)
-        intervals.update({name: half for name, half in known.intervals.items() if name in last})
-        block = [name for name in known.covariance.index if name in last]
-        covariance.loc[block, block] = known.covariance.loc[block, block]
-        complete.loc[block, block] = known.complete.loc[block, block]
-        new = {each.channel for each in known.discrepancies}
-        discrepant = [replace(each, own=each.own and each.channel not in new) for each in discrepant]
-        discrepant += [each.of(last) for each in known.discrepancies]
-        directions += tuple(d for d in known.directions if last.intersection(d.coefficients))
-        rows = effective[: len(known.effective_rows)]
-        rows[known.effective_rows > 0] = known.effective_rows[known.effective_rows > 0]
+        earlier = uncertainty(problem, x, [name for name in problem.free if name in at_bound], sensors=sensors)
+        intervals.update({name: half for name, half in earlier.intervals.items() if name in last})
+        block = [name for name in earlier.covariance.index if name in last]
+        covariance.loc[block, block] = earlier.covariance.loc[block, block]
+        complete.loc[block, block] = earlier.complete.loc[block, block]
+        new = {discrepancy.channel for discrepancy in earlier.discrepancies}
+        discrepant = [
+            replace(discrepancy, final=discrepancy.final and discrepancy.channel not in new)
+            for discrepancy in discrepant
+        ]
+        discrepant += [discrepancy.of(last) for discrepancy in earlier.discrepancies]
+        directions += tuple(d for d in earlier.directions if last.intersection(d.coefficients))
+        rows = effective[: len(earlier.effective_rows)]
+        rows[earlier.effective_rows > 0] = earlier.effective_rows[earlier.effective_rows > 0]
     return intervals, directions, effective, across_stages(covariance), complete, tuple(discrepant)
 
 
@@ -172,8 +175,11 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
     scale = problem.scale[unfixed]
     whole, samples = np.zeros_like(curvature), list(samples_of(problem, x))
     whole[np.ix_(unfixed, unfixed)] = (vectors * np.where(unidentified, 0.0, inverse)) @ vectors.T
-    found = discrepancies(problem, samples, whole)
-    added = sum((each.covariance[np.ix_(unfixed, unfixed)] for each in found), np.zeros((len(names), len(names))))
+    discrepancies_of_channels = discrepancies(problem, samples, whole)
+    added = sum(
+        (discrepancy.covariance[np.ix_(unfixed, unfixed)] for discrepancy in discrepancies_of_channels),
+        np.zeros((len(names), len(names))),
+    )
     if sensors:
         errors = scale[:, None] * sensor_errors(problem, x, samples, whole)[unfixed]
         added = added + errors @ errors.T
@@ -183,7 +189,9 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str], sensors:
     complete = pd.DataFrame(covariance, index=names, columns=names)
     masked = pd.DataFrame(covariance.copy(), index=names, columns=names)
     masked.loc[undetermined, :] = masked.loc[:, undetermined] = np.nan
-    return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete, found)
+    return Uncertainty(
+        dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete, discrepancies_of_channels
+    )
 
 
 def _eigenvectors(
@@ -212,14 +220,17 @@ def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, F
         residual, present = part.residual(x), np.isfinite(rows.measured.T)
         noise: dict[int, tuple[float, NoiseCorrelation]] = {}
         for channel, free, _, squares in part.by_output(x):
-            own, slope = residual[channel, present[channel]], 1.0
+            residuals, slope = residual[channel, present[channel]], 1.0
             if problem.limits is not None:
-                over = np.abs(own) / problem.limits[group, channel]
-                own, slope = own * problem.loss.weight(over), float(np.mean(problem.loss.slope(over)))
-            length, variance = correlation_length(own, rows.segment[present[channel]]), float(np.mean(own**2))
-            effective[group, channel] = len(own) / length
+                over = np.abs(residuals) / problem.limits[group, channel]
+                residuals, slope = residuals * problem.loss.weight(over), float(np.mean(problem.loss.slope(over)))
+            length, variance = (
+                correlation_length(residuals, rows.segment[present[channel]]),
+                float(np.mean(residuals**2)),
+            )
+            effective[group, channel] = len(residuals) / length
             curvature[np.ix_(free, free)] += slope * squares
-            noise[channel] = variance, NoiseCorrelation.of(own, rows.segment[present[channel]], length)
+            noise[channel] = variance, NoiseCorrelation.of(residuals, rows.segment[present[channel]], length)
             noise_of_rows[group, channel] = length * variance * problem.weights[group, channel]
         _add_scores(middle, part, x, noise)
     for target, slope in zip(problem.targets, problem.target_jacobian(x) if problem.targets else (), strict=True):
@@ -259,8 +270,8 @@ def _add_scores(
             if channel not in sums:
                 sums[channel] = free, CorrelatedSums(noise[channel][1], len(free))
             sums[channel][1].add(jacobian, segment)
-    for channel, (free, each) in sums.items():
-        middle[np.ix_(free, free)] += noise[channel][0] * each.covariance
+    for channel, (free, scores) in sums.items():
+        middle[np.ix_(free, free)] += noise[channel][0] * scores.covariance
 
 
 def _members(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:

@@ -31,7 +31,7 @@ def sensitivities(tire: Tire, name: str, inputs: FloatArray) -> tuple[FloatArray
     rows, parameters = tire.effective_inputs(inputs), tire.parameters()
     values, slopes = function.map(n)(rows, np.repeat(parameters[:, None], n, axis=1))
     names = [list(tire.symbolic_model.parameters)[column] for column in reached]
-    factors = np.array([tire.rescaled.get(one, 1.0) for one in names])
+    factors = np.array([tire.rescaled.get(coefficient, 1.0) for coefficient in names])
     return np.array(values).ravel(), np.array(slopes).reshape(len(reached), n) * factors[:, None], names
 
 

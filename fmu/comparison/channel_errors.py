@@ -9,7 +9,7 @@ from math import isnan, nan, sqrt
 import numpy as np
 import pandas as pd
 
-from .result import Channel, WorstPoint
+from .result import CheckedChannel, WorstPoint
 
 
 @dataclass(frozen=True)
@@ -78,11 +78,11 @@ class ChannelErrors:
             later.worst if _is_worse(later.worst, self.worst) else self.worst,
         )
 
-    def channel(self, unit: str) -> Channel:
+    def channel(self, unit: str) -> CheckedChannel:
         """Return the goodness of fit; there is a measured value."""
         assert self.worst is not None
         rmse = sqrt(self.squared / self.count) if not isnan(self.squared) else nan
-        return Channel(
+        return CheckedChannel(
             self.name,
             unit,
             self.count,

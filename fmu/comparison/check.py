@@ -134,8 +134,8 @@ def compared_columns(variables: Mapping[str, Any], recording: Recording) -> tupl
     )
     present = [name for name in inputs if name in recording.table]
     measured = [name for name in recording.measured() if name in outputs]
-    for kind, needed, found in (("input", inputs, present), ("measured output", outputs, measured)):
-        if not found:
+    for kind, needed, present_names in (("input", inputs, present), ("measured output", outputs, measured)):
+        if not present_names:
             raise DataError(f"{recording.source}: no {kind} of the FMU ({', '.join(needed)})")
     return present, measured, outputs
 

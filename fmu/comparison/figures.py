@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.errors import FmuError, writing
 from tirefmu.boundary.escaping import figure_text
 from tirefmu.tires.drawing.figure import Figure, Panel, Series
 from tirefmu.tires.drawing.labels import note
 from tirefmu.tires.drawing.style import BLACK, BLUE, GRAY, RED
 
-from .result import Channel, CheckResult
+from .result import CheckedChannel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -45,10 +45,8 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     """
     from tirefmu.tires.drawing.picture import write_figures  # imports matplotlib, which is slow
 
-    try:
+    with writing(Path(folder), FmuError):
         return write_figures(check_figures(result), Path(folder), prefix)
-    except OSError as error:
-        raise FmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
 
 
 def check_figures(result: CheckResult) -> list[Figure]:
@@ -56,7 +54,7 @@ def check_figures(result: CheckResult) -> list[Figure]:
     return [_figure(result, channel) for channel in result.channels]
 
 
-def _figure(result: CheckResult, channel: Channel) -> Figure:
+def _figure(result: CheckResult, channel: CheckedChannel) -> Figure:
     segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each started in steady state"
     names = f"{figure_text(result.fmu)} against {figure_text(result.source)}"
     unit = figure_text(channel.unit)
@@ -87,7 +85,7 @@ def _time(result: CheckResult) -> FloatArray:
     return np.cumsum(steps)
 
 
-def _values(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator[Series]:
+def _values(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
     """Yield the data as dots and the FMU as a line that is interrupted between segments."""
     data, simulated = (table[channel.name].to_numpy() for table in (result.recording, result.simulated))
     yield Series("points", time, data, GRAY, "data", marker="s", size=1.5 if len(time) > MANY else 4.0)
@@ -98,15 +96,15 @@ def _values(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator
     yield Series("line", *line, BLUE, "FMU", marker="." if alone else "", size=0.9)
 
 
-def _errors(result: CheckResult, channel: Channel, time: FloatArray) -> Iterator[Series]:
+def _errors(result: CheckResult, channel: CheckedChannel, time: FloatArray) -> Iterator[Series]:
     """Yield the error as dots, lines at plus and minus its RMSE in each segment, and the worst point."""
     error = result.simulated[channel.name].to_numpy() - result.recording[channel.name].to_numpy()
     yield Series("points", time, error, RED, "FMU - data", marker="s", size=1.5 if len(time) > MANY else 4.0)
     lines = []
     for rows in _segments(result):
-        known = error[rows][np.isfinite(error[rows])]
-        if len(known):
-            rmse = float(np.sqrt(np.mean(known**2)))
+        finite = error[rows][np.isfinite(error[rows])]
+        if len(finite):
+            rmse = float(np.sqrt(np.mean(finite**2)))
             ends = [*time[rows][[0, -1]], np.nan]
             lines += [np.array([ends, [side, side, np.nan]]) for side in (-rmse, rmse)]
     x, y = np.hstack(lines)

@@ -76,7 +76,7 @@ def check_large(
         fmi_version=excerpt(description.fmiVersion),
         rows=table.rows,
         segments=len(starts),
-        channels=tuple(each.channel(unit_of(variables[name])) for name, each in errors.items()),
+        channels=tuple(error.channel(unit_of(variables[name])) for name, error in errors.items()),
         evaluation_difference=difference,
         problems=problems,
         tolerance=tolerance,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tirefmu.boundary.errors import FmuError, path_from
+from tirefmu.boundary.errors import FmuError, path_from, writing
 from tirefmu.measurements import Recording
 from tirefmu.measurements.provenance import provenance
 from tirefmu.tires.drawing.labels import drawn_unit, per_si
@@ -30,10 +30,8 @@ def write_check(result: CheckResult, path: str | Path, *, command: str = "") -> 
     True
     """
     path = path_from(path)
-    try:
+    with writing(path, FmuError):
         write_page(check_page(result, command), path)
-    except OSError as error:
-        raise FmuError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 def check_page(result: CheckResult, command: str = "") -> str:

@@ -43,7 +43,7 @@ class WorstPoint:
 
 
 @dataclass(frozen=True)
-class Channel:
+class CheckedChannel:
     """Goodness of fit of one output of the FMU.
 
     Attributes
@@ -106,7 +106,7 @@ class CheckResult:
     fmi_version: str
     rows: int
     segments: int
-    channels: tuple[Channel, ...]
+    channels: tuple[CheckedChannel, ...]
     evaluation_difference: float | None
     problems: tuple[str, ...]
     tolerance: float | None = None
@@ -140,7 +140,7 @@ class CheckResult:
         """How well the tire of the FMU describes the data, in one line."""
         described = [channel for channel in self.channels if channel.name not in self.poorly_described]
         poor = [channel for channel in self.channels if channel.name in self.poorly_described]
-        good, bad = (", ".join(f"{each.name} {each.r2:.3f}" for each in some) for some in (described, poor))
+        good, bad = (", ".join(f"{channel.name} {channel.r2:.3f}" for channel in some) for some in (described, poor))
         below = f"below {GOOD_R2}: {bad} (poorly described, or hardly varies here)" if bad else ""
         return f"agreement with the data, R2: {'; '.join(filter(None, (good, below)))}"
 
@@ -199,7 +199,7 @@ def _drawn(name: str, value: float) -> str:
     return f"{name} {value * per_si(name):.4g}{'' if unit == '-' else f' {unit}'}"
 
 
-def _channel_json(channel: Channel) -> dict[str, Any]:
+def _channel_json(channel: CheckedChannel) -> dict[str, Any]:
     """Return a channel as plain values for JSON."""
     numbers = {name: getattr(channel, name) for name in ("rmse", "relative_rmse", "r2", "r2_uncentred")}
     worst = channel.worst

@@ -86,23 +86,23 @@ def gather(root: ET.Element, variables: Sequence[Variable]) -> None:
     elements = {element.get("valueReference"): element for element in listed}
     moved: dict[str, str] = {}
     for place, array in enumerate(arrays(variables)):
-        own = [str(array.first + i) for i in range(array.size)]
-        first, *others = (elements[reference] for reference in own)
+        references = [str(array.first + i) for i in range(array.size)]
+        first, *others = (elements[reference] for reference in references)
         if first.get("start") is not None:
-            first.set("start", " ".join(elements[reference].get("start", "") for reference in own))
+            first.set("start", " ".join(elements[reference].get("start", "") for reference in references))
         first.attrib |= {"name": array.name, "description": array.description}
         first.set("valueReference", str(FIRST_ARRAY + place))
         for size in array.shape:
             ET.SubElement(first, "Dimension", {"start": str(size)})
         for element in others:
             listed.remove(element)
-        moved |= dict.fromkeys(own, str(FIRST_ARRAY + place))
+        moved |= dict.fromkeys(references, str(FIRST_ARRAY + place))
     for element in list(structure):
         reference = element.get("valueReference", "")
         element.set("valueReference", moved.get(reference, reference))
-        known = element.get("dependencies")
-        if known is not None:
-            element.set("dependencies", " ".join(dict.fromkeys(moved.get(each, each) for each in known.split())))
+        causes = element.get("dependencies")
+        if causes is not None:
+            element.set("dependencies", " ".join(dict.fromkeys(moved.get(cause, cause) for cause in causes.split())))
     seen: set[tuple[str, str | None]] = set()
     for element in list(structure):
         key = (element.tag, element.get("valueReference"))

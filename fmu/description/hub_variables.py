@@ -129,13 +129,13 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
     ]
     if tire.symbolic_model.quantity("loaded_radius"):
         del entries[0]
-    found = [
+    parameters = [
         Variable(name, "parameter", unit, description, start, 0.0, inf)
         for name, unit, description, start in entries
         if name not in tire.symbolic_model.coefficients
     ]
     inertia = known_value(tire, WHEEL_INERTIA.name, 0.0) or WHEEL_INERTIA.start
-    return [*found, replace(WHEEL_INERTIA, start=inertia)] if spins else found
+    return [*parameters, replace(WHEEL_INERTIA, start=inertia)] if spins else parameters
 
 
 def with_damping(tire: Tire) -> Tire:

@@ -146,9 +146,9 @@ def interface(
     >>> [variable.name for variable in interface(published("trento_hoosier"), inputs="wheel").group("input")]
     ['V_x', 'V_y', 'omega', 'psi_dot', 'gamma', 'Fz']
     """
-    for what, given, known in (("kind of inputs", inputs, INPUTS), ("kind of axes", axes, AXES)):
-        if given not in known:
-            raise UnknownName(what, given, known)
+    for what, given, allowed in (("kind of inputs", inputs, INPUTS), ("kind of axes", axes, AXES)):
+        if given not in allowed:
+            raise UnknownName(what, given, allowed)
     hub, spins = inputs in HUB, inputs == "hub-torque"
     if hub and axes != "iso":
         raise FmuError("hub inputs have ISO axes only")
@@ -265,32 +265,32 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     """Return the outputs in addition to the forces; `source` is their source in the C code."""
     model, wheel = tire.symbolic_model, inputs != "slip"
     named = model.structure.quantities
-    own = hub_outputs(inputs == "hub-torque") if inputs in HUB else []
-    taken = {*model.parameters, *(q.name for q in (*model.inputs, *model.outputs, *(MOTION if wheel else ()), *own))}
+    at_hub = hub_outputs(inputs == "hub-torque") if inputs in HUB else []
+    taken = {*model.parameters, *(q.name for q in (*model.inputs, *model.outputs, *(MOTION if wheel else ()), *at_hub))}
     # Radii and inputs as they act are first: without the other quantities, variables have the same value references.
     radii = [name for name in map(model.quantity, ("rolling_radius", "loaded_radius")) if name]
     effects = [effect for effect in model.added if effect.name in tire.has]
     first = [*radii, *(acting_name(name) for effect in effects for name in effect.acts_on if name in ACTED_ON)]
     chosen = dict.fromkeys([*first, *named] if quantities else first)
-    found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
+    extras = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
                       nominal=1.0, group="extra", source="FRICTION_USE")]  # fmt: skip
     if wheel:
-        found += [
+        extras += [
             Variable("kappa", "output", "1", "longitudinal slip from the wheel's motion", nominal=0.1, group="extra",
                      source="KAPPA_GIVEN"),
             Variable("alpha", "output", "rad", "side slip angle from the wheel's motion", nominal=0.1, group="extra",
                      source="ALPHA_GIVEN"),
         ]  # fmt: skip
-    found += own
+    extras += at_hub
     if tire.lags or wheel:
-        found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
+        extras.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
-    found += [
+    extras += [
         indicator(model.states[name], i) for i, name in enumerate(tire.states) if model.states[name].follows_a_path
     ]
     if inputs == "hub-torque":
-        found.append(BRAKE_EVENT)
-    return found + [
+        extras.append(BRAKE_EVENT)
+    return extras + [
         Variable(name, "output", *named[name], group="extra", source=f"FIRST_QUANTITY + {name}")
         for name in chosen
         if name not in taken
@@ -369,5 +369,5 @@ def _acts(state: str, output: str, read: set[str], model: Model) -> bool:
 def host_input_indices(shown: Interface) -> list[int]:
     """Return for every input of the model the index of the variable with its value; -1 if there is none."""
     indices: Mapping[str, int] = {variable.name: i for i, variable in enumerate(shown.contact_inputs)}
-    own = {"omega"} if shown.wheel else set()
-    return [indices[name] if name in indices.keys() - own else -1 for name in shown.tire.inputs]
+    computed = {"omega"} if shown.wheel else set()
+    return [indices[name] if name in indices.keys() - computed else -1 for name in shown.tire.inputs]

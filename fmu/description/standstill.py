@@ -41,7 +41,9 @@ def with_lengths(tire: Tire) -> tuple[Tire, str]:
     scale, *needed = tire.symbolic_model.motion.own_relaxation or ("",)
     if not scale or set(needed) & set(tire.defaulted):
         return tire, f"the tire has no relaxation: the relaxation lengths are {half}"
-    (effect,) = (each for each in tire.symbolic_model.relaxing_effects if scale in tire.symbolic_model.owned(each))
+    (effect,) = (
+        effect for effect in tire.symbolic_model.relaxing_effects if scale in tire.symbolic_model.owned(effect)
+    )
     given = {name: value for name, value in tire.values.items() if name not in tire.defaulted}
     relaxing = replace(tire, effects=tire.has | {effect}, values={**given, scale: 1.0})
     return relaxing, (
@@ -59,9 +61,9 @@ def standstill_parameters(tire: Tire) -> tuple[Variable, ...]:
     >>> [variable.name for variable in standstill_parameters(published("trento_hoosier"))]
     ['LOW_SPEED', 'LOW_SPEED_DAMPING', 'DEFAULT_SIGMA', 'FRICTION_LIMIT']
     """
-    own = tire.values.get(tire.symbolic_model.motion.low_speed, 0.0)
+    declared = tire.values.get(tire.symbolic_model.motion.low_speed, 0.0)
     return (
-        replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start),
+        replace(LOW_SPEED, start=declared if declared >= LOW_SPEED.lower else LOW_SPEED.start),
         LOW_SPEED_DAMPING,
         replace(DEFAULT_SIGMA, start=_default_length(tire)),
         FRICTION_LIMIT,

@@ -126,17 +126,17 @@ def system_structure(fmi: int, name: str, components: Sequence[Component], vehic
     connections = ET.SubElement(system, "ssd:Connections")
     if vehicle:
         _append_component(elements, vehicle, kind)
-    known = {variable.name for variable in vehicle.variables} if vehicle else set()
+    at_vehicle = {variable.name for variable in vehicle.variables} if vehicle else set()
     for tire in components:
         _append_parameters(_append_component(elements, tire, kind), tire)
         for variable in tire.connectors:
             joined = f"{tire.name}_{variable.name}"
             if vehicle is None:
                 _append_connector(outside, joined, variable, kind)
-            if vehicle is None or joined in known:
+            if vehicle is None or joined in at_vehicle:
                 other = {"Element": vehicle.name, "Connector": joined} if vehicle else {"Connector": joined}
-                own = {"Element": tire.name, "Connector": variable.name}
-                _append_connection(connections, *((other, own) if variable.causality == "input" else (own, other)))
+                here = {"Element": tire.name, "Connector": variable.name}
+                _append_connection(connections, *((other, here) if variable.causality == "input" else (here, other)))
     every = [*components, *([vehicle] if vehicle else [])]
     _append_units(root, "ssd", [variable for component in every for variable in component.connectors])
     ET.SubElement(root, "ssd:DefaultExperiment", {"startTime": "0.0", "stopTime": "1.0"})
@@ -146,9 +146,9 @@ def system_structure(fmi: int, name: str, components: Sequence[Component], vehic
 def _append_component(elements: ET.Element, component: Component, kind: str) -> ET.Element:
     source = {"name": component.name, "type": MEDIA["fmu"], "source": component.fmu, "implementation": "CoSimulation"}
     element = ET.SubElement(elements, "ssd:Component", source)
-    own = ET.SubElement(element, "ssd:Connectors")
+    connectors = ET.SubElement(element, "ssd:Connectors")
     for variable in component.connectors:
-        _append_connector(own, variable.name, variable, kind)
+        _append_connector(connectors, variable.name, variable, kind)
     return element
 
 

@@ -57,8 +57,8 @@ def terminals(variables: Sequence[Variable]) -> bytes:
     members: dict[str, list[str]] = {}
     for variable in variables:
         if variable.causality in TERMINALS:
-            own = [name for name, known in HUB_TERMINALS.items() if has_hub and variable.name in known]
-            members.setdefault((*own, TERMINALS[variable.causality])[0], []).append(variable.name)
+            terminals = [name for name, members in HUB_TERMINALS.items() if has_hub and variable.name in members]
+            members.setdefault((*terminals, TERMINALS[variable.causality])[0], []).append(variable.name)
     for terminal, names in members.items():
         element = ET.SubElement(listed, "Terminal", {"name": terminal, "matchingRule": "plug"})
         for name in names:

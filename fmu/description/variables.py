@@ -85,7 +85,7 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
                 quantity.description,
                 nominal=quantity.typical,
                 depends=tuple(
-                    1 + i for i, known in enumerate(model.inputs) if known.name in feedthrough[quantity.name] - silent
+                    1 + i for i, given in enumerate(model.inputs) if given.name in feedthrough[quantity.name] - silent
                 ),
             )
             for quantity in model.outputs
@@ -133,9 +133,9 @@ def read_inputs(tire: Tire) -> set[str]:
     ['phit']
     """
     reached = tire.symbolic_model.reached({*tire.outputs, *map(tire.symbolic_model.quantity, LENGTHS)}, tire.has)
-    own = {quantity.name for quantity in model_named(tire.model).inputs}
+    declared = {quantity.name for quantity in model_named(tire.model).inputs}
     unread = {name for effect, name in tire.symbolic_model.on_demand if effect not in tire.has}
-    return {name for name in tire.inputs if name in own | reached} - unread
+    return {name for name in tire.inputs if name in declared | reached} - unread
 
 
 def direct_feedthrough(model: Model) -> dict[str, set[str]]:

@@ -168,10 +168,10 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
     wrapper_files = sorted(file for file in sources if file.endswith(".c") and file not in generated)
     system, bare = (cross.system if cross else sys.platform), cross is not None and cross.system == "win32"
     with tempfile.TemporaryDirectory(prefix="tirefmu-") as name:
-        folder, own = Path(name), Path(name) / "tire"
-        own.mkdir()
+        folder, of_tire = Path(name), Path(name) / "tire"
+        of_tire.mkdir()
         for file, content in sources.items():
-            (own if file in OF_ONE_TIRE else folder).joinpath(file).write_bytes(content)
+            (of_tire if file in OF_ONE_TIRE else folder).joinpath(file).write_bytes(content)
         header = folder / f"{model}.h"
         try:
             compiled = [
@@ -186,7 +186,7 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
                 for file in generated
             ]
             common = sorted([*folder.glob("*.h"), *include.glob("fmi*.h")])
-            headers = [*common, *sorted(own.glob("*.h"))]
+            headers = [*common, *sorted(of_tire.glob("*.h"))]
             parts = [folder / file for file in wrapper_files]
             if bare:  # the runtime's headers are needed for compiling only
                 (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
@@ -202,14 +202,14 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
                 for part in parts:
                     if bare or part.name in RARE:
                         objects[part] = compiled_object(
-                            "fmu", part, headers=headers, include=[folder, own, include],
+                            "fmu", part, headers=headers, include=[folder, of_tire, include],
                             flags=[*FLAGS, *(SMALL if part.name in RARE else ())], cross=cross,
                         )  # fmt: skip
             library = shared_library(
                 "fmu",
                 [*(objects.get(part, part) for part in parts), *compiled],
                 headers=headers,
-                include=[folder, own, include],
+                include=[folder, of_tire, include],
                 flags=[*FLAGS, *LINK[system], *(["-nostdlib"] if bare else [])],
                 libraries=SYSTEM if bare else ["-lm"],
                 cross=cross,

@@ -53,10 +53,10 @@ def ziglang(platform: str) -> CrossCompiler:
 
     `platform`: a name of `PLATFORMS`. Raises `FmuError` if the extra is not installed.
     """
-    found = importlib.util.find_spec("ziglang")
-    if found is None or found.origin is None:
+    spec = importlib.util.find_spec("ziglang")
+    if spec is None or spec.origin is None:
         raise FmuError(f"binaries for {platform} need the package's extra cross: pip install 'tirefmu[cross]'")
-    zig = Path(found.origin).with_name("zig.exe" if sys.platform == "win32" else "zig")
+    zig = Path(spec.origin).with_name("zig.exe" if sys.platform == "win32" else "zig")
     there = PLATFORMS[platform]
     return CrossCompiler(
         # Without zig's traps for undefined behaviour: the same code as from other compilers.

@@ -15,7 +15,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import FmuError, WrongType, path_from
+from tirefmu.boundary.errors import FmuError, WrongType, path_from, writing
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 from tirefmu.tires.roads.opencrg import read_crg
@@ -153,10 +154,10 @@ def _prebuilt(
     """Return the prebuilt binaries by platform, and the file of values that they read."""
     if shown.road or not has_prebuilt():
         return {}, {}
-    found = generic(tire, inputs=shown.inputs, axes=shown.axes)
+    shared = generic(tire, inputs=shown.inputs, axes=shown.axes)
     names = {host_platform() if name == "host" else name for name in requested}
-    ready = {name: content for name in names if (content := prebuilt_binary(found.structure, name)) is not None}
-    return ready, {VALUES_FILE: values_file(found, token, len(shown.variables))} if ready else {}
+    ready = {name: content for name in names if (content := prebuilt_binary(shared.structure, name)) is not None}
+    return ready, {VALUES_FILE: values_file(shared, token, len(shown.variables))} if ready else {}
 
 
 def checked_interface(inputs: str, axes: str) -> None:
@@ -166,9 +167,9 @@ def checked_interface(inputs: str, axes: str) -> None:
 
     >>> checked_interface("slip", "iso")
     """
-    for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
-        if given not in known:
-            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(known)}")
+    for what, given, allowed in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
+        if given not in allowed:
+            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(allowed)}")
 
 
 def fmi_version(fmi: Any) -> int:
@@ -186,10 +187,10 @@ def fmi_version(fmi: Any) -> int:
     """
     if isinstance(fmi, bool) or not isinstance(fmi, (int, float, str)):
         raise WrongType("fmi", fmi, "2 or 3, as a number or a text")
-    known = {text: version for version in VERSIONS for text in (str(version), f"{version}.0")}
-    if str(fmi).strip() not in known:
+    versions = {text: version for version in VERSIONS for text in (str(version), f"{version}.0")}
+    if str(fmi).strip() not in versions:
         raise FmuError(f"FMI {fmi} is not supported: supported are 2 and 3")
-    return known[str(fmi).strip()]
+    return versions[str(fmi).strip()]
 
 
 def contents(
@@ -282,8 +283,8 @@ def fmi_headers() -> Path:
 
     Raises `FmuError` if fmpy is not installed, or has no headers.
     """
-    found = importlib.util.find_spec("fmpy")  # not imported: the import is slow
-    for root in (found.submodule_search_locations or []) if found else []:
+    spec = importlib.util.find_spec("fmpy")  # not imported: the import is slow
+    for root in (spec.submodule_search_locations or []) if spec else []:
         folder = Path(root) / "c-code"
         if (folder / "fmi3Functions.h").is_file() and (folder / "fmi2Functions.h").is_file():
             return folder
@@ -315,15 +316,5 @@ def write_file(target: Path, content: bytes) -> None:
 
     Raises `FmuError` if it cannot be written.
     """
-    partial: Path | None = None
-    try:
-        with tempfile.NamedTemporaryFile(dir=target.parent, suffix=target.suffix, delete=False) as file:
-            partial = Path(file.name)
-            file.write(content)
-        partial.chmod(0o644)
-        os.replace(partial, target)
-    except OSError as error:
-        raise FmuError(f"{target} cannot be written: {error.strerror}") from error
-    finally:
-        if partial is not None:
-            partial.unlink(missing_ok=True)
+    with writing(target, FmuError):
+        write_whole(target, content)

@@ -38,32 +38,32 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
     >>> sorted(split_code("m", f"{INCLUDES}\n{routines}"))
     ['m.c', 'm_quantities.c']
     """
-    found = {match[1]: match[0] for match in _ROUTINE.finditer(code)}
+    routines = {match[1]: match[0] for match in _ROUTINE.finditer(code)}
     before, includes, _ = code.partition(INCLUDES)
-    fast = [text for name in FAST for text in _chosen(model, name, found)]
-    small = [calling_math(_general(model, name, found)) for name in SMALL]
-    texts = ("\n".join(routines) for routines in (fast, small))
+    fast = [text for name in FAST for text in _chosen(model, name, routines)]
+    small = [calling_math(_general(model, name, routines)) for name in SMALL]
+    texts = ("\n".join(parts) for parts in (fast, small))
     return {
         name: "\n\n".join(part for part in (before + includes, definitions(text), text) if part).encode()
         for name, text in zip(model_files(model), texts, strict=True)
     }
 
 
-def _chosen(model: str, name: str, found: dict[str, str]) -> list[str]:
+def _chosen(model: str, name: str, routines: dict[str, str]) -> list[str]:
     """Return a routine and the variants that it calls; empty for a routine that the model lacks.
 
     The code is a third smaller if calls of elementary functions are not expanded. Pairs of such calls are.
     """
     parts = ["is_straight"] if name == FAST[0] else []
     parts += [f"{name}_general", f"{model}_{name}_straight", f"{model}_{name}"]
-    return [calling_functions(found[part]) for part in parts if part in found]
+    return [calling_functions(routines[part]) for part in parts if part in routines]
 
 
-def _general(model: str, name: str, found: dict[str, str]) -> str:
+def _general(model: str, name: str, routines: dict[str, str]) -> str:
     """Return the variant that is valid for every row, under the routine's own name."""
-    general, own = f"{name}_general", f"{model}_{name}"
-    if general in found:
-        return found[general].replace(f"static void {general}(", f"void {own}(", 1)
-    if own not in found:
+    general, plain = f"{name}_general", f"{model}_{name}"
+    if general in routines:
+        return routines[general].replace(f"static void {general}(", f"void {plain}(", 1)
+    if plain not in routines:
         raise FmuError(f"the code of {model} has no routine {name}")
-    return found[own]
+    return routines[plain]

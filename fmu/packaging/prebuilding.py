@@ -31,7 +31,7 @@ def every_generic(models: Iterable[str]) -> Iterator[Generic]:
     [('slip', 'iso'), ('slip', 'sae'), ('wheel', 'iso')]
     """
     for name in models:
-        model, found = MODELS[name], set()
+        model, seen = MODELS[name], set()
         relaxation = sorted(model.relaxing_effects)[:1]
         on_demand = [effect for effect, _ in model.on_demand]
         values = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
@@ -41,8 +41,8 @@ def every_generic(models: Iterable[str]) -> Iterator[Generic]:
                 shape = generic(Tire(name, values, effects=effects), inputs=inputs, axes=axes)
             except FmuError:  # hub inputs have ISO axes only
                 continue
-            if shape.structure not in found:
-                found.add(shape.structure)
+            if shape.structure not in seen:
+                seen.add(shape.structure)
                 yield shape
 
 

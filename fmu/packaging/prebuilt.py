@@ -69,7 +69,7 @@ def generic(tire: Tire, *, inputs: str = "slip", axes: str = "iso") -> Generic:
     return Generic(shown, sources, structure)
 
 
-def values_file(found: Generic, token: str, count: int) -> bytes:
+def values_file(shared: Generic, token: str, count: int) -> bytes:
     """Return the file with the values of a tire, little-endian.
 
     `found`: of the tire. `token`: as in the model description. `count`: number of variables in the model description.
@@ -79,9 +79,9 @@ def values_file(found: Generic, token: str, count: int) -> bytes:
     >>> values_file(generic(published("trento_hoosier")), "{1}", 100)[:8]
     b'TIREFMU1'
     """
-    listed, largest = found.shown.variables, sys.float_info.max
+    listed, largest = shared.shown.variables, sys.float_info.max
     texts = []
-    for text, size in zip((token, found.shown.relaxation_note), _TEXT_SIZES, strict=True):
+    for text, size in zip((token, shared.shown.relaxation_note), _TEXT_SIZES, strict=True):
         if len(text.encode()) >= size:
             raise FmuError(f"{text[:40]}... is too long for {VALUES_FILE}")
         texts.append(text.encode().ljust(size, b"\0"))
@@ -89,10 +89,10 @@ def values_file(found: Generic, token: str, count: int) -> bytes:
         *(float(variable.start or 0.0) for variable in listed),
         *(float(variable.lower) if isfinite(variable.lower) else -largest for variable in listed),
         *(float(variable.upper) if isfinite(variable.upper) else largest for variable in listed),
-        *(limit for limits in input_ranges(found.shown) for limit in limits),
+        *(limit for limits in input_ranges(shared.shown) for limit in limits),
     ]
     body = struct.pack(f"<Q{len(numbers)}d", count, *numbers)
-    return b"".join([_FORMAT, found.structure.encode(), *texts, body])
+    return b"".join([_FORMAT, shared.structure.encode(), *texts, body])
 
 
 def has_prebuilt() -> bool:

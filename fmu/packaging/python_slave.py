@@ -149,8 +149,8 @@ class TireSlave(Fmi2Slave):
             return [float(x) for x in self.code.relaxation(self.values[1 : self.first_output], self._parameters())]
 
     def _causality(self, reference: int) -> str:
-        known = 0 <= reference < len(self.variables)
-        return str(self.variables[reference]["causality"]) if known else "hidden"
+        exists = 0 <= reference < len(self.variables)
+        return str(self.variables[reference]["causality"]) if exists else "hidden"
 
     def _objection(self, reference: int, value: float) -> str:
         """Return why a value is rejected; empty if it is accepted."""

@@ -22,4 +22,4 @@ def road_file(road: Road) -> bytes:
     n, m = road.heights.shape
     header = struct.pack("<8sQQdd", _FORMAT, n, m, road.increment, _LENGTH)
     numbers = (road.nodes, road.ahead, road.across, road.v, road.heights)
-    return header + b"".join(np.ascontiguousarray(each, dtype="<f8").tobytes() for each in numbers)
+    return header + b"".join(np.ascontiguousarray(values, dtype="<f8").tobytes() for values in numbers)

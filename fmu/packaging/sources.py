@@ -104,16 +104,16 @@ def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
     """
     wrapper, model = files("tirefmu.fmu") / "wrapper", shown.tire.model
     generated = code_file(shown.tire.symbolic_model, f"c/{model}.c").parent
-    own = [name for name in names if name not in model_files(model)]
-    found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
-    found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
-    found |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
-    found[LAWS] = (files("tirefmu.generated") / "c" / LAWS).read_bytes()
+    written = [name for name in names if name not in model_files(model)]
+    texts = {name: (wrapper / name).read_bytes() for name in (*written, *HEADERS)}
+    texts |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
+    texts |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
+    texts[LAWS] = (files("tirefmu.generated") / "c" / LAWS).read_bytes()
     if shown.hub:
-        found[KINEMATICS] = (files("tirefmu.generated") / "c" / KINEMATICS).read_bytes()
+        texts[KINEMATICS] = (files("tirefmu.generated") / "c" / KINEMATICS).read_bytes()
     if shown.wheel:
-        found[RADIUS] = (generated / f"{model}_{RADIUS}").read_bytes()
-    return found
+        texts[RADIUS] = (generated / f"{model}_{RADIUS}").read_bytes()
+    return texts
 
 
 def build_description(identifier: str, names: Iterable[str]) -> bytes:

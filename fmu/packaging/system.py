@@ -110,26 +110,28 @@ def _connected(path: Path, fmi: int, tires: Sequence[Component]) -> Component:
     """Return the vehicle of a system with its connections checked: names, causality and units."""
     with unpacked(path) as folder:
         described = read_description(path, folder)
-    found = int(described.fmiVersion[0])
-    if found != fmi:
-        raise FmuError(f"{path}: the vehicle is of FMI {found}, the tires are of FMI {fmi}")
+    version = int(described.fmiVersion[0])
+    if version != fmi:
+        raise FmuError(f"{path}: the vehicle is of FMI {version}, the tires are of FMI {fmi}")
     ends = {f"{tire.name}_{variable.name}": variable for tire in tires for variable in tire.connectors}
     ports = [variable for variable in described.modelVariables if variable.causality in ("input", "output")]
     listed = [port for port in ports if port.type in ("Real", "Float64")]
     variables = []
-    for each in listed:
-        tire = ends.get(each.name)
-        if tire is None and each.name.startswith(tuple(f"{tire.name}_" for tire in tires)):
-            near = get_close_matches(each.name, ends, 1)
+    for variable in listed:
+        tire = ends.get(variable.name)
+        if tire is None and variable.name.startswith(tuple(f"{tire.name}_" for tire in tires)):
+            near = get_close_matches(variable.name, ends, 1)
             hint = f", but {near[0]}" if near else ""
-            raise FmuError(f"{path}: the tires have no {visible(each.name)[:60]}{hint}")
-        if tire and tire.causality == each.causality:
-            raise FmuError(f"{path}: {each.name} is an {tire.causality} of the tire and of the vehicle")
-        if tire and each.unit not in (None, "", tire.unit):
-            raise FmuError(f"{path}: {each.name} has the unit {visible(each.unit)[:20]}, that of the tire {tire.unit}")
+            raise FmuError(f"{path}: the tires have no {visible(variable.name)[:60]}{hint}")
+        if tire and tire.causality == variable.causality:
+            raise FmuError(f"{path}: {variable.name} is an {tire.causality} of the tire and of the vehicle")
+        if tire and variable.unit not in (None, "", tire.unit):
+            raise FmuError(
+                f"{path}: {variable.name} has the unit {visible(variable.unit)[:20]}, that of the tire {tire.unit}"
+            )
         unit = tire.unit if tire else ""
-        variables.append(Variable(each.name, each.causality, unit, each.description or ""))
-    if not {each.name for each in listed} & set(ends):
+        variables.append(Variable(variable.name, variable.causality, unit, variable.description or ""))
+    if not {variable.name for variable in listed} & set(ends):
         raise FmuError(
             f"{path}: no input or output of the vehicle is named as one of a tire, such as {next(iter(ends))}"
         )

@@ -160,11 +160,11 @@ def _sizes(shown: Interface) -> Iterable[str]:
 def _indices(shown: Interface) -> Iterable[str]:
     """Yield the indices of values that the wrapper uses by name."""
     tire, prefix = shown.tire, shown.tire.model.upper()
-    known = {"KAPPA": "kappa", "ALPHA": "alpha", "LOAD": "Fz", "SPEED": "V"}
-    known |= {"LONGITUDINAL_FORCE": "Fx", "SIDE_FORCE": "Fy", "ALIGNING_MOMENT": "Mz", "OVERTURNING_MOMENT": "Mx"}
-    known |= {"INCLINATION": "gamma"}
-    known |= {"DISTANCE": "distance"} if shown.has_distance else {}
-    for name, value in known.items():
+    indices = {"KAPPA": "kappa", "ALPHA": "alpha", "LOAD": "Fz", "SPEED": "V"}
+    indices |= {"LONGITUDINAL_FORCE": "Fx", "SIDE_FORCE": "Fy", "ALIGNING_MOMENT": "Mz", "OVERTURNING_MOMENT": "Mx"}
+    indices |= {"INCLINATION": "gamma"}
+    indices |= {"DISTANCE": "distance"} if shown.has_distance else {}
+    for name, value in indices.items():
         if value in (*tire.inputs, *tire.outputs):
             yield f"#define {name} {prefix}_{value}"
     for role in ROLES:
@@ -181,11 +181,11 @@ def _indices(shown: Interface) -> Iterable[str]:
     for macro, names in hosts.items():
         for name in set(names) & set(inputs):
             yield f"#define {macro} {inputs.index(name)}"
-    own = [variable.name for variable in shown.group("parameter")]
+    parameters = [variable.name for variable in shown.group("parameter")]
     for name in STANDSTILL if shown.wheel else ():
-        yield f"#define {name} {own.index(name)}"
-    for name in [name for name in VERTICAL if name in own and shown.hub]:
-        yield f"#define OWN_{name} {own.index(name)}"
+        yield f"#define {name} {parameters.index(name)}"
+    for name in [name for name in VERTICAL if name in parameters and shown.hub]:
+        yield f"#define OWN_{name} {parameters.index(name)}"
     if shown.hub:
         forces = [q.name for q in CONTACT_FORCES]
         yield from table("CONTACT_FORCES", [str(forces.index(name)) for name in tire.outputs])

@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import FmuError
+from tirefmu.boundary.errors import FmuError, reading
 from tirefmu.boundary.escaping import visible
 
 #: The largest archive, and its largest size when unpacked, bytes.
@@ -74,10 +74,8 @@ def _content(path: Path) -> bytes:
     """Return the bytes of an archive within the size limit."""
     if not path.is_file():
         raise FmuError(f"{path}: no such file")
-    try:
+    with reading(path, FmuError):
         content = read_bounded(path, MAX_BYTES)
-    except OSError as error:
-        raise FmuError(f"{path}: cannot be read ({error.strerror or error})") from error
     # Reading a directory with millions of entries takes minutes, so they are counted first.
     if content.count(_ENTRY) > MAX_ENTRIES:
         raise FmuError(f"{path}: more than {MAX_ENTRIES} files")
@@ -87,7 +85,7 @@ def _content(path: Path) -> bytes:
 def _check(entries: list[zipfile.ZipInfo]) -> None:
     """Raise if the directory of an archive has an entry that is not allowed."""
     total = 0
-    known: dict[str, tuple[str, bool]] = {}
+    earlier: dict[str, tuple[str, bool]] = {}
     for entry in entries:
         shown = _shown(entry.orig_filename)
         if _is_unsafe(entry):
@@ -106,9 +104,9 @@ def _check(entries: list[zipfile.ZipInfo]) -> None:
             raise FmuError(f"it has more than {_megabytes(MAX_BYTES)} when unpacked")
         for path, is_folder in _paths(entry):
             key = unicodedata.normalize("NFC", path).casefold()
-            if key in known and (not is_folder or known[key] != (path, is_folder)):
+            if key in earlier and (not is_folder or earlier[key] != (path, is_folder)):
                 raise FmuError(f"{shown} is a duplicate, or differs from another name only by case")
-            known[key] = path, is_folder
+            earlier[key] = path, is_folder
 
 
 def _paths(entry: zipfile.ZipInfo) -> Iterator[tuple[str, bool]]:

@@ -78,7 +78,7 @@ def simulate(
         scratch = Path(name)
         job: dict[str, Any] = {"fmu": str(folder), "inputs": list(inputs), "outputs": list(outputs)}
         ends = [(run.start, run.stop) for run in runs]
-        job |= {"runs": ends, "starts": [dict(one) for one in starts]}
+        job |= {"runs": ends, "starts": [dict(values) for values in starts]}
         (scratch / JOB).write_text(json.dumps(job), encoding="utf-8")
         np.savez(scratch / ARRAYS, time=time, rows=rows)
         ended = _run(scratch, limit)
@@ -90,10 +90,10 @@ def simulate(
                 raise FmuError(f"{path}: {_how_it_ended(ended)}")
             if "error" in answer:
                 raise FmuError(f"{path}: {excerpt(str(answer['error']).replace(f'{folder}{os.sep}', ''))}")
-            found = np.load(scratch / OUTPUTS, allow_pickle=False)
-            if found.shape != (simulated, len(outputs)):
-                raise ValueError(f"outputs of shape {found.shape}")
-            return Simulation(found.astype(np.float64), tuple(excerpt(problem) for problem in answer["problems"]))
+            numbers = np.load(scratch / OUTPUTS, allow_pickle=False)
+            if numbers.shape != (simulated, len(outputs)):
+                raise ValueError(f"outputs of shape {numbers.shape}")
+            return Simulation(numbers.astype(np.float64), tuple(excerpt(problem) for problem in answer["problems"]))
         except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
             raise FmuError(f"{path}: the FMU's process wrote an invalid answer ({excerpt(error)})") from error
 

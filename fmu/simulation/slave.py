@@ -91,8 +91,8 @@ class Slave:
 
     def references(self, names: Sequence[str]) -> list[int]:
         """Return the value references of variables."""
-        known = {variable.name: variable.valueReference for variable in self.description.modelVariables}
-        return [known[name] for name in names]
+        references = {variable.name: variable.valueReference for variable in self.description.modelVariables}
+        return [references[name] for name in names]
 
     def set_reals(self, references: Sequence[int], values: Sequence[float]) -> None:
         """Set real variables."""
@@ -130,7 +130,7 @@ class Slave:
         n_in, n_out = len(input_names), len(output_names)
         in_refs = (ctypes.c_uint * n_in)(*self.references(input_names))
         out_refs = (ctypes.c_uint * n_out)(*self.references(output_names))
-        given, found = (ctypes.c_double * n_in)(), (ctypes.c_double * n_out)()
+        given, results = (ctypes.c_double * n_in)(), (ctypes.c_double * n_out)()
         flags = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
         reached = ctypes.byref(ctypes.c_double())
         times = time[rows]
@@ -146,17 +146,17 @@ class Slave:
                     fmu.fmi3SetFloat64(instance, in_refs, n_in, given, n_in)
                     if i == 0:
                         fmu.exitInitializationMode()
-                    fmu.fmi3GetFloat64(instance, out_refs, n_out, found, n_out)
+                    fmu.fmi3GetFloat64(instance, out_refs, n_out, results, n_out)
                     if step > 0.0:
                         fmu.fmi3DoStep(instance, now, step, True, *flags, reached)
                 else:
                     fmu.fmi2SetReal(instance, in_refs, n_in, given)
                     if i == 0:
                         fmu.exitInitializationMode()
-                    fmu.fmi2GetReal(instance, out_refs, n_out, found)
+                    fmu.fmi2GetReal(instance, out_refs, n_out, results)
                     if step > 0.0:
                         fmu.fmi2DoStep(instance, now, step, True)
-                outputs[i] = found
+                outputs[i] = results
         except FMICallException as error:
             logged = f": {self.log[-1]}" if self.log else ""
             raise Rejected(f"row {rows.start + i}: {str(error).rstrip('.')}{logged}") from error

@@ -10,8 +10,8 @@ from tirefmu.tires.signs import REVERSED
 from ..channels import OUTPUTS
 from ..column_names import check_names
 from ..recording import Recording, once
-from .defects import defects, unmoved_slips
-from .explanation import Candidate, Explanation, explanation
+from .defects import defects, lost_signs, unmoved_slips
+from .explanation import Reading, Readings, explanation
 from .traits import NOTABLE, SIZES
 
 #: Facts in one message; the strongest ones.
@@ -52,8 +52,8 @@ def column_notes(recording: Recording, *, fitted: bool = True) -> list[str]:
         return [f"{source}: {text}" for text in objections]
     result = explanation(recording)
     exchanged = result.better and any(result.better[0].hypothesis.exchanges(name) for name in ("alpha", "Fx"))
-    if fitted and not exchanged and (unmoved := [f"{source}: {text}" for text in unmoved_slips(recording)]):
-        return unmoved
+    if fitted and not exchanged and (lost := [*unmoved_slips(recording), *lost_signs(recording)]):
+        return [f"{source}: {text}" for text in lost]
     if result.better:
         return [f"{source}: {_facts(result, recording.signs)}: {_advice(result, recording.signs)}"]
     asserted = recording.about.get("asserted", "").split()
@@ -94,7 +94,7 @@ def check_columns(recording: Recording, *, fitted: bool = True) -> None:
         raise DataError(note)
 
 
-def _facts(result: Explanation, signs: str) -> str:
+def _facts(result: Readings, signs: str) -> str:
     """Return what the claimed reading has and no tire has, the strongest first."""
     best = result.better[0].traits.penalties
     claimed = result.claimed.traits
@@ -111,7 +111,7 @@ def _facts(result: Explanation, signs: str) -> str:
     return "; ".join(texts)
 
 
-def _advice(result: Explanation, signs: str) -> str:
+def _advice(result: Readings, signs: str) -> str:
     """Return what the columns are, with the options that read them so; several if they cannot be told apart."""
     texts = [
         f"{candidate.hypothesis.described(signs)} ({candidate.hypothesis.advice(signs)}){_thrust(candidate)}"
@@ -130,7 +130,7 @@ def _advice(result: Explanation, signs: str) -> str:
     return f"{', or '.join(texts)}; the table does not tell which{decides}"
 
 
-def _thrust(candidate: Candidate) -> str:
+def _thrust(candidate: Reading) -> str:
     """Return the camber thrust of a reading with other signs, if the camber acts."""
     traits = candidate.traits
     if candidate.hypothesis.interpretation.units or not np.isfinite(traits.thrust):

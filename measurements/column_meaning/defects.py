@@ -1,4 +1,4 @@
-"""Columns that cannot be what they claim to be in any unit: constant, copied or missing ones."""
+"""Columns that cannot be what they claim to be in any unit: constant, copied, missing, or without signs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,17 @@ import numpy as np
 
 from ..channels import CHANNELS
 from ..recording import Recording
-from ..thresholds import FEW_ROWS, LIGHT_LOAD, MIN_SWEPT, SMALL_SLIP, SPIKE_QUANTILE, SWEPT_RESPONSE
+from ..thresholds import (
+    FAR_SLIP,
+    FEW_ROWS,
+    LIGHT_LOAD,
+    MIN_RESPONSE,
+    MIN_SIGN_SHARE,
+    MIN_SWEPT,
+    SMALL_SLIP,
+    SPIKE_QUANTILE,
+    SWEPT_RESPONSE,
+)
 
 #: The slip that each output follows.
 _SLIPS = {"Fy": "alpha", "Mz": "alpha", "Fx": "kappa"}
@@ -93,6 +103,37 @@ def _missing_side_force(recording: Recording) -> Iterator[str]:
         yield (
             "no column Fy although alpha is swept: a fit would invent the side force: name its column "
             "(--columns Fy=NAME), or read the table without alpha (--columns alpha=none)"
+        )
+
+
+def lost_signs(recording: Recording) -> Iterator[str]:
+    """Yield a sentence for each force with one sign at both ends of its slip, or with both signs at the only end.
+
+    At large slip a tire pulls against it, whatever its asymmetry is.
+    """
+    table = recording.table
+    for force, slip, other in (("Fy", "alpha", "kappa"), ("Fx", "kappa", "alpha")):
+        if not {force, slip, "Fz"} <= set(table) or not _varies(recording, slip):
+            continue
+        along, load = (table[name].to_numpy(dtype=np.float64) for name in (slip, "Fz"))
+        rows = table[force].notna().to_numpy() & (np.abs(load) > LIGHT_LOAD * np.abs(load).max())
+        if other in table:
+            rows &= np.abs(table[other].to_numpy(dtype=np.float64)) <= SMALL_SLIP
+        along, ratio = along[rows], table[force].to_numpy(dtype=np.float64)[rows] / np.abs(load[rows])
+        far = FAR_SLIP * np.abs(along).max(initial=0.0)
+        ends = [end for end in (ratio[along <= -far], ratio[along >= far]) if len(end) > FEW_ROWS]
+        quantiles = [np.quantile(end, [MIN_SIGN_SHARE, 0.5, 1.0 - MIN_SIGN_SHARE]) for end in ends]
+        middles = [middle for _, middle, _ in quantiles]
+        if len(ends) == 2 and (min(middles) > MIN_RESPONSE or max(middles) < -MIN_RESPONSE):
+            name, fact = force, f"{force} has the same sign at both ends of {slip}: it seems to lack its sign"
+        elif len(ends) == 1 and quantiles[0][0] < -MIN_RESPONSE and quantiles[0][2] > MIN_RESPONSE:
+            name = slip
+            fact = f"{force} has both signs at the same end of {slip}: {slip} lacks its sign, or is another column"
+        else:
+            continue
+        yield (
+            f"{fact}: name its column (--columns {name}=NAME), or read the table without {force} "
+            f"(--columns {force}=none)"
         )
 
 

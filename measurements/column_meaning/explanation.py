@@ -20,7 +20,7 @@ MAX_FAULTS = 3
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Reading:
     """A reading of a table with its traits. `score`: minus the logarithm of its probability, up to a constant."""
 
     hypothesis: Hypothesis
@@ -29,7 +29,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Explanation:
+class Readings:
     """The claimed reading of a table, and better ones.
 
     `claimed`: the reading of the file. `better`: readings that are clearly better, the best one first, with those that
@@ -37,13 +37,13 @@ class Explanation:
     direction of the camber thrust excludes.
     """
 
-    claimed: Candidate
-    better: tuple[Candidate, ...] = ()
-    mirrored: tuple[Candidate, ...] = ()
+    claimed: Reading
+    better: tuple[Reading, ...] = ()
+    mirrored: tuple[Reading, ...] = ()
 
 
 @once
-def explanation(recording: Recording) -> Explanation:
+def explanation(recording: Recording) -> Readings:
     """Return the best readings of a recording compared with the claimed one.
 
     Parameters
@@ -66,10 +66,10 @@ def explanation(recording: Recording) -> Explanation:
     """
     claim = Hypothesis(recording.signs)
     traits = _traits(recording)
-    claimed = Candidate(claim, traits, traits.penalty)
+    claimed = Reading(claim, traits, traits.penalty)
     # No reading is better than certain: a claim of a small penalty stands, without the search.
     if claimed.score < CLEARLY + CONVENTION_COST:
-        return Explanation(claimed)
+        return Readings(claimed)
     singles = _scored(recording, list(hypotheses(recording)), claimed)
     candidates = singles
     for faults in range(2, MAX_FAULTS + 1):
@@ -83,10 +83,10 @@ def explanation(recording: Recording) -> Explanation:
         ]
         candidates = sorted([*candidates, *_scored(recording, pairs, claimed)], key=_score)
     if not candidates:
-        return Explanation(claimed)
+        return Readings(claimed)
     best = candidates[0]
     if claimed.score - best.score < CLEARLY:
-        return Explanation(claimed)
+        return Readings(claimed)
     near = _distinct(candidate for candidate in candidates if candidate.score - best.score < HARDLY + WRONG_THRUST)
     better = [candidate for candidate in near if candidate.score - best.score < HARDLY]
     others = [
@@ -94,10 +94,10 @@ def explanation(recording: Recording) -> Explanation:
         for candidate in near
         if candidate not in better and candidate.score < claimed.score and _differ_in_thrust(candidate, best)
     ]
-    return Explanation(claimed, tuple(better), tuple(others[:1]))
+    return Readings(claimed, tuple(better), tuple(others[:1]))
 
 
-def _differ_in_thrust(candidate: Candidate, best: Candidate) -> bool:
+def _differ_in_thrust(candidate: Reading, best: Reading) -> bool:
     """Return whether two readings have the same contradictions but for the direction of the camber thrust."""
     mine, other = candidate.traits.contradictions, best.traits.contradictions
     units = {**candidate.hypothesis.interpretation.units, **best.hypothesis.interpretation.units}
@@ -108,24 +108,26 @@ def _traits(recording: Recording) -> Traits:
     return traits_of(SampledRows.of(recording.with_signs("iso").table))
 
 
-def _scored(recording: Recording, readings: Sequence[Hypothesis], claimed: Candidate) -> list[Candidate]:
+def _scored(recording: Recording, readings: Sequence[Hypothesis], claimed: Reading) -> list[Reading]:
     """Return the readings with their scores, the best one first."""
     sample = SampledRows.thinned(recording)
     candidates = []
     for hypothesis in readings:
         traits = _traits(hypothesis.applied(sample))
-        vanished = claimed.traits.sizes.keys() - traits.sizes.keys() - ONE_SIDED
-        candidates.append(Candidate(hypothesis, traits, traits.penalty + hypothesis.cost + VANISHED * len(vanished)))
+        # The stiffness of one slip is part of that of both.
+        present = traits.sizes.keys() | ({"C_x", "C_y"} if "C_xy" in traits.sizes else set())
+        vanished = claimed.traits.sizes.keys() - present - ONE_SIDED
+        candidates.append(Reading(hypothesis, traits, traits.penalty + hypothesis.cost + VANISHED * len(vanished)))
     return sorted(candidates, key=_score)
 
 
-def _score(candidate: Candidate) -> float:
+def _score(candidate: Reading) -> float:
     return candidate.score
 
 
-def _distinct(candidates: Iterable[Candidate]) -> list[Candidate]:
+def _distinct(candidates: Iterable[Reading]) -> list[Reading]:
     """Return the candidates without those that do the same in another order, or do more than a better one."""
-    kept: list[Candidate] = []
+    kept: list[Reading] = []
     for candidate in candidates:
         changes = _changes(candidate)
         if not any(_changes(other) <= changes for other in kept):
@@ -133,7 +135,7 @@ def _distinct(candidates: Iterable[Candidate]) -> list[Candidate]:
     return kept
 
 
-def _changes(candidate: Candidate) -> set[tuple[str, str, str]]:
+def _changes(candidate: Reading) -> set[tuple[str, str, str]]:
     hypothesis = candidate.hypothesis
     parts = {("columns", *item) for item in hypothesis.interpretation.columns.items()}
     parts |= {("units", *item) for item in hypothesis.interpretation.units.items()}

@@ -18,7 +18,7 @@ TESTED, MISTAKEN = ("force", "moment", "angle", "ratio", "pressure"), {"force": 
 #: Channels that come in one unit: alone or together in another one.
 TOGETHER = (("Fx", "Fy"), ("Mz", "Mx"), ("alpha", "gamma"), ("Fz", "Fx", "Fy"))
 #: Pairs of columns that are exchanged.
-EXCHANGED = (("alpha", "kappa"), ("Fx", "Fy"), ("Mx", "Mz"))
+EXCHANGED = (("alpha", "kappa"), ("alpha", "gamma"), ("kappa", "gamma"), ("Fx", "Fy"), ("Mx", "Mz"))
 #: Channels whose sign is often reversed.
 MIRRORED = ("alpha", "kappa", "gamma", "Fx", "Fy", "Mz", "Fz")
 #: Minus the logarithm of the probability that a table has the fault: its sign convention, a unit that it does not

@@ -21,6 +21,7 @@ from ..thresholds import (
     SMALLEST_LOAD,
     SMALLEST_PRESSURE,
 )
+from ..units import to_si
 
 #: The probable unit of values beyond the limits of a channel.
 _PROBABLE_UNITS = {
@@ -79,6 +80,8 @@ def _problems(recording: Recording) -> Iterator[str]:
             if _PROBABLE_UNITS.get(name, ("",))[0] == "deg" and (mixed := _two_angle_units(name, values, low, high)):
                 yield mixed
             unit, guess = _PROBABLE_UNITS.get(name, ("", "in another unit"))
+            if unit and not low <= to_si(worst, unit, channel.quantity) <= high:
+                unit, guess = "", "in another unit"
             hint = f"declare it: '{name} [{unit}]'" if unit else "check the unit"
             yield f"{name} reaches {worst:.4g} {channel.unit}: {guess}? {hint}".replace(" -:", ":")
     yield from _too_small(recording, declared)

@@ -18,6 +18,7 @@ from ..thresholds import (
     MIN_CAMBER_RESPONSE,
     MIN_FAR_ARM,
     MIN_SATURATION,
+    MIN_SLIP_DEVIATION,
     SMALL_ANGLE,
     STRONG_CORRELATION,
     WEAK_CORRELATION,
@@ -34,7 +35,7 @@ FAR, NOTABLE = 3.0, 1.5
 
 
 @dataclass(frozen=True)
-class Size:
+class SizeDistribution:
     """The distribution of a size over tires: median, and standard deviations of its logarithm below and above.
 
     `text`: the name in a message. `unit`: of the size.
@@ -66,28 +67,28 @@ class Size:
 # Medians and deviations are judgement, from slip stiffness per load of 6 (truck) to 40 (racing), friction of 0.7 to 2.9
 # on dry belts and less on wet ones, and the figures of Pacejka (2012), chapters 1 and 4. The published racing tire has
 # a friction of 3.1 and a slip stiffness per load of 63 at half of its nominal load.
-SIZES: Mapping[str, Size] = {
-    "mu_y": Size("the largest |Fy|/Fz", "", 1.35, 0.8, 0.5),
-    "mu_x": Size("the largest |Fx|/Fz", "", 1.35, 0.8, 0.5),
-    "mu_xy": Size("the largest force over load", "", 1.35, 0.8, 0.5),
-    "C_y": Size("cornering stiffness over load", "1/rad", 18.0, 0.7, 0.65),
-    "C_x": Size("slip stiffness over load", "", 22.0, 0.75, 0.65),
-    "C_xy": Size("slip stiffness over load", "", 20.0, 0.7, 0.65),
-    "mu_x/mu_y": Size("largest |Fx| over largest |Fy|", "", 1.0, 0.3, 0.3),
+SIZES: Mapping[str, SizeDistribution] = {
+    "mu_y": SizeDistribution("the largest |Fy|/Fz", "", 1.35, 0.8, 0.5),
+    "mu_x": SizeDistribution("the largest |Fx|/Fz", "", 1.35, 0.8, 0.5),
+    "mu_xy": SizeDistribution("the largest force over load", "", 1.35, 0.8, 0.5),
+    "C_y": SizeDistribution("cornering stiffness over load", "1/rad", 18.0, 0.7, 0.65),
+    "C_x": SizeDistribution("slip stiffness over load", "", 22.0, 0.75, 0.65),
+    "C_xy": SizeDistribution("slip stiffness over load", "", 20.0, 0.7, 0.65),
+    "mu_x/mu_y": SizeDistribution("largest |Fx| over largest |Fy|", "", 1.0, 0.3, 0.3),
     # Relaxation lowers the slope of a fast sweep to a fraction.
-    "C_x/C_y": Size("slip stiffness over cornering stiffness", "", 1.3, 0.7, 0.6),
-    "trail": Size("the pneumatic trail", "m", 0.025, 0.9, 0.5),
-    "arm": Size("Mx over Fy", "m", 0.05, 1.6, 1.2),
-    "Mz/Fz": Size("the largest |Mz|/Fz", "m", 0.03, 1.6, 1.0),
-    "Mx/Fz": Size("the largest |Mx|/Fz", "m", 0.05, 1.6, 1.2),
-    "alpha": Size("the largest |alpha|", "rad", 0.15, 0.8, 0.7),
-    "kappa": Size("the largest |kappa|", "", 0.2, 0.9, 1.0),
-    "gamma": Size("the largest |gamma|", "rad", 0.06, 0.9, 0.7),
-    "thrust": Size("camber stiffness over cornering stiffness", "", 0.08, 1.0, 0.9),
-    "p": Size("p", "Pa", 1.5e5, 0.6, 0.9),
+    "C_x/C_y": SizeDistribution("slip stiffness over cornering stiffness", "", 1.3, 0.7, 0.6),
+    "trail": SizeDistribution("the pneumatic trail", "m", 0.025, 0.9, 0.5),
+    "arm": SizeDistribution("Mx over Fy", "m", 0.05, 1.6, 1.2),
+    "Mz/Fz": SizeDistribution("the largest |Mz|/Fz", "m", 0.03, 1.6, 1.0),
+    "Mx/Fz": SizeDistribution("the largest |Mx|/Fz", "m", 0.05, 1.6, 1.2),
+    "alpha": SizeDistribution("the largest |alpha|", "rad", 0.15, 0.8, 0.7),
+    "kappa": SizeDistribution("the largest |kappa|", "", 0.2, 0.9, 1.0),
+    "gamma": SizeDistribution("the largest |gamma|", "rad", 0.06, 0.9, 0.7),
+    "thrust": SizeDistribution("camber stiffness over cornering stiffness", "", 0.08, 1.0, 0.9),
+    "p": SizeDistribution("p", "Pa", 1.5e5, 0.6, 0.9),
     # A bicycle has 0.0014 m^2, a racing tire 0.01, a truck tire 0.03.
-    "Fz/p": Size("Fz/p, the contact area,", "m^2", 0.01, 1.3, 0.6),
-    "trail/patch": Size("the trail over the root of Fz/p", "", 0.2, 0.5, 0.4),
+    "Fz/p": SizeDistribution("Fz/p, the contact area,", "m^2", 0.01, 1.3, 0.6),
+    "trail/patch": SizeDistribution("the trail over the root of Fz/p", "", 0.2, 0.5, 0.4),
 }
 
 
@@ -228,6 +229,9 @@ def _contradictions(rows: SampledRows, side: float, along: float, thrust: float)
         follows, instead = _strength(rows, slip, force), _strength(rows, slip, other)
         if force in rows and instead > STRONG_CORRELATION and follows < WEAK_CORRELATION:
             yield f"{other} follows {slip} and {force} does not", WRONG_SIGN
+        moved, by_camber = float(np.std(rows[slip])) > MIN_SLIP_DEVIATION, _strength(rows, "gamma", force)
+        if moved and by_camber > STRONG_CORRELATION and follows < WEAK_CORRELATION:
+            yield f"{force} follows gamma and not {slip}", WRONG_SIGN
     if _strength(rows, "kappa", "Mz") > STRONG_CORRELATION and _strength(rows, "alpha", "Mz") < WEAK_CORRELATION:
         yield "Mz follows kappa and not alpha", WRONG_SIGN
     if _arm_at_large_slip(rows, "Mx") < MAX_FAR_TRAIL and _arm_at_large_slip(rows, "Mz") > MIN_FAR_ARM:

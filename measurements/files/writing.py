@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from os import PathLike
@@ -11,7 +9,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.boundary.errors import DataError
+from tirefmu.boundary.errors import DataError, writing
+from tirefmu.boundary.whole_file import replacing
 
 from .parquet_table import EXTRA
 
@@ -36,7 +35,8 @@ def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
 
     Examples
     --------
-    >>> with tempfile.TemporaryDirectory() as folder:
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
     ...     write_table(pd.DataFrame({"Fy": [0.1 + 0.2]}), Path(folder) / "out.csv")
     ...     print((Path(folder) / "out.csv").read_text().split())
     ['Fy', '0.30000000000000004']
@@ -84,26 +84,7 @@ def _replaced(target: Path) -> Iterator[Path]:
     if kind not in (".csv", ".parquet"):
         raise DataError(f"{target}: unknown kind of table {target.suffix!r}: known are .csv, .parquet")
     try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
-    except OSError as error:
-        raise DataError(f"{target}: cannot be written: {error.strerror or error}") from None
-    os.close(handle)
-    part = Path(name)
-    try:
-        # A temporary file is private. The finished one gets the default permissions.
-        part.chmod(0o666 & ~_umask())
-        yield part
-        part.replace(target)
+        with writing(target, DataError), replacing(target) as part:
+            yield part
     except ImportError:
         raise DataError(f"{target}: {EXTRA}") from None
-    except OSError as error:
-        raise DataError(f"{target}: cannot be written: {error.strerror or error}") from None
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _umask() -> int:
-    """Return the file mode mask of the process, which can only be read by setting it."""
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from tirefmu.boundary.errors import DataError, path_from
+from tirefmu.boundary.errors import DataError, path_from, writing
 from tirefmu.tires.drawing.page import page_text, write_page
 
 from ..findings.finding import Finding, verdict_on
@@ -34,7 +34,5 @@ def write_inspection(
         serious=any(finding.serious for finding in findings), texts=TEXTS,
         origin=provenance([inspection.recording for inspection in inspections], command),
     )  # fmt: skip
-    try:
+    with writing(path, DataError):
         write_page(page, path)
-    except OSError as error:
-        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from None

@@ -1,4 +1,4 @@
-"""Slow errors of a test bench: offset and drift of a channel, and cross-talk between forces; sizes and columns.
+"""Errors of a test bench: offset, drift and delay of a channel, and cross-talk between forces; sizes and columns.
 
 The diagnosis fits them together with the tire. A fit does not; its intervals contain what they do to the coefficients.
 """
@@ -22,6 +22,9 @@ DRIFT_WAVES = 3
 #: Prior standard deviation, as a share of the limit. Convention.
 MAX_CROSS_TALK: Mapping[str, float] = {"Fy_in_Fx": 0.035, "Fx_in_Fy": 0.012, "Fy_in_Mz": 0.004}
 CROSS_TALK_PRIOR_SHARE = 1.0 / 3.0
+#: Largest skew between channels, s: filters and multiplexers of a bench have up to 25 ms. More is attributed to the
+#: tire. Prior standard deviation of the delay of each channel, as a share. Conventions.
+MAX_SKEW, SKEW_PRIOR_SHARE = 0.03, 1.0 / 3.0
 
 
 def half_waves(share: FloatArray, number: int = DRIFT_WAVES) -> list[FloatArray]:

@@ -58,14 +58,14 @@ class CurveCharts {
       if (!residuals || !x || !channels[name]) continue;
       const y = measuredAxis(decoded(channels[name].residuals, Float32Array), 1);
       const ends = x.extent;
-      residuals.draw([{ label: "0", style: "zero", x: ends, y: [0, 0] }], { x, y }, moving);
+      residuals.draw([{ label: "0", style: "zero", x: ends, y: [0, 0] }], [{ x, y }], moving);
       if (!moving) residuals.describe();
     }
   }
 
   points(name) {
     const [x, y] = [this.axis(this.over, this.input.scale), this.axis(name, 1)];
-    return x && y ? { x, y } : null;
+    return x && y ? [{ x, y }] : [];
   }
 
   axis(name, scale) {

@@ -99,13 +99,13 @@ def sections_of(effects: Sequence[AddedEffect]) -> list[type[Section]]:
         for declaration in effect.declarations:
             if declaration.name in seen and seen[declaration.name] != declaration:
                 raise EffectError(f"{declaration.name} of {effect.name} is another coefficient elsewhere")
-        own = {
+        names = {
             declaration.name: copy(declaration) for declaration in effect.declarations if declaration.name not in seen
         }
-        seen |= own
-        if own:
+        seen |= names
+        if names:
             keywords = {"title": effect.section}
-            sections.append(new_class(effect.name, (Section,), keywords, partial(_filled, own)))
+            sections.append(new_class(effect.name, (Section,), keywords, partial(_filled, names)))
     return sections
 
 

@@ -91,7 +91,7 @@ def read_effect(text: str, source: str) -> AddedEffect:
     effect = replace(effect, acts=acts, states=states)
     check_effect(effect, source)
     _check_detection(effect, source)
-    if unused := {each.name for each in effect.declarations} - effect.reads:
+    if unused := {declaration.name for declaration in effect.declarations} - effect.reads:
         raise EffectError(f"{source}: {min(unused)} is declared but not used")
     return effect
 
@@ -158,7 +158,15 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
 
 
 def effect_text(effect: AddedEffect) -> str:
-    """Return the text of an effect's file."""
+    """Return the text of an effect's file. It is stored in the effect: every tire with the effect asks for it."""
+    stored = vars(effect)
+    if "_text" not in stored:
+        stored["_text"] = _written(effect)
+    return str(stored["_text"])
+
+
+def _written(effect: AddedEffect) -> str:
+    """Return the text of an effect's file, which `effect_text` stores."""
     lines = [f"{key} = {toml_string(text)}" for key, text in (("name", effect.name), ("physics", effect.physics))]
     lines += [f"source = {toml_string(effect.source)}"] if effect.source else []
     lines += ["", "[coefficients]"]

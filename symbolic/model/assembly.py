@@ -50,14 +50,14 @@ def check_reads(
     lines: Iterable[Equation],
     added: Iterable[AddedEffect],
     quantities: Mapping[str, str],
-    known: Iterable[str],
+    names: Iterable[str],
 ) -> None:
     """Raise `EffectError` if an added effect reads a name that is not computed before the line on which it acts.
 
     `model`: its name, for the message. `lines`: with the added effects. `added`, `quantities`: as for `assembled`.
-    `known`: inputs and coefficients.
+    `names`: inputs and coefficients.
     """
-    lines, before = list(lines), set(known)
+    lines, before = list(lines), set(names)
     acts = [(act, _places(_target(act.on, quantities), lines, effect)) for effect in added for act in effect.acts]
     for line in lines:
         acting = [act for act, places in acts if line.symbol.name in places]
@@ -69,7 +69,7 @@ def check_reads(
 
 def _own(expression: sp.Expr, model: str) -> sp.Expr:
     """Use a model's term wherever models that share a line differ."""
-    return replaced(expression, Variant, lambda name, own, others: own if name.name == model else others)
+    return replaced(expression, Variant, lambda name, chosen, others: chosen if name.name == model else others)
 
 
 def _acting_inputs(added: Sequence[AddedEffect]) -> dict[sp.Symbol, Equation]:

@@ -153,7 +153,7 @@ class Model(ModelDeclaration):
     @cached_property
     def prior_center(self) -> dict[str, float]:
         """Prior mean of coefficients without a neutral value, as declared by the effects."""
-        return {name: value for one in self.detections.values() for name, value in one.prior_center.items()}
+        return {name: value for detection in self.detections.values() for name, value in detection.prior_center.items()}
 
     @cached_property
     def prior_spread(self) -> dict[str, float]:
@@ -165,7 +165,9 @@ class Model(ModelDeclaration):
         >>> model_named("mf61").prior_spread["PDY2"], model_named("mf61").prior_spread["PCY1"]
         (0.75, 0.2)
         """
-        spread = {name: value for one in self.detections.values() for name, value in one.prior_spread.items()}
+        spread = {
+            name: value for detection in self.detections.values() for name, value in detection.prior_spread.items()
+        }
         return {**spread, **self.baseline.spread}
 
     def quantity(self, role: str) -> str:
@@ -228,18 +230,18 @@ class Model(ModelDeclaration):
         sections = (*self.sections, *sections_of(effects))
         extended = replace(self, inputs=inputs, sections=sections, results=results, added=tuple(effects))
         if stored is None:
-            extended._check_added(known={quantity.name for quantity in inputs} | extended._declared.keys())
+            extended._check_added({quantity.name for quantity in inputs} | extended._declared.keys())
         else:
             extended.use(stored)
         return extended
 
-    def _check_added(self, known: set[str]) -> None:
+    def _check_added(self, names: set[str]) -> None:
         """Raise `EffectError` if an added effect reads what the lines, their inputs and coefficients do not have."""
         from .assembly import check_reads
         from .state_lines import check_oscillators, check_state_reads, check_temperatures
 
-        check_reads(self.name, self.equations, self.added, self._quantities, known)
-        check_state_reads(self.name, self.added, known | {line.symbol.name for line in self.equations})
+        check_reads(self.name, self.equations, self.added, self._quantities, names)
+        check_state_reads(self.name, self.added, names | {line.symbol.name for line in self.equations})
         check_oscillators(self.states.values(), self.is_direct)
         check_temperatures(self.states.values())
 
@@ -256,8 +258,8 @@ class Model(ModelDeclaration):
     @cached_property
     def drives(self) -> tuple[str, ...]:
         """The lines that determine the states: three for each, then `couplings`; results of the routine `drives`."""
-        own = [line for name in self.states for line in self._lines_of(name)[:3]]
-        return (*own, *(line for line, _, _ in couplings(self.states.values())))
+        of_states = [line for name in self.states for line in self._lines_of(name)[:3]]
+        return (*of_states, *(line for line, _, _ in couplings(self.states.values())))
 
     def is_direct(self, state: State) -> bool:
         """Return whether a state depends on inputs only, not on a force or another state."""
@@ -343,11 +345,11 @@ class Model(ModelDeclaration):
         """
         present = self.effects if effects is None else effects
         needed = set(targets)
-        found = self.structure.reached(needed, present)
-        while behind := {line for name in found & self.states.keys() for line in self._lines_of(name)} - needed:
+        reached = self.structure.reached(needed, present)
+        while behind := {line for name in reached & self.states.keys() for line in self._lines_of(name)} - needed:
             needed |= behind  # a state is an input of the lines, but depends on them
-            found = self.structure.reached(needed, present)
-        return found
+            reached = self.structure.reached(needed, present)
+        return reached
 
     def _lines_of(self, state: str) -> tuple[str, ...]:
         return tuple(f"{state}_{ending}" for ending in LINES)

@@ -11,7 +11,7 @@ from ..declarations import Option
 from ..notation import Choice, Equation
 from ..options import OPTIONS, signs
 from .lines import decided, reaching, reduced, switched, switches
-from .structure import Case, Line, Structure
+from .structure import Line, LineCase, Structure
 
 
 def structure_of(
@@ -71,7 +71,7 @@ def _lines(equations: Sequence[Equation]) -> tuple[Line, ...]:
     options = {option.parameter for option in OPTIONS.values()}
     possible: dict[str, list[str]] = {}  # numbers that a line may be, '' for an expression
     numbers: dict[str, sp.Expr] = {}
-    found = []
+    derived = []
     for line in equations:
         effects = _effects(line)
         earlier = sorted(symbol.name for symbol in line.expression.free_symbols if symbol.name in possible)
@@ -80,25 +80,25 @@ def _lines(equations: Sequence[Equation]) -> tuple[Line, ...]:
             present = tuple(name for name, is_on in zip(effects, switched_on, strict=True) if is_on)
             expression = decided(switched(line.expression, present), options)
             for values in product(*(possible[name] for name in earlier)):
-                known = {name: numbers[value] for name, value in zip(earlier, values, strict=True) if value}
-                cases.append(_case(expression, present, values, known, numbers))
-        found.append(Line(line.symbol.name, tuple(effects), tuple(earlier), tuple(cases)))
+                fixed = {name: numbers[value] for name, value in zip(earlier, values, strict=True) if value}
+                cases.append(_case(expression, present, values, fixed, numbers))
+        derived.append(Line(line.symbol.name, tuple(effects), tuple(earlier), tuple(cases)))
         results = sorted({case.number for case in cases})
         if results != [""]:
             possible[line.symbol.name] = results
-    return tuple(found)
+    return tuple(derived)
 
 
 def _case(
     expression: sp.Expr,
     present: tuple[str, ...],
     values: tuple[str, ...],
-    known: Mapping[str, sp.Expr],
+    fixed: Mapping[str, sp.Expr],
     numbers: dict[str, sp.Expr],
-) -> Case:
+) -> LineCase:
     """Return what an expression is with earlier lines that are numbers; a new number is added to `numbers`."""
-    result = expression.xreplace({sp.Symbol(name, real=True): number for name, number in known.items()})
+    result = expression.xreplace({sp.Symbol(name, real=True): number for name, number in fixed.items()})
     if not result.is_Number:
-        return Case(present, values, "", tuple(sorted(symbol.name for symbol in result.free_symbols)))
+        return LineCase(present, values, "", tuple(sorted(symbol.name for symbol in result.free_symbols)))
     numbers[str(result)] = result
-    return Case(present, values, str(result), ())
+    return LineCase(present, values, str(result), ())

@@ -29,7 +29,7 @@ def found_models() -> dict[str, Model]:
 def packaged_models() -> dict[str, Model]:
     """Return the models of this package's folders, by name."""
     package = __name__.rsplit(".", 2)[0]  # tirefmu.symbolic
-    folders = [found.name for found in iter_modules(import_module(package).__path__) if found.ispkg]
+    folders = [module.name for module in iter_modules(import_module(package).__path__) if module.ispkg]
     models: dict[str, Model] = {}
     for folder in folders:
         for model in getattr(import_module(f"{package}.{folder}"), "MODELS", ()):

@@ -14,13 +14,13 @@ from ..options import OPTIONS
 from ..quantities import ACTED_ON, BEYOND, OWN_SPEED
 
 
-def has_place(effect: AddedEffect, named: Collection[str], known: Collection[str]) -> bool:
+def has_place(effect: AddedEffect, named: Collection[str], inputs: Collection[str]) -> bool:
     """Return whether a model has everything on which an effect acts and that it reads.
 
-    `named`: named quantities and roles of the model. `known`: its inputs and coefficients.
+    `named`: named quantities and roles of the model. `inputs`: its inputs and coefficients.
     """
     acted_on = ACTED_ON.keys() & set(effect.acts_on)  # an input that it acts on is added if the model lacks it
-    readable = {*known, *BEYOND, *acted_on, *(declaration.name for declaration in effect.declarations)}
+    readable = {*inputs, *BEYOND, *acted_on, *(declaration.name for declaration in effect.declarations)}
     if effect.states:
         readable |= {"V", SLIDING_POWER, *named, *(state.name for state in effect.states)}
     return {*named, *ACTED_ON}.issuperset(effect.acts_on) and readable.issuperset(effect.reads)
@@ -59,8 +59,8 @@ def check_names(model: str, effects: Sequence[AddedEffect], quantities: Iterable
     taken |= {**dict.fromkeys(declared, "a coefficient"), **dict.fromkeys(options, "an option")}
     taken |= dict.fromkeys(EFFECTS, "an effect")
     for effect in effects:
-        own = [declaration.name for declaration in effect.declarations]
-        own += [name for state in effect.states for name in (state.name, *state.line_names, state.event_line) if name]
-        for name in (effect.name, *own):
+        names = [declaration.name for declaration in effect.declarations]
+        names += [name for state in effect.states for name in (state.name, *state.line_names, state.event_line) if name]
+        for name in (effect.name, *names):
             if name in taken:
                 raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {model} already")

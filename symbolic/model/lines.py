@@ -16,12 +16,12 @@ def reaching(lines: Iterable[Equation], targets: Collection[str]) -> list[Equati
 
     `lines`: each uses only earlier symbols. `targets`: names of symbols.
     """
-    needed, found = set(targets), []
+    needed, lines_read = set(targets), []
     for line in reversed(list(lines)):
         if line.symbol.name in needed:
-            found.append(line)
+            lines_read.append(line)
             needed |= {symbol.name for symbol in line.expression.free_symbols}
-    return found[::-1]
+    return lines_read[::-1]
 
 
 def reduced(equations: Iterable[Equation], present: Collection[str], read: Collection[str]) -> tuple[Equation, ...]:
@@ -31,21 +31,21 @@ def reduced(equations: Iterable[Equation], present: Collection[str], read: Colle
     the lines; the others have their first value.
     """
     lines: list[Equation] = []
-    known: dict[sp.Symbol, sp.Expr] = {}  # a line that is 0 or 1 now removes later terms
+    values: dict[sp.Symbol, sp.Expr] = {}  # a line that is 0 or 1 now removes later terms
     for line in equations:
-        expression = decided(switched(line.expression, present), read).xreplace(known)
+        expression = decided(switched(line.expression, present), read).xreplace(values)
         symbol = line.symbol
         if expression.is_Number or (expression.is_Symbol and not line.named):
-            known[symbol] = expression
+            values[symbol] = expression
         if expression.is_Symbol and not line.named:
             continue
         step = next((i for i, e in enumerate(lines) if e.symbol == expression and not e.named), None)
         if step is None:
             lines.append(replace(line, expression=expression))
             continue
-        known[expression] = symbol  # a step that is now the whole of this line takes its name
+        values[expression] = symbol  # a step that is now the whole of this line takes its name
         lines[step] = replace(line, expression=lines[step].expression)
-        lines[step + 1 :] = [replace(e, expression=e.expression.xreplace(known)) for e in lines[step + 1 :]]
+        lines[step + 1 :] = [replace(e, expression=e.expression.xreplace(values)) for e in lines[step + 1 :]]
     return tuple(lines)
 
 

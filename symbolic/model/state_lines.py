@@ -45,13 +45,13 @@ def state_lines(effects: Sequence[AddedEffect]) -> tuple[Equation, ...]:
     return tuple(eq.equations)
 
 
-def check_state_reads(model: str, effects: Sequence[AddedEffect], known: set[str]) -> None:
+def check_state_reads(model: str, effects: Sequence[AddedEffect], names: set[str]) -> None:
     """Raise `EffectError` if a state reads a name that a model does not have."""
     for effect in effects:
         for state in effect.states:
-            for name in sorted(state.reads - known):
+            for name in sorted(state.reads - names):
                 raise EffectError(f"effect {effect.name}: state {state.name} reads {name!r},"
-                                  f" which {model} has not{nearest(name, known)}")  # fmt: skip
+                                  f" which {model} has not{nearest(name, names)}")  # fmt: skip
 
 
 def check_oscillators(states: Iterable[State], is_direct: Callable[[State], bool]) -> None:

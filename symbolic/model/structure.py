@@ -17,7 +17,7 @@ from tirefmu.boundary.errors import ModelError
 
 
 @dataclass(frozen=True)
-class Case:
+class LineCase:
     """The content of a line under certain conditions: a number, as text, or an expression that reads names.
 
     - `present`: the effects of the line that are on.
@@ -42,13 +42,13 @@ class Line:
     name: str
     effects: tuple[str, ...]
     earlier: tuple[str, ...]
-    cases: tuple[Case, ...]
+    cases: tuple[LineCase, ...]
 
     @cached_property
-    def _by_condition(self) -> dict[tuple[frozenset[str], tuple[str, ...]], Case]:
+    def _by_condition(self) -> dict[tuple[frozenset[str], tuple[str, ...]], LineCase]:
         return {(frozenset(case.present), case.numbers): case for case in self.cases}
 
-    def case(self, present: Collection[str], numbers: Mapping[str, str]) -> Case:
+    def case(self, present: Collection[str], numbers: Mapping[str, str]) -> LineCase:
         """Return the content of the line with these effects and earlier lines that are numbers."""
         key = (frozenset(present).intersection(self.effects), tuple(numbers.get(name, "") for name in self.earlier))
         return self._by_condition[key]
@@ -93,12 +93,12 @@ class Structure:
             if case.number:
                 numbers[line.name] = case.number
         needed = set(targets)
-        found: set[str] = set()
+        reached: set[str] = set()
         for line in reversed(self.lines):
             if line.name in needed:
                 needed.update(reads[line.name])
-                found.update(reads[line.name])
-        return frozenset(found)
+                reached.update(reads[line.name])
+        return frozenset(reached)
 
     def to_text(self, about: str) -> str:
         """Return the text of the stored file: JSON, with one line of text for each line of the model.
@@ -146,5 +146,5 @@ def _without_names(line: dict[str, Any]) -> list[Any]:
     return [line["name"], line["effects"], line["earlier"], cases]
 
 
-def _case(present: list[str], numbers: list[str], number: str, reads: list[str]) -> Case:
-    return Case(tuple(present), tuple(numbers), number, tuple(reads))
+def _case(present: list[str], numbers: list[str], number: str, reads: list[str]) -> LineCase:
+    return LineCase(tuple(present), tuple(numbers), number, tuple(reads))

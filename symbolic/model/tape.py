@@ -75,10 +75,10 @@ def taped(lines: Sequence[Equation], leaves: Sequence[str]) -> Tape:
     first, n = len(leaves), len(recorder.constants)
     # While operations are found, constants have numbers below 0.
     shifted = {-1 - i: first + i for i in range(n)}
-    shifted |= {first + i: first + n + i for i in range(len(recorder.found))}
+    shifted |= {first + i: first + n + i for i in range(len(recorder.operations))}
     operations = (
         replace(step, operands=tuple(shifted.get(k, k) for k in step.operands), begins=recorder.begins.get(step, ""))
-        for step in recorder.found
+        for step in recorder.operations
     )
     slots = {name: shifted.get(slot, slot) for name, slot in recorder.slots.items()}
     return Tape(tuple(leaves), tuple(recorder.constants), tuple(operations), slots)
@@ -90,16 +90,16 @@ class _Recorder:
 
     slots: dict[str, int]
     constants: dict[float, int] = field(default_factory=dict)
-    found: dict[Operation, int] = field(default_factory=dict)
+    operations: dict[Operation, int] = field(default_factory=dict)
     begins: dict[Operation, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._first = len(self.slots)
 
     def record(self, line: Equation) -> None:
-        known = len(self.found)
+        recorded = len(self.operations)
         self.slots[line.symbol.name] = self._slot(line.expression)
-        for operation in list(self.found)[known : known + 1]:
+        for operation in list(self.operations)[recorded : recorded + 1]:
             self.begins[operation] = f"[{line.number}] {line.symbol}"
 
     def _slot(self, expression: sp.Expr) -> int:
@@ -166,4 +166,4 @@ class _Recorder:
         if code not in CODES:
             raise NotImplementedError(f"a line of the book uses {code.lower()}, which is no operation")
         operation = Operation(code, tuple(sorted(operands)) if code in _COMMUTE else operands)
-        return self.found.setdefault(operation, self._first + len(self.found))
+        return self.operations.setdefault(operation, self._first + len(self.operations))

@@ -54,7 +54,7 @@ def _check_coefficients(model: Model) -> None:
     for name, declaration in model.coefficients.items():
         if declaration.default != declaration.default:
             raise ModelError(f"{model.name}: coefficient {name} has neither a neutral value nor a start")
-    named = [(f"role {role}", name) for role, own in model.roles.items() for name in own.coefficients]
+    named = [(f"role {role}", name) for role, declared in model.roles.items() for name in declared.coefficients]
     named += [("the baseline", name) for name in model.baseline.coefficients]
     named += [("the relaxation lengths", name) for name in model.motion.relaxation]
     named += [("its own relaxation lengths", name) for name in model.motion.own_relaxation]
@@ -70,17 +70,17 @@ def _check_coefficients(model: Model) -> None:
 def _check_quantities(model: Model) -> None:
     named = {line.symbol.name for line in model.equations if line.named}
     outputs = {quantity.name for quantity in model.outputs}
-    for role, own in model.roles.items():
+    for role, declared in model.roles.items():
         if role not in ROLES:
             raise ModelError(f"{model.name}: unknown role {role!r}{nearest(role, ROLES)}")
-        _check_named(model, f"role {role}", own.quantity, named)
+        _check_named(model, f"role {role}", declared.quantity, named)
     for name in model.results:
         _check_named(model, "the results", name, named)
     for output, constraints in model.fit.constraints.items():
         if output not in outputs:
             raise ModelError(f"{model.name}: constraints of {output}, which is no output of it")
-        for each in constraints:
-            _check_named(model, f"a constraint of {output}", each.quantity, named)
+        for constraint in constraints:
+            _check_named(model, f"a constraint of {output}", constraint.quantity, named)
     lags = [f"relaxation_{axis}" for axis in "xy" if model.quantity(f"relaxation_{axis}")]
     if len(lags) == 1 or (lags and "V" not in {quantity.name for quantity in model.inputs}):
         raise ModelError(f"{model.name}: slips lag by relaxation_x and relaxation_y, at the input V: all or none")
@@ -94,9 +94,9 @@ def _check_quantities(model: Model) -> None:
 
 
 def _check_named(model: Model, where: str, name: str, named: Iterable[str]) -> None:
-    known = list(named)
-    if name not in known:
-        raise ModelError(f"{model.name}: {where} has {name}, which is no named quantity of it{nearest(name, known)}")
+    names = list(named)
+    if name not in names:
+        raise ModelError(f"{model.name}: {where} has {name}, which is no named quantity of it{nearest(name, names)}")
 
 
 def _declared(model: Model) -> set[str]:

@@ -26,7 +26,7 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     """Return the header: sizes, indices of inputs, parameters and results, prototypes."""
     quantities = routines[0]
     prefix = model.name.upper()
-    remarks = {name: f"{each.description} [{each.unit}]" for name, each in model.coefficients.items()}
+    remarks = {name: f"{declared.description} [{declared.unit}]" for name, declared in model.coefficients.items()}
     remarks |= {option.parameter: _meaning(option) for option in model.options}
     parts = [
         heading(model, "C99"),
@@ -161,7 +161,7 @@ def paired_statements(body: Sequence[Assignment]) -> list[str]:
         else:
             count += 1
             lines.append(f"const pair pair_{count} = {_call_of_pair(members)};")
-            lines += [f"const double {one.symbol} = PAIR_AT(pair_{count}, {i});" for i, one in enumerate(members)]
+            lines += [f"const double {member.symbol} = PAIR_AT(pair_{count}, {i});" for i, member in enumerate(members)]
     return lines
 
 
@@ -182,7 +182,9 @@ def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> 
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     parameters = parameters_read(model, routine)
-    is_general = replace(routine, variant=STRAIGHT).full_name in {one.full_name for one in routines if one != routine}
+    is_general = replace(routine, variant=STRAIGHT).full_name in {
+        other.full_name for other in routines if other != routine
+    }
     paired = routine.name == "forces" and not is_general
     lines = [f"(void) {name};" for name, read in (("inputs", inputs), ("parameters", parameters)) if not read]
     lines += [f"const double {name} = inputs[{prefix}_{name}];" for name in inputs]

@@ -59,12 +59,12 @@ def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
     """
     used, parts = set(_identifiers(code)), []
     for header in reversed(headers):
-        found: list[str] = []
+        chosen: list[str] = []
         for definition in reversed(_paragraphs(header)):
-            if definition.names & used or (found and not definition.names):
+            if definition.names & used or (chosen and not definition.names):
                 used |= definition.uses
-                found.append(definition.text)
-        parts += found
+                chosen.append(definition.text)
+        parts += chosen
     return "\n\n".join(reversed(parts))
 
 
@@ -93,7 +93,7 @@ def _paragraphs(header: str) -> tuple[Definition, ...]:
 
 
 def _definition(text: str) -> Definition:
-    names = {name for found in _DEFINED.findall(_COMMENT.sub("", text)) for name in found if name}
+    names = {name for groups in _DEFINED.findall(_COMMENT.sub("", text)) for name in groups if name}
     return Definition(text, frozenset(names), frozenset(_identifiers(text)))
 
 

@@ -26,7 +26,7 @@ ONE, ZERO, MINUS_ONE = sp.Integer(1), sp.Integer(0), sp.Integer(-1)
 
 
 @dataclass(frozen=True)
-class Step:
+class NamedExpression:
     """A short expression with a name, and its partial derivatives by the symbols in it."""
 
     symbol: sp.Symbol
@@ -42,7 +42,7 @@ class SplitLine:
     - `shared`: common terms of several steps or partials, computed before them.
     """
 
-    steps: tuple[Step, ...]
+    steps: tuple[NamedExpression, ...]
     shared: tuple[tuple[sp.Symbol, sp.Expr], ...]
 
 
@@ -65,8 +65,8 @@ def _split(symbol: sp.Symbol, expression: sp.Expr) -> SplitLine:
     splitter = _Splitter(symbol.name)
     top = splitter.shortened(expression)
     steps = [(step, inner) for inner, step in splitter.pulled.items()] + [(symbol, top)]
-    found = [(name, inner, _partials(name, inner)) for name, inner in steps]
-    return _without_repetition(symbol.name, found)
+    derived = [(name, inner, _partials(name, inner)) for name, inner in steps]
+    return _without_repetition(symbol.name, derived)
 
 
 class _Splitter:
@@ -131,8 +131,8 @@ def _is_product(part: sp.Expr) -> bool:
 
 def _partials(symbol: sp.Symbol, expression: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
     """Partial derivatives of a step; written with the step's symbol where its own value occurs."""
-    found = {}
-    for by in sorted(expression.free_symbols, key=lambda found: str(found.name)):
+    partials = {}
+    for by in sorted(expression.free_symbols, key=lambda symbol: str(symbol.name)):
         if expression.is_Pow and expression.exp.is_Symbol:
             # x^y y / x, as SymPy has it, is NaN at 0.
             base, power = expression.args
@@ -142,8 +142,8 @@ def _partials(symbol: sp.Symbol, expression: sp.Expr) -> dict[sp.Symbol, sp.Expr
             if not (expression.is_Add or expression.is_Mul):
                 partial = partial.subs(expression, symbol)
         if partial != 0:
-            found[by] = partial
-    return found
+            partials[by] = partial
+    return partials
 
 
 def _derivative(expression: sp.Expr, by: sp.Symbol) -> sp.Expr:
@@ -169,7 +169,7 @@ def _derivative(expression: sp.Expr, by: sp.Symbol) -> sp.Expr:
 
 def _without_repetition(name: str, steps: Sequence[tuple[sp.Symbol, sp.Expr, dict[sp.Symbol, sp.Expr]]]) -> SplitLine:
     """Compute once what the partials of a line have in common."""
-    partials = [partial for *_, found in steps for partial in found.values()]
+    partials = [partial for *_, by_symbol in steps for partial in by_symbol.values()]
     names = (sp.Symbol(f"{name}_shared{i}", real=True) for i in range(1, 1000))
     shared, reduced = sp.cse(partials, symbols=names, list=True) if len(partials) > 1 else ([], partials)
     constants: dict[sp.Symbol, sp.Expr] = {}  # conditions stay where they are read, and so do constants such as 1/pi
@@ -182,7 +182,10 @@ def _without_repetition(name: str, steps: Sequence[tuple[sp.Symbol, sp.Expr, dic
             retained.append((common, whole))
     rest = (partial.xreplace(constants) for partial in reduced)
     return SplitLine(
-        tuple(Step(symbol, inner, tuple((by, next(rest)) for by in found)) for symbol, inner, found in steps),
+        tuple(
+            NamedExpression(symbol, inner, tuple((by, next(rest)) for by in by_symbol))
+            for symbol, inner, by_symbol in steps
+        ),
         tuple(retained),
     )
 
@@ -303,10 +306,10 @@ def _product(through: sp.Expr, derivative: sp.Expr) -> sp.Expr:
 
 def _reached(start: Iterable[sp.Symbol], along: Mapping[sp.Symbol, Mapping[sp.Symbol, object]]) -> set[sp.Symbol]:
     """Return everything that can be reached from some vertices."""
-    found, waiting = set(), list(start)
+    reached, waiting = set(), list(start)
     while waiting:
         symbol = waiting.pop()
-        if symbol not in found:
-            found.add(symbol)
+        if symbol not in reached:
+            reached.add(symbol)
             waiting.extend(along.get(symbol, ()))
-    return found
+    return reached

@@ -54,7 +54,9 @@ class NumberPrinter(StrPrinter):
     def _print_Mul(self, expr: Any) -> str:
         sign, factors = ("-", expr.args[1:]) if expr.args[0] is sp.S.NegativeOne else ("", expr.args)
         if all(map(_is_plain_factor, factors)):
-            return sign + "*".join(f"({self._print(one)})" if one.is_Add else self._print(one) for one in factors)
+            return sign + "*".join(
+                f"({self._print(factor)})" if factor.is_Add else self._print(factor) for factor in factors
+            )
         return str(super()._print_Mul(expr))
 
     def _print_Rational(self, expr: Any) -> str:

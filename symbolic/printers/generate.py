@@ -143,8 +143,8 @@ def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
     made = {folder / name for name in files}
     kinds = ("numpy/*.py", "c/*.c", "c/*.h", "structure/*.json")
     places = (folder, folder / WITH_EFFECTS)
-    found = {path for place in places for kind in kinds for path in place.glob(kind) if path.name != "__init__.py"}
-    return sorted(found - made)
+    present = {path for place in places for kind in kinds for path in place.glob(kind) if path.name != "__init__.py"}
+    return sorted(present - made)
 
 
 def _manifest(files: dict[str, str], models: list[Model], extended: list[Model]) -> str:

@@ -45,20 +45,20 @@ def folded(lines: Sequence[Equation], values: Mapping[str, float]) -> tuple[Equa
     ['1.5', 'sin(1.5*B)']
     """
     coefficients = {sp.Symbol(name, real=True): literal(value) for name, value in values.items()}
-    known = dict(coefficients)
-    found: list[Equation] = []
+    numbers = dict(coefficients)
+    lines_left: list[Equation] = []
     for line in lines:
-        expression = _constants_computed(line.expression.xreplace(known))
+        expression = _constants_computed(line.expression.xreplace(numbers))
         if expression.has(sp.zoo, sp.nan, sp.oo):
             # A branch that is never taken may divide by a coefficient that is 0: it stays a variable of this line.
-            own = sorted(line.expression.free_symbols & coefficients.keys(), key=str)
-            new = [symbol for symbol in own if all(other.symbol != symbol for other in found)]
-            found += [replace(line, symbol=symbol, expression=known[symbol], named=False) for symbol in new]
-            expression = line.expression.xreplace({symbol: known[symbol] for symbol in known.keys() - set(own)})
+            read = sorted(line.expression.free_symbols & coefficients.keys(), key=str)
+            new = [symbol for symbol in read if all(other.symbol != symbol for other in lines_left)]
+            lines_left += [replace(line, symbol=symbol, expression=numbers[symbol], named=False) for symbol in new]
+            expression = line.expression.xreplace({symbol: numbers[symbol] for symbol in numbers.keys() - set(read)})
         if expression.is_Number or isinstance(expression, Literal):
-            known[line.symbol] = expression
-        found.append(replace(line, expression=expression))
-    return tuple(found)
+            numbers[line.symbol] = expression
+        lines_left.append(replace(line, expression=expression))
+    return tuple(lines_left)
 
 
 def _constants_computed(expression: sp.Expr) -> sp.Expr:

@@ -47,9 +47,11 @@ def model_tape(model: Model) -> Tape:
     wheel = rolling_radius_lines(model)
     renamed = {line.symbol: sp.Symbol(f"{line.symbol}_wheel", real=True) for line in wheel}
     renamed[sp.Symbol(model.quantity("wheel_speed") or "omega", real=True)] = sp.Symbol(TURNING, real=True)
-    own = [replace(line, symbol=renamed[line.symbol], expression=line.expression.xreplace(renamed)) for line in wheel]
+    turned = [
+        replace(line, symbol=renamed[line.symbol], expression=line.expression.xreplace(renamed)) for line in wheel
+    ]
     inputs = [quantity.name for quantity in model.inputs]
-    tape = taped([*reaching(lines, targets), *own], [*inputs, *model.parameters, TURNING])
+    tape = taped([*reaching(lines, targets), *turned], [*inputs, *model.parameters, TURNING])
     radius = tape.slots[f"{model.quantity('rolling_radius')}_wheel" if wheel else "UNLOADED_RADIUS"]
     return replace(tape, slots=tape.slots | {ROLLING_RADIUS: radius})
 

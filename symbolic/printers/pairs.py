@@ -34,19 +34,19 @@ def in_pairs(body: Sequence[Assignment]) -> list[tuple[Assignment, ...]]:
     b_atan = atan(a)
     b = b_atan
     """
-    waiting, found = _separated(body), list[tuple[Assignment, ...]]()
+    waiting, groups = _separated(body), list[tuple[Assignment, ...]]()
     while waiting:
         unknown = {statement.symbol for statement in waiting}
-        known = [statement for statement in waiting if not statement.expression.free_symbols & unknown]
-        chosen = [statement for statement in known if not function_of(statement.expression)]
-        found += [(statement,) for statement in chosen]
+        ready = [statement for statement in waiting if not statement.expression.free_symbols & unknown]
+        chosen = [statement for statement in ready if not function_of(statement.expression)]
+        groups += [(statement,) for statement in chosen]
         if not chosen:
-            chosen = known
+            chosen = ready
             for function in dict.fromkeys(FUNCTIONS.values()):
-                calls = [call for call in known if function_of(call.expression) == function]
-                found += [tuple(calls[i : i + 2]) for i in range(0, len(calls), 2)]
+                calls = [call for call in ready if function_of(call.expression) == function]
+                groups += [tuple(calls[i : i + 2]) for i in range(0, len(calls), 2)]
         waiting = [statement for statement in waiting if statement not in chosen]
-    return found
+    return groups
 
 
 def function_of(expression: sp.Expr) -> str:
@@ -85,8 +85,8 @@ def _separated(body: Sequence[Assignment]) -> list[Assignment]:
         parts = [without_calls(argument, name) for argument in expression.args]
         if not function_of(expression):
             return expression.func(*parts)
-        own = f"{name}_{expression.func.__name__.lower()}"
-        return named(expression.func(*(named(part, f"{own}_of") for part in parts)), own)
+        symbol = f"{name}_{expression.func.__name__.lower()}"
+        return named(expression.func(*(named(part, f"{symbol}_of") for part in parts)), symbol)
 
     for line in body:
         expression = without_calls(line.expression, line.symbol.name)

@@ -162,8 +162,8 @@ def _forces_and_derivatives(model: Model, lines: Sequence[Equation], variant: st
 
 
 def _values(name: str, summary: str, lines: Sequence[Equation], targets: list[sp.Symbol]) -> Routine:
-    found = reaching(lines, [target.name for target in targets])
-    return Routine(name, summary, tuple(_printed(found)), (tuple(targets),), tuple(t.name for t in targets))
+    needed = reaching(lines, [target.name for target in targets])
+    return Routine(name, summary, tuple(_printed(needed)), (tuple(targets),), tuple(t.name for t in targets))
 
 
 def _printed(lines: Sequence[Equation]) -> list[Assignment]:
@@ -204,12 +204,12 @@ def _derivatives(
 
 def _needed(statements: Sequence[Assignment], needed: set[sp.Symbol]) -> list[Assignment]:
     """Return the statements that are needed; the symbols that they need are added to `needed`."""
-    found = []
+    routines_of_model = []
     for statement in reversed(statements):
         if statement.symbol in needed:
-            found.append(statement)
+            routines_of_model.append(statement)
             needed |= statement.expression.free_symbols
-    return found[::-1]
+    return routines_of_model[::-1]
 
 
 def _headed(assignments: Sequence[Assignment]) -> list[Assignment]:

@@ -69,12 +69,12 @@ def state_lines(
         eq("tirefmu", f"{state.name}_dot", derivative, rate_unit(state.unit), f"derivative of {what}", named=False)
     if not eq.equations:
         raise TirefmuError("states: the tire has none; relaxation (relax_*) and some added effects have states")
-    found = (*copies, *eq.equations)
-    known = {line.symbol for line in lines}
-    if taken := sorted(str(line.symbol) for line in found if line.symbol in known):
+    steps = (*copies, *eq.equations)
+    earlier = {line.symbol for line in lines}
+    if taken := sorted(str(line.symbol) for line in steps if line.symbol in earlier):
         raise TirefmuError(f"states: {taken[0]} is a name of the tire's own lines")
     names = [slip.name for slip in lagging] + [state.name for state in states]
-    return found, tuple(sp.Symbol(f"{name}_{ending}", real=True) for name in names for ending in ENDINGS)
+    return steps, tuple(sp.Symbol(f"{name}_{ending}", real=True) for name in names for ending in ENDINGS)
 
 
 def _is_driven(model: Model, state: State) -> bool:

@@ -97,9 +97,10 @@ def test_an_unrecorded_temperature_is_confounded_with_wear(worn):
     assert any("record the tread temperature" in text for text in diagnosis.next_measurement)
 
 
-def test_ignored_columns_are_in_the_verdict(worn):
+def test_ignored_columns_are_notes_and_not_in_the_verdict(worn):
     _, diagnosis = worn
-    assert diagnosis.verdict.endswith("Ignored columns: TreadTempC")
+    assert diagnosis.recording["ignored_columns"] == ["TreadTempC"]
+    assert "TreadTempC" not in diagnosis.verdict
 
 
 def test_the_size_of_an_effect_is_in_newton(worn):

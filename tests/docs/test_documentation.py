@@ -1,7 +1,8 @@
-"""The documentation: blocks of quick start and tutorials run, generated pages are complete, the site is offline."""
+"""The documentation: generated pages are complete, names exist, the site is offline (test_commands.py: blocks run)."""
 
 from __future__ import annotations
 
+import importlib
 import os
 import re
 import runpy
@@ -14,19 +15,18 @@ import pytest
 
 import tirefmu
 from tirefmu.boundary.errors import LISTED_BY
-from tirefmu.cli import cli, main
+from tirefmu.cli import cli
 from tirefmu.measurements.units import UNITS
 from tirefmu.project.project_file import SECTIONS
 from tirefmu.schemas import KINDS
 from tirefmu.symbolic.models import MODELS
 
+from .page_blocks import blocks_of
+
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-#: Pages whose blocks run in their order, in a folder of their own.
+#: Pages that are also notebooks.
 TUTORIALS = sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))
-EXECUTED = ["quick_start.md", "python.md", *TUTORIALS]
-
-
 GENERATED = runpy.run_path(str(DOCS / "reference_pages.py"))
 GALLERY = runpy.run_path(str(DOCS / "gallery.py"))
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -41,53 +41,16 @@ def notebook(page):
     return GENERATED["notebook"]((DOCS / page).read_text(encoding="utf-8"))
 
 
-def blocks(text):
-    """Return language and content of the fenced blocks of a page."""
-    return re.findall(r"^```(\w+)\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
-
-
-@pytest.mark.parametrize("page", EXECUTED)
-def test_code_blocks_run(page, tmp_path, monkeypatch, capsys):
-    """A command succeeds unless a comment states its exit codes."""
-    monkeypatch.chdir(tmp_path)
-    names = {"__name__": page}
-    cells = [cell["source"] for cell in notebook(page)["cells"] if cell["cell_type"] == "code"]
-    assert cells
-    if page == "quick_start.md":  # the README continues with its files
-        cells += [content for language, content in blocks(README) if language == "python"]
-    for cell in cells:
-        if not cell.startswith("!"):
-            exec(compile(cell, page, "exec"), names)
-            continue
-        for line in cell.splitlines():
-            command, _, codes = line.removeprefix("!").partition("#")
-            program, *arguments = shlex.split(command)
-            assert program == "tirefmu"
-            accepted = {int(code) for code in re.findall(r"\d", codes)} or {0}
-            assert main(arguments) in accepted, (line, capsys.readouterr())
-
-
 def test_a_notebook_has_the_text_and_the_blocks_of_its_page():
     format_of_notebooks = pytest.importorskip("nbformat")
-    for page in EXECUTED:
+    for page in TUTORIALS:
         text, made = (DOCS / page).read_text(encoding="utf-8"), notebook(page)
         format_of_notebooks.validate(made)
         sources = ["\n".join(line.removeprefix("!") for line in cell["source"].splitlines()) for cell in made["cells"]]
         assert all(source in text for source in sources)
-        assert {language for language, _ in blocks(text)} <= {"python", "sh"}
-        assert sum(cell["cell_type"] == "code" for cell in made["cells"]) == len(blocks(text))
-
-
-def test_the_commands_of_the_readme_are_those_of_pages_that_run():
-    run = {
-        line
-        for page in EXECUTED
-        for _, content in blocks((DOCS / page).read_text("utf-8"))
-        for line in content.split("\n")
-    }
-    written = [line for language, content in blocks(README) if language == "sh" for line in content.splitlines()]
-    assert len(written) > 4
-    assert set(written) <= run
+        blocks, _ = blocks_of(text)
+        assert {block.language for block in blocks} <= {"python", "sh"}
+        assert sum(cell["cell_type"] == "code" for cell in made["cells"]) == len(blocks)
 
 
 def test_the_readme_names_commands_targets_and_files_that_exist():
@@ -103,21 +66,20 @@ def test_every_target_of_make_has_a_rule_and_is_explained():
     assert set(re.findall(r"^\| `make ([a-z-]+)`", CONTRIBUTING, flags=re.MULTILINE)) == TARGETS
 
 
-def test_figures_of_the_performance_page_are_figures_of_the_benchmarks():
+def test_figures_of_the_performance_page_are_figures_of_the_benchmarks(monkeypatch):
     """A benchmark that names a figure otherwise would drop it from the page in silence."""
-    page = runpy.run_path(str(ROOT / "benchmarks" / "performance.py"))
-    startup, evaluation = (
-        (ROOT / "benchmarks" / f"{name}.py").read_text("utf-8") for name in ("startup", "evaluation")
-    )
-    assert [name for name in page["STARTUP"] if f'"{name}"' not in startup] == []
-    assert [name for name, _ in page["EVALUATION"] if f'"{name}"' not in evaluation] == []
-    for short in page["SHORT"]:
-        assert any(name.startswith(short) for name in page["STARTUP"])
-    times = {points: dict.fromkeys([page["CASADI"], *(name for name, _ in page["EVALUATION"])], 100.0)
-             for points in ("100", page["MANY"])}  # fmt: skip
-    text = page["evaluation_text"](times)
-    assert text.count("| 1.00 | ") == len(page["EVALUATION"])
-    assert text.count("| reached |") == sum(line.target >= 1.0 for line in page["EVALUATION"].values())
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    performance, startup = importlib.import_module("performance"), importlib.import_module("startup_times")
+    evaluation = (ROOT / "benchmarks" / "evaluation_times.py").read_text("utf-8")
+    assert set(performance.STARTUP) == {*startup.COMMANDS, *startup.REPEATED}
+    assert [name for name, _ in performance.EVALUATION if f'"{name}"' not in evaluation] == []
+    for short in performance.SHORT:
+        assert any(name.startswith(short) for name in performance.STARTUP)
+    times = {points: dict.fromkeys([performance.CASADI, *(name for name, _ in performance.EVALUATION)], 100.0)
+             for points in (100, performance.MANY)}  # fmt: skip
+    text = performance.evaluation_text(times)
+    assert text.count("| 1.00 | ") == len(performance.EVALUATION)
+    assert text.count("| reached |") == sum(line.target >= 1.0 for line in performance.EVALUATION.values())
 
 
 def test_generated_pages_have_every_effect_model_and_command():

@@ -1,4 +1,4 @@
-"""The notebooks of quick start and tutorials run in a Jupyter kernel (test_documentation.py: their blocks without)."""
+"""The notebooks of the tutorials run in a Jupyter kernel (test_documentation.py: their blocks without)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ["quick_start.md", *sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))]
+PAGES = sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))
 
 pytestmark = pytest.mark.skipif("TIREFMU_NOTEBOOKS" not in os.environ, reason="starts kernels: make docs")
 

@@ -41,8 +41,8 @@ def magic(slip, C, D, K, E):
     return D * np.sin(C * np.arctan(x - E * (x - np.arctan(x))))
 
 
-def tire_forces(kappa, alpha, Fz, factors):
-    """Return Fx and Fy in W axes; combined slip as in MF6.1 with r_Bx1 = r_By1 = 8, r_Cx1 = r_Cy1 = 1."""
+def tire_forces(kappa, alpha, Fz, V, factors):
+    """Return Fx and Fy in W axes at any speed; combined slip as in MF6.1 with r_Bx1 = r_By1 = 8, r_Cx1 = r_Cy1 = 1."""
     load = np.maximum(Fz, 1.0)
     dfz = load / TIRE["FNOMIN"] - 1.0
     Dx = TIRE["PDX1"] * load * factors["LMUX"]
@@ -112,7 +112,7 @@ class Road:
             Fz = np.stack(
                 [front - shift - roll_f, front - shift + roll_f, rear + shift - roll_r, rear + shift + roll_r]
             )
-            Fx, Fy = self.tire(kappa, alpha, Fz, self.factors)
+            Fx, Fy = self.tire(kappa, alpha, Fz, along, self.factors)
             bx, by = Fx * np.cos(angle) - Fy * np.sin(angle), Fx * np.sin(angle) + Fy * np.cos(angle)
             ax, ay = bx.sum(0) / c["mass"], by.sum(0) / c["mass"]
         turning = (X * by - Y * bx).sum(0) / c["yaw_inertia"]
@@ -138,6 +138,8 @@ class Road:
             share = np.where(force < 0.0, 0.72, 0.0)
             torque = np.stack([force * share / 2] * 2 + [force * (1 - share) / 2] * 2) * 0.3
             k1, self.last, turning = self.rates(state, wheel, torque)
+            if hasattr(self.tire, "advance"):
+                self.tire.advance(STEP)
             for name, values in zip(rows, (*state[:3], *self.last, turning, *state[3:]), strict=True):
                 rows[name][i] = values
             k2, *_ = self.rates(state + STEP / 2 * k1, middle, torque)

@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 
+import hidden
 import numpy as np
 import pandas as pd
 import pytest
@@ -33,6 +34,16 @@ def test_the_factors_are_those_of_the_truth(answer):
     assert not answer.verdict.car
     assert {finding.effect for finding in answer.verdict.tires} >= {"friction is lower"}
     assert answer.verdict.lacking < 0.95  # the tires of the truth have no effect that those of the file lack
+
+
+@pytest.mark.parametrize("missing", [["ax"], ["ax", "speed"]], ids=["no ax", "wheel speeds only"])
+def test_without_an_accelerometer_the_factors_are_those_of_the_truth(missing, log, car, tire):
+    answer = tirefmu.drive(log.drop(columns=missing), vehicle=car, tire=tire)
+    assert answer.ok
+    for axle, values in {"front": (0.8, 0.9), "rear": (0.84, 1.0)}.items():
+        for name, value in zip(("LMUY", "LKY"), values, strict=True):
+            assert answer.factors[axle][name].determined
+            assert answer.factors[axle][name].value == pytest.approx(value, rel=0.05)
 
 
 def test_longitudinal_factors_are_not_determined(answer):
@@ -98,6 +109,20 @@ def test_the_forces_are_a_recording(answer, tmp_path):
     assert read_tir(written[1]).values["LMUY"] == pytest.approx(answer.factors["front"]["LMUY"].value)
 
 
+def test_an_effect_that_the_tires_lack_is_named_and_delivered(car, tmp_path):
+    (log,), *_ = hidden.made(["relaxation"], seed=7, seconds=14.0)
+    answer = tirefmu.drive(log, vehicle=car, tire=hidden.file_tire("relaxation"))
+    assert answer.verdict.effect == "relax_lat"
+    assert "the tires lack relax_lat" in answer.verdict.lines[0]
+    assert answer.verdict.effects[0].coefficients["SIGY"] == pytest.approx(0.5, abs=0.25)  # 0.3 to 0.7 m in the program
+    content = answer.to_json()["axle_forces"]
+    assert content["after"]["front"] < 0.6 * content["before"]["front"]
+    answer.save(tmp_path)
+    assert {"relax_lat"} == read_tir(tmp_path / "front.tir").has - answer.tires["front"].has
+    on_fmus = resimulated(answer, answer.scaled, fmus=True)
+    assert on_fmus.rms["yaw_rate"] < 0.7 * answer.before.rms["yaw_rate"]
+
+
 SAME = road.Truth({axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}, {})
 
 
@@ -122,6 +147,7 @@ def test_without_a_peak_friction_is_not_determined(car, tire):
 
 REFUSED = {
     "no steering": (lambda log: log.assign(steer=0.0), "steer hardly changes"),
+    "held steering": (lambda log: log.assign(steer=0.3), "steer hardly changes"),
     "no channel": (lambda log: log.drop(columns="steer"), "no channel steer"),
     "wrong sign": (lambda log: log.assign(steer=-log["steer"]), "opposite signs"),
     "degrees called radians": (lambda log: log.assign(yaw_rate=np.degrees(log["yaw_rate"])), "yaw_rate"),

@@ -41,9 +41,9 @@ def test_slips_and_loads_are_those_of_the_independent_program():
     same = {axle: dict.fromkeys(("LMUX", "LMUY", "LKX", "LKY"), 1.0) for axle in ("front", "rear")}
     seen = {}
 
-    def tire(kappa, alpha, Fz, factors):
+    def tire(kappa, alpha, Fz, V, factors):
         seen.update(alpha=alpha[:, 0], Fz=Fz[:, 0])
-        return road.tire_forces(kappa, alpha, Fz, factors)
+        return road.tire_forces(kappa, alpha, Fz, V, factors)
 
     program = road.Road([road.Truth(same, {})], tire)
     state = np.array([14.0, -0.2, 0.35, *[14.0 / 0.3] * 4])[:, None]

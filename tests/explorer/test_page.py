@@ -326,6 +326,58 @@ def test_measured_rows_and_their_residuals(opened, tires, bench):
     assert page.evaluate("view.inputs.Fz") == pytest.approx(700.0, rel=0.01)
 
 
+def test_all_measured_loads_are_in_one_chart_with_their_points(opened, tires, bench):
+    """Each load has one color for its curve and its points; with one load there are the points of the condition."""
+    page = opened(tires["mf96"], recordings=[bench])
+    drawn = page.evaluate(
+        """charts.slice(0, 2).map(({ chart }) => [
+          chart.title.slice(0, 2),
+          chart.curves.map(({ label, color, y }) => [label, color ?? STYLES.now.stroke, y]),
+          chart.points.map(({ y, color }) => [color, [...y.values]])])"""
+    )
+    assert [name for name, _, _ in drawn] == ["Fy", "Mz"]
+    iso = bench.with_signs("iso").table
+    for name, curves, points in drawn:
+        assert len(points) == 2
+        colors = {color for color, _ in points}
+        assert len(colors) == 2
+        assert {color for label, color, _ in curves if label != "as loaded"} == colors
+        sizes = {color: np.abs(values).max() for color, values in points}
+        for _, color, values in curves:
+            assert np.abs(values).max() == pytest.approx(sizes[color], rel=0.2)
+        assert all(np.isin(np.float32(values), np.float32(iso[name])).all() for _, values in points)
+    page.locator("#family").uncheck()
+    until(page, "charts[0].chart.points.length === 1 && charts[0].chart.curves.length === 2")
+
+
+def test_the_extrapolation_of_a_second_tire_is_dotted_and_does_not_stretch_the_axes(opened, tires):
+    """Beyond its load; within it the curve ends where its range of slip ends."""
+    ends = {"FZMIN": 60.0, "FZMAX": 160.0, "ALPMIN": -0.05, "ALPMAX": 0.05}
+    other = tires["mf61"].with_values(FNOMIN=100.0, PDY1=20.0, LKY=20.0, **ends)
+    page = opened(tires["mf96"], compare=replace(other, name="narrow"))
+    drawn = "charts[0].chart.curves.find(({ label }) => label === 'narrow')"
+    assert page.evaluate(f"{drawn}.style") == "otherBeyond"
+    largest = page.evaluate("Math.max(...charts[0].chart.curves.at(-1).y)")
+    assert page.evaluate(f"Math.max(...{drawn}.y)") > 1.2 * largest
+    assert page.evaluate("charts[0].chart.plot.scales.y.max") < 1.2 * largest
+    until(page, "document.getElementById('status').textContent.includes('beyond the range of narrow')")
+    page.evaluate("inputRows.get('Fz').show(100); view.inputs.Fz = 100; render()")
+    until(page, f"{drawn}.style === 'other'")
+    x, y = page.evaluate(f"[{drawn}.x, {drawn}.y]")
+    assert [abs(slip) <= np.degrees(0.051) for slip in x] == [force is not None for force in y]
+
+
+def test_no_chart_is_empty(opened, tires):
+    """Fx over the slip angle is 0 without longitudinal slip, and no chart; with it there is one."""
+    page = opened(tires["fiala"])
+    titles = "charts.map(({ chart }) => chart.title.split(':')[0])"
+    assert not {"Fx over alpha", "Mx over alpha"} & set(page.evaluate(titles))
+    page.locator("#field-input-kappa").fill("0.02")
+    page.locator("#field-input-kappa").press("Enter")
+    until(page, f"{titles}.includes('Fx over alpha')")
+    until(page, "charts.every(({ chart }) => !chart.curves || chart.curves.some(({ y }) => y.some((value) => value)))")
+
+
 def test_key_figures_are_those_of_the_curves(opened, tires):
     tire = tires["mf61"]
     page = opened(tire)

@@ -19,6 +19,9 @@ EFFECTS = ("relax_lat", "relax_lon", "heat_friction", "slip_history", "break_in"
 #: Slips that lag, states that inputs drive, that forces drive, a hysteresis and an accumulation. The model has the
 #: whole library, as in other tests: it is printed and compiled once.
 MEMORY = Tire("mf61", VALUES, effects=EFFECTS, added=tuple(library().values()))
+#: A tire whose grip and stiffness follow the temperature that it predicts.
+WARM = Tire("mf61", {**VALUES, "TREF": 60.0, "TMU2": -1.5e-4, "TKA": 0.002, "THACT": 1.0},
+            effects=("temp_friction", "temp_stiffness", "temperature"), added=MEMORY.added)  # fmt: skip
 #: Input, course, from, to, duration, slip angle.
 COURSES = [
     ("alpha", "step", 0.0, 0.12, 0.5, 0.0),
@@ -87,6 +90,30 @@ def assert_controls_act(page):
     until(page, "timePanel.charts.find(({ name }) => name === 'late_load').chart.curves.at(-1).label !== 'this tire'")
     page.evaluate("location.hash = '#time=alpha+step+0+x+1'")
     until(page, "timePanel.course.input === 'alpha' && timePanel.course.to > 0 && !timePanel.course.duration")
+
+
+def test_the_temperature_of_the_tire_is_an_input_and_its_course_one_chart(opened):
+    """Curves are those of a tire that starts at the temperature of the slider; the response starts there."""
+    page = opened(WARM)
+    alpha = np.linspace(*page.evaluate("[range('alpha').low, range('alpha').high]"), 201)
+    for kelvin in (300.0, 370.0):
+        page.locator("#field-input-T_surface").fill(str(kelvin))
+        page.locator("#field-input-T_surface").press("Enter")
+        until(page, f"view.inputs.T_surface === {kelvin} && charts[0].chart.curves[0].y.length === 201")
+        page.evaluate("charts[0].update()")
+        expected = WARM.with_values(THSTARTS=kelvin).evaluate(pd.DataFrame({"alpha": alpha, "Fz": WARM.nominal("Fz")}))
+        drawn = page.evaluate("charts[0].chart.curves.at(-1).y")
+        np.testing.assert_allclose(drawn, expected["Fy"], rtol=1e-9, atol=1e-6)
+    until(page, "timePanel.charts.every(({ chart }) => chart.figure.hidden || chart.curves)")
+    (nodes,) = page.evaluate(
+        """timePanel.charts.filter(({ name }) => name === 'temperature')
+          .map(({ chart }) => chart.curves.map(({ label, style, y }) => [label.split(',')[0], style, y[0]]))"""
+    )
+    assert {name for name, style, _ in nodes if style == "now"} == {"T_surface", "T_bulk", "T_carcass", "T_gas"}
+    assert {start for name, _, start in nodes if name == "T_surface"} == {370.0}
+    assert "T_surface" not in page.evaluate(
+        "[...document.getElementById('time-input').options].map((one) => one.value)"
+    )
 
 
 def test_a_tire_without_memory_has_no_response(opened, tires):

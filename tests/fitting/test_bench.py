@@ -40,8 +40,11 @@ def test_the_report_recipe_reproduces_the_properties_of_the_report(fits):
     coefficients = {coefficient.name: coefficient for coefficient in report.coefficients}
     # One load does not identify PKY2: it stays within the report's narrow bounds (there 4.98); the tire has 3.9.
     assert 4.9 <= coefficients["PKY2"].value <= 5.1
-    # Bounds that the report ended at, too. (Its QEZ1 ended at the bound as well; the optimum here is 2 % away from it.)
-    assert {"QCZ1", "RVY3"} <= {name for name, coefficient in coefficients.items() if coefficient.at_bound}
+    # Bounds that the report ended at, too. The stage of QCZ1 has a flat valley with QBZ9 at its bound at the other end,
+    # of the same cost within 2e-4 of it. (The report's QEZ1 ended at the bound as well.)
+    at_bound = {name for name, coefficient in coefficients.items() if coefficient.at_bound}
+    assert "RVY3" in at_bound
+    assert at_bound & {"QCZ1", "QBZ9"}
     # At exactly one load nothing that changes with load can be seen: these stay at the report's guess.
     for name, guess in {"PVY4": 0.0, "QHZ4": 0.0, "QDZ9": 0.2}.items():
         assert (coefficients[name].value, coefficients[name].determined) == (guess, False)

@@ -16,7 +16,7 @@ from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.problem.weights import equal_weights
 from tirefmu.fitting.solvers.ipopt import SolverResult, solve
 from tirefmu.fitting.solvers.selection import solver_for
-from tirefmu.fitting.stage_solution import StageSolver, sampled
+from tirefmu.fitting.stage_solution import StageSolver
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PHY1", "PVY1")
 UNCONSTRAINED = SimpleNamespace(violated=[], of=lambda channels, density=0: [], violations=lambda dense, values: [])
@@ -39,7 +39,7 @@ def optimum(noisy, known):
 
 @pytest.fixture(scope="module")
 def near(noisy, optimum):
-    return solve(sampled(noisy, len(noisy.rows) // 3), optimum.x, -EVERYWHERE, EVERYWHERE, []).x
+    return solve(noisy.sampled(len(noisy.rows) // 3), optimum.x, -EVERYWHERE, EVERYWHERE, []).x
 
 
 def stage(problem, solver=solve, stop=lambda: False):
@@ -113,7 +113,7 @@ def test_a_stop_after_the_sample_returns_the_cost_of_all_rows(noisy, near, monke
 
 
 def test_a_sample_has_about_the_cost_of_all_rows(noisy, near):
-    some = sampled(noisy, 200)
+    some = noisy.sampled(200)
     assert len(some.rows) == 200
     assert some.cost(near) == pytest.approx(noisy.cost(near), rel=0.3)
     assert some.cost(near) != noisy.cost(near)

@@ -104,6 +104,9 @@ def test_each_reason_has_its_consequence(judged, side_fit):
         assert verdict.usable == (word != "not usable")
         assert reason in verdict.reasons[0]
         assert len(verdict.reasons) == 1 or "stiffness" in verdict.reasons[1]
+    poor = judged(channels=(replace(lacking(0.05), fitted_r2=0.3), replace(force, channel="Fx")))
+    assert poor.word == "not usable"
+    assert "Fy is described poorly" in poor.reasons[0]
 
 
 def test_reasons_are_in_order_of_weight(judged, side_fit):

@@ -29,7 +29,7 @@ def fitted(recording):
 
 def test_the_right_recording_is_at_its_noise_floor(right):
     result, noise = fitted(right), wrong_recordings.noise_of(right)
-    assert all(reason.startswith(("small errors", "combined slip")) for reason in result.verdict.reasons)
+    assert all(reason.startswith(("errors that", "combined slip")) for reason in result.verdict.reasons)
     for c in result.channels:
         assert 0.75 * noise[c.channel] < c.noise_floor < 1.15 * noise[c.channel]
         assert not lacks_something(c)

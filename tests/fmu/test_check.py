@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +16,10 @@ from tirefmu.fmu.comparison.figures import draw_check
 from tirefmu.fmu.packaging.export import export
 from tirefmu.measurements.recording import Recording
 from tirefmu.tires.signs import convert_signs
+
+from .programs import unzipped, zipped
+
+DESCRIPTION = "modelDescription.xml"
 
 
 @pytest.fixture(scope="module")
@@ -102,14 +105,8 @@ def test_a_difference_from_the_embedded_tire_is_detected(fmus, tires, table, tmp
     almost = replace(tires["first"], values={**tires["first"].values, "LMUY": 1.0 + 3e-9})
     mixed = tmp_path / "mixed.fmu"
     other = export(almost, tmp_path / "other.fmu")
-    with (
-        zipfile.ZipFile(fmus["first", 3]) as one,
-        zipfile.ZipFile(other) as two,
-        zipfile.ZipFile(mixed, "w") as out,
-    ):
-        for name in one.namelist():
-            out.writestr(name, (two if name.endswith(".tir") else one).read(name))
-    result = check(mixed, table)
+    tir = "resources/tire.tir"
+    result = check(zipped(mixed, {**unzipped(fmus["first", 3]), tir: unzipped(other)[tir]}), table)
     assert 1e-9 < result.evaluation_difference < 1e-6
     assert not result.ok
 
@@ -124,11 +121,9 @@ def test_nan_is_a_difference(tires, table):
 
 
 def test_an_fmu_without_a_tire_can_be_checked(fmus, table, tmp_path):
-    with zipfile.ZipFile(fmus["first", 2]) as one, zipfile.ZipFile(tmp_path / "bare.fmu", "w") as out:
-        for name in one.namelist():
-            if not name.startswith(("resources/", "sources/")):
-                out.writestr(name, one.read(name))
-    result = check(tmp_path / "bare.fmu", table)
+    files = unzipped(fmus["first", 2])
+    bare = {name: text for name, text in files.items() if not name.startswith(("resources/", "sources/"))}
+    result = check(zipped(tmp_path / "bare.fmu", bare), table)
     assert result.evaluation_difference is None
     assert "direct evaluation" not in str(result)
 
@@ -142,14 +137,9 @@ def test_tolerance_decides(fmu, table):
 
 
 def test_an_invalid_fmu_is_not_ok(fmus, table, tmp_path):
-    path = tmp_path / "odd.fmu"
-    with zipfile.ZipFile(fmus["first", 3]) as one, zipfile.ZipFile(path, "w") as out:
-        for name in one.namelist():
-            content = one.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'<InitialUnknown valueReference="7" />', b"")
-            out.writestr(name, content)
-    result = check(path, table)
+    files = unzipped(fmus["first", 3])
+    files[DESCRIPTION] = files[DESCRIPTION].replace(b'<InitialUnknown valueReference="7" />', b"")
+    result = check(zipped(tmp_path / "odd.fmu", files), table)
     assert not result.ok
     assert "InitialUnknown" in result.problems[0]
     assert "invalid:" in str(result)
@@ -193,22 +183,18 @@ def test_a_table_of_other_things(fmu, table):
 
 
 def test_an_fmu_without_a_binary_for_this_machine(fmu, table, tmp_path):
-    with zipfile.ZipFile(fmu) as one, zipfile.ZipFile(tmp_path / "bare.fmu", "w") as out:
-        out.writestr("modelDescription.xml", one.read("modelDescription.xml"))
+    zipped(tmp_path / "bare.fmu", {DESCRIPTION: unzipped(fmu)[DESCRIPTION]})
     with pytest.raises(FmuError, match=r"bare\.fmu: cannot be loaded: Cannot find shared library binaries"):
         check(tmp_path / "bare.fmu", table)
 
 
 def test_a_refused_row_is_named(fmus, table, tmp_path):
     # A description that exchanges the output Fx and the input kappa.
-    swaps = {b'"kappa" valueReference="1"': b'"kappa" valueReference="5"'}
-    swaps[b'"Fx" valueReference="5"'] = b'"Fx" valueReference="1"'
-    with zipfile.ZipFile(fmus["first", 3]) as one, zipfile.ZipFile(tmp_path / "odd.fmu", "w") as out:
-        for name in one.namelist():
-            content = one.read(name)
-            for old, new in swaps.items():
-                content = content.replace(old, new)
-            out.writestr(name, content)
+    files = unzipped(fmus["first", 3])
+    for name, old, new in ((b"kappa", b"1", b"5"), (b"Fx", b"5", b"1")):
+        text = b'"%s" valueReference="%s"'
+        files[DESCRIPTION] = files[DESCRIPTION].replace(text % (name, old), text % (name, new))
+    zipped(tmp_path / "odd.fmu", files)
     with pytest.raises(FmuError, match=r"row 0: fmi3SetFloat64 failed .*: Fx cannot be set"):
         check(tmp_path / "odd.fmu", table)
 

@@ -83,7 +83,7 @@ def test_its_kinematics_is_that_of_python_and_its_tire_that_of_wheel_inputs(host
 @pytest.mark.parametrize("name", ["mf52", "mf61", "mf62"])
 def test_load_and_forces_are_those_of_the_golden_files(host_of, tires, golden, name):
     """The loaded radius that the reference program computed for a load gives that load, and its forces."""
-    (path,) = (each for each in golden.glob(f"{name}_*.csv.gz") if "turnslip" not in each.name)
+    (path,) = (each for each in golden.glob(f"{name}_*.csv.xz") if "turnslip" not in each.name)
     table = pd.read_csv(path)
     # The reference has no loaded radius where the tire does not deflect, and corrects the slips of a slow wheel.
     table = table[(table.rho > 1e-6) & (table.V_in > 5.0) & (table.kappa_in > -0.9) & (table.Fz_in > 100.0)]

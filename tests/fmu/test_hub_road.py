@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
-
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
@@ -14,6 +12,8 @@ from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.packaging.road_file import ROAD_FILE
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires.roads.opencrg import read_crg
+
+from .programs import unzipped, zipped
 
 OK, DISCARD = 0, 2
 PLANE = ("road_z", "road_nx", "road_ny", "road_nz")
@@ -92,8 +92,7 @@ def test_a_state_of_another_instance_has_the_same_road(paths, make_host):
 
 @pytest.mark.parametrize("damage", ["cut", "longer", "format", "nan", "rows", "absent"])
 def test_a_damaged_road_is_refused(paths, tmp_path, damage):
-    with zipfile.ZipFile(paths["road"]) as archive:
-        files = {name: archive.read(name) for name in archive.namelist()}
+    files = unzipped(paths["road"])
     content = files[ROAD_FILE]
     files[ROAD_FILE] = {
         "cut": content[:-8], "longer": content + b"x", "format": b"X" + content[1:],
@@ -102,10 +101,7 @@ def test_a_damaged_road_is_refused(paths, tmp_path, damage):
     }[damage]  # fmt: skip
     if damage == "absent":
         del files[ROAD_FILE]
-    with zipfile.ZipFile(tmp_path / "bad.fmu", "w") as archive:
-        for name, text in files.items():
-            archive.writestr(name, text)
-    with pytest.raises(FmuError, match="instantiate"), loaded(tmp_path / "bad.fmu"):
+    with pytest.raises(FmuError, match="instantiate"), loaded(zipped(tmp_path / "bad.fmu", files)):
         pass
 
 

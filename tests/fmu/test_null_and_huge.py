@@ -27,40 +27,19 @@ def refused(host, before, *calls):
 
 def test_null_pointers_are_errors(hosts, fmi):
     host = hosts("rolling", fmi).start()
-    references, n, values = host.references(["kappa"]), 1, (ctypes.c_double * 1)(0.1)
-    before = host.everything()
+    known, unknown, n, values = host.references(["kappa"]), host.references(["Fx"]), 1, (ctypes.c_double * 1)(0.1)
+    kind, size = ("Float64", (n,)) if fmi == 3 else ("Real", ())  # the number of values stands behind them in FMI 3
+    either = ((None, values), (values, None))
+    calls = [(f"{verb}{kind}", known, n, None, *size) for verb in ("Get", "Set")]
+    calls += [(f"{verb}{kind}", None, n, values, *size) for verb in ("Get", "Set")]
+    calls += [("GetDirectionalDerivative", unknown, n, known, n, a, *size, b, *size) for a, b in either]
     if fmi == 3:
-        refused(
-            host,
-            before,
-            ("GetFloat64", references, n, None, n),
-            ("GetFloat64", None, n, values, n),
-            ("SetFloat64", references, n, None, n),
-            ("SetFloat64", None, n, values, n),
-            ("GetDirectionalDerivative", host.references(["Fx"]), n, references, n, None, n, values, n),
-            ("GetDirectionalDerivative", host.references(["Fx"]), n, references, n, values, n, None, n),
-            ("GetDirectionalDerivative", None, n, references, n, values, n, values, n),
-            ("GetAdjointDerivative", host.references(["Fx"]), n, references, n, None, n, values, n),
-            ("GetAdjointDerivative", host.references(["Fx"]), n, references, n, values, n, None, n),
-            ("GetNumberOfContinuousStates", None),
-            ("GetNumberOfEventIndicators", None),
-            ("SetDebugLogging", True, n, None),
-        )
+        calls += [("GetAdjointDerivative", unknown, n, known, n, a, n, b, n) for a, b in either]
+        calls += [("GetDirectionalDerivative", None, n, known, n, values, n, values, n)]
+        calls += [("GetNumberOfContinuousStates", None), ("GetNumberOfEventIndicators", None)]
     else:
-        refused(
-            host,
-            before,
-            ("GetReal", references, n, None),
-            ("GetReal", None, n, values),
-            ("SetReal", references, n, None),
-            ("SetReal", None, n, values),
-            ("GetDirectionalDerivative", host.references(["Fx"]), n, references, n, None, values),
-            ("GetDirectionalDerivative", host.references(["Fx"]), n, references, n, values, None),
-            ("GetRealStatus", 2, None),
-            ("GetBooleanStatus", 3, None),
-            ("GetStatus", 0, None),
-            ("SetDebugLogging", True, n, None),
-        )
+        calls += [("GetRealStatus", 2, None), ("GetBooleanStatus", 3, None), ("GetStatus", 0, None)]
+    refused(host, host.everything(), *calls, ("SetDebugLogging", True, n, None))
     assert host.call("GetFMUState" if fmi == 3 else "GetFMUstate", None) == ERROR
     assert host.step(0.0, 0.1) == OK
 

@@ -6,7 +6,6 @@ import shutil
 import struct
 import subprocess
 import sys
-import zipfile
 
 import pytest
 
@@ -15,6 +14,8 @@ from tirefmu.fmu import export
 from tirefmu.fmu.packaging import binaries, cross_compiler
 from tirefmu.fmu.packaging.binaries import binary_path, chosen_platforms
 from tirefmu.fmu.packaging.cross_compiler import PLATFORMS, universal
+
+from .programs import unzipped
 
 #: The first bytes of a binary: its format, and the offset of the processor type.
 FORMATS = {
@@ -34,8 +35,7 @@ def ziglang():
 
 
 def packed(path):
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist() if name.startswith("binaries/")}
+    return {name: content for name, content in unzipped(path).items() if name.startswith("binaries/")}
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ import shutil
 import struct
 import subprocess
 import zipfile
-from pathlib import Path
 
 import fmpy
 import numpy as np
@@ -21,15 +20,14 @@ from fmpy.fmi3 import FMU3Slave
 from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu import export
 from tirefmu.fmu.packaging import prebuilding, prebuilt
-from tirefmu.fmu.packaging.export import fmi_headers
 from tirefmu.fmu.packaging.prebuilt import VALUES_FILE, generic, values_file
 
 from .conftest import ERROR, OK
+from .programs import linked
 from .test_robustness import SANITIZERS
 
 HEADER = 8 + 64  # format and structure
 COUNT = HEADER + 48 + 256  # behind the texts
-SOURCE = Path(__file__).with_name("tire_file.c")
 
 
 @pytest.fixture(scope="module")
@@ -145,15 +143,10 @@ def test_malformed_values_are_an_error_in_the_log(packed, fmi, tmp_path):
 @pytest.mark.skipif("TIREFMU_SANITIZE" not in os.environ, reason="runs by make sanitize")
 def test_mutated_values_under_sanitizers(compiler, tires, tmp_path):
     found = generic(tires["rolling"])
-    for name, content in found.sources.items():
-        (tmp_path / name).write_bytes(content)
     (tmp_path / "resources of 100 %").mkdir()
     (tmp_path / "values").write_bytes(values_file(found, "{1}", len(found.shown.variables)))
-    code = [str(tmp_path / name) for name in found.sources if name.endswith(".c")]
-    program = str(tmp_path / "program")
-    command = [*compiler, "-std=gnu99", "-O1", *SANITIZERS, f"-I{tmp_path}", f"-I{fmi_headers()}", str(SOURCE), *code]
-    subprocess.run([*command, "-o", program, "-lm"], check=True)
-    done = subprocess.run([program, str(tmp_path)], capture_output=True, text=True, check=False)
+    program = linked(compiler, tmp_path, "tire_file.c", found.sources, *SANITIZERS)
+    done = subprocess.run([str(program), str(tmp_path)], capture_output=True, text=True, check=False)
     assert (done.stderr, done.returncode) == ("", 0)
     accepted, refused = map(int, re.findall(r"\d+", done.stdout))
     assert min(accepted, refused) > 100

@@ -9,7 +9,6 @@ import json
 import runpy
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 
 import fmpy
@@ -22,6 +21,8 @@ from tests.json_schemas import objections
 from tirefmu.boundary.errors import FmuError
 from tirefmu.cli import main
 from tirefmu.fmu import add_proof, check, export, repeat_proof
+
+from .programs import unzipped, zipped
 
 ROOT = "extra/org.fmi-standard.fmi-ls-ref/"
 PROOF, STIMULI, REFERENCE = (ROOT + name for name in ("proof.json", "stimuli.csv", "reference.csv"))
@@ -54,22 +55,10 @@ def proved(fmus, table, tmp_path_factory):
     return Proved()
 
 
-def contents(path):
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
-
-
-def packed(path, files):
-    with zipfile.ZipFile(path, "w") as archive:
-        for name, content in files.items():
-            archive.writestr(name, content)
-    return path
-
-
 def script(fmu, folder):
     """Run the program inside an FMU, without this package."""
     program = folder / "check_proof.py"
-    program.write_bytes(contents(fmu)[SCRIPT])
+    program.write_bytes(unzipped(fmu)[SCRIPT])
     blocked = "import sys, runpy; sys.modules['tirefmu'] = None; runpy.run_path(sys.argv.pop(1), run_name='__main__')"
     return subprocess.run([sys.executable, "-c", blocked, program, fmu], capture_output=True, text=True, cwd=folder)
 
@@ -84,14 +73,14 @@ def test_a_proof_is_repeated_with_and_without_this_program(proved, key, tmp_path
     result = repeat_proof(proved[key])
     assert (result.ok, result.rows, result.changed, result.problems) == (True, 180, (), ())
     assert result.difference < 1e-9
-    assert objections("proof", json.loads(contents(proved[key])[PROOF])) == []
+    assert objections("proof", json.loads(unzipped(proved[key])[PROOF])) == []
     run = script(proved[key], tmp_path)
     assert run.returncode == 0, run.stderr
     assert result.digest in run.stdout
 
 
 def test_the_program_inside_has_about_forty_lines_of_code(proved):
-    lines = contents(proved[PROVED[0]])[SCRIPT].decode().splitlines()
+    lines = unzipped(proved[PROVED[0]])[SCRIPT].decode().splitlines()
     assert len([line for line in lines if line.strip() and not line.startswith(("import", "from", '"""'))]) <= 40
 
 
@@ -118,10 +107,10 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_changed_file_is_detected_and_its_code_is_not_run(proved, change, tmp_path):
-    files = contents(proved[PROVED[0]])
+    files = unzipped(proved[PROVED[0]])
     changed = CHANGES[change](files)
     assert changed != files
-    fmu = packed(tmp_path / "changed.fmu", changed)
+    fmu = zipped(tmp_path / "changed.fmu", changed)
     result = repeat_proof(fmu)
     assert not result.ok
     assert (len(result.changed), result.rows) == (1, 0)
@@ -134,11 +123,11 @@ def test_a_changed_file_is_detected_and_its_code_is_not_run(proved, change, tmp_
 @pytest.mark.parametrize("name", [STIMULI, REFERENCE])
 def test_another_table_with_right_digests_is_detected_by_the_simulation(proved, name, tmp_path):
     original = proved[PROVED[3]]
-    files = contents(original)
+    files = unzipped(original)
     files[name] = raised(files[name])
     proof = json.loads(files[PROOF])
     proof["files"][name] = hashlib.sha256(files[name]).hexdigest()
-    fmu = packed(tmp_path / "another.fmu", {**files, PROOF: json.dumps(proof).encode()})
+    fmu = zipped(tmp_path / "another.fmu", {**files, PROOF: json.dumps(proof).encode()})
     result = repeat_proof(fmu)
     assert (result.ok, result.changed) == (False, ())
     assert 1e-9 < result.difference < 1.0
@@ -162,7 +151,7 @@ ROLES = {
 
 def test_the_files_of_the_manifest_are_in_the_fmu(proved):
     for key in PROVED:
-        files = contents(proved[key])
+        files = unzipped(proved[key])
         manifest = etree.fromstring(files[ROOT + "fmi-ls-manifest.xml"])
         assert manifest.tag == "fmiReferences"
         assert {key.removeprefix(STANDARD): value for key, value in manifest.items()} == IDENTITY
@@ -187,7 +176,7 @@ def test_the_reference_of_hub_inputs_is_that_of_numpy(proved, tires, monkeypatch
 
 
 def test_a_proof_has_the_inputs_of_the_table_and_no_measured_output(proved, table):
-    files = contents(proved[PROVED[0]])
+    files = unzipped(proved[PROVED[0]])
     assert np.array_equal(numbers(files[STIMULI])["alpha"], table["alpha"])
     assert not any(repr(value).encode() in content for value in table["Fy"] for content in files.values())
     ((name, rows, rmse, unit, _),) = json.loads(files[PROOF])["agreement"]
@@ -198,7 +187,7 @@ def test_a_proof_has_the_inputs_of_the_table_and_no_measured_output(proved, tabl
 
 
 def test_a_wheel_carrier_follows_the_slips_of_the_table(proved, table):
-    reference = numbers(contents(proved["brush", 3, "hub"])[REFERENCE])
+    reference = numbers(unzipped(proved["brush", 3, "hub"])[REFERENCE])
     assert reference["gamma"] == pytest.approx(table["gamma"], abs=1e-12)
     assert reference["V_x"] == pytest.approx(table["V"])
     assert np.arctan2(reference["V_y"], reference["V_x"]) == pytest.approx(table["alpha"], abs=0.01)
@@ -218,7 +207,7 @@ def test_long_tables_are_thinned_within_their_segments(fmus, table, tmp_path):
      b'{"format": 1, "files": {"\\u001b[2J": ""}, "reference": "\\u001b[2J"}', b"[" * 100_000],
 )  # fmt: skip
 def test_an_invalid_proof_is_one_line(proved, damage, tmp_path):
-    fmu = packed(tmp_path / "damaged.fmu", {**contents(proved[PROVED[0]]), PROOF: damage})
+    fmu = zipped(tmp_path / "damaged.fmu", {**unzipped(proved[PROVED[0]]), PROOF: damage})
     try:
         text = str(repeat_proof(fmu))
     except FmuError as error:
@@ -238,12 +227,12 @@ INVALID_TABLES = (b"time,alpha\n0,nan\n", b"x\n1\n", b"time,nothing\n0,1\n")
     ],
 )
 def test_invalid_segments_and_tables_are_refused(proved, segments, stimuli, tmp_path):
-    files = contents(proved[PROVED[0]])
+    files = unzipped(proved[PROVED[0]])
     files |= {STIMULI: stimuli} if stimuli else {}
     proof = {**json.loads(files[PROOF]), "segments": segments}
     proof["files"] = {n: hashlib.sha256(f).hexdigest() for n, f in files.items() if n != PROOF}
     with pytest.raises(FmuError, match="its proof is invalid"):
-        repeat_proof(packed(tmp_path / "invalid.fmu", {**files, PROOF: json.dumps(proof).encode()}))
+        repeat_proof(zipped(tmp_path / "invalid.fmu", {**files, PROOF: json.dumps(proof).encode()}))
 
 
 def test_the_command_writes_and_repeats_a_proof(tmp_path, table, capsys):
@@ -251,7 +240,7 @@ def test_the_command_writes_and_repeats_a_proof(tmp_path, table, capsys):
     table.to_csv(run, index=False)
     fit.write_text('{"verdict": "usable with limits", "reasons": ["few loads"]}')
     assert main(["export", "trento_hoosier", "-o", str(fmu), "--proof", str(run), "--fit", str(fit)]) == 0
-    assert json.loads(contents(fmu)[PROOF])["verdict"] == ["usable with limits", "few loads"]
+    assert json.loads(unzipped(fmu)[PROOF])["verdict"] == ["usable with limits", "few loads"]
     assert main(["check", str(fmu)]) == 0
     assert "verdict: proof repeated" in capsys.readouterr().out
     refused = [

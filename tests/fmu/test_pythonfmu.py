@@ -16,6 +16,8 @@ from tirefmu.fmu.packaging.binaries import host_platform
 from tirefmu.measurements import Recording
 from tirefmu.tires import read_tir
 
+from .programs import unzipped, zipped
+
 OK, DISCARD = 0, 2
 
 pytestmark = pytest.mark.skipif(
@@ -58,24 +60,6 @@ def test_outputs_are_those_of_the_tire(python_fmus, tires, name):
     result = check(python_fmus[name], drive(tires[name]))
     assert result.ok
     assert result.evaluation_difference < 1e-9
-
-
-@pytest.mark.parametrize("name", ["first", "rolling"])
-def test_equals_the_native_one(python_host, hosts, name):
-    python, native = python_host(name), hosts(name, 2)
-    assert python.inputs == native.inputs
-    shown = [*python.outputs, *(name for name in ("kappa_lagged",) if name in python.variables)]
-    assert set(python.outputs) <= set(native.outputs)
-    draw = np.random.default_rng(3)
-    for host in (python, native):
-        host.start()
-    for step in range(20):
-        given = {"alpha": draw.uniform(-0.2, 0.2), "kappa": draw.uniform(-0.1, 0.1), "Fz": draw.uniform(200, 5000)}
-        for host in (python, native):
-            assert host.set(**given) == OK
-        assert python.get(*shown) == pytest.approx(native.get(*shown), rel=1e-10, abs=1e-8)
-        for host in (python, native):
-            assert host.step(0.01 * step, 0.01) == OK
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
@@ -146,23 +130,20 @@ def test_two_tires_in_one_process_are_independent(python_host, tires):
 
 
 def test_its_files_can_be_changed(python_fmus, tires, tmp_path):
-    changed = tmp_path / "changed.fmu"
-    with zipfile.ZipFile(python_fmus["first"]) as given, zipfile.ZipFile(changed, "w") as written:
-        slave = given.read("resources/slavemodule.txt").decode()
-        for name in given.namelist():
-            content = given.read(name)
-            if name == f"resources/{slave}.py":
-                assert content.count(b"map(float, forces)") == 1
-                content = content.replace(b"map(float, forces)", b"(0.5 * float(force) for force in forces)")
-            # Python has already loaded a module of the original name, so the changed one has another name.
-            if name == "resources/slavemodule.txt":
-                content = b"changed_tire"
-            position = name.replace(slave, "changed_tire").replace("/first.", "/changed.")
-            content = content.replace(b'modelIdentifier="first"', b'modelIdentifier="changed"')
-            written.writestr(position, content)
+    files = unzipped(python_fmus["first"])
+    # Python has already loaded a module of the original name, so the changed one has another name.
+    slave, changed = files["resources/slavemodule.txt"].decode(), {}
+    for name, content in files.items():
+        if name == f"resources/{slave}.py":
+            assert content.count(b"map(float, forces)") == 1
+            content = content.replace(b"map(float, forces)", b"(0.5 * float(force) for force in forces)")
+        content = content.replace(b'modelIdentifier="first"', b'modelIdentifier="changed"')
+        changed[name.replace(slave, "changed_tire").replace("/first.", "/changed.")] = content
+    changed["resources/slavemodule.txt"] = b"changed_tire"
+    fmu = zipped(tmp_path / "changed.fmu", changed)
     table = pd.DataFrame({"alpha": [0.1, 0.2], "Fz": 900.0})
     table["Fy"] = 0.5 * tires["first"].forces(alpha=table["alpha"], Fz=900.0)["Fy"]
-    assert check(changed, table).channels[0].rmse < 1e-9
+    assert check(fmu, table).channels[0].rmse < 1e-9
 
 
 def test_contents(python_fmus, tires, tmp_path):

@@ -19,6 +19,7 @@ from tirefmu.cli import main
 from tirefmu.fmu import export_parameters, export_system
 
 from .conftest import OK
+from .programs import zipped
 
 SCHEMAS = {"ssd": "Description", "ssv": "ParameterValues", "ssm": "ParameterMapping"}
 
@@ -104,9 +105,7 @@ def vehicle_file(folder, fmi, *variables, simulates=True):
     kind = '<CoSimulation modelIdentifier="car"/>' if simulates else ""
     text = f'<fmiModelDescription fmiVersion="{fmi}.0" numberOfContinuousStates="0" numberOfEventIndicators="0">'
     text += f"{kind}<ModelVariables>{''.join(listed)}</ModelVariables>"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", f"{text}</fmiModelDescription>")
-    return path
+    return zipped(path, {"modelDescription.xml": f"{text}</fmiModelDescription>"})
 
 
 def test_a_vehicle_is_connected_by_names(tires, tmp_path, monkeypatch):
@@ -149,9 +148,7 @@ def test_a_vehicle_that_cannot_be_connected_is_one_line(tires, tmp_path, capsys,
 
 def test_an_archive_that_is_no_vehicle_is_one_line(tires, tmp_path, monkeypatch):
     monkeypatch.setattr("tirefmu.fmu.packaging.system.export", lambda tire, path, **options: car_file(path))
-    broken = tmp_path / "broken.fmu"
-    with zipfile.ZipFile(broken, "w") as archive:
-        archive.writestr("modelDescription.xml", "<fmiModelDescription")
+    broken = zipped(tmp_path / "broken.fmu", {"modelDescription.xml": "<fmiModelDescription"})
     for write, message in (
         (lambda: vehicle_file(tmp_path, 2, *VEHICLE, simulates=False), "does not support Co-Simulation"),
         (lambda: vehicle_file(tmp_path, 1, *VEHICLE), r"FMI 1\.0 is not supported"),

@@ -98,12 +98,36 @@ def test_heat_that_comes_in_is_stored_or_goes_out(compiler, tire, tmp_path, make
         T, rates = host.get(*NODES), host.get(*(f"der({name})" for name in NODES))
         stored = [warm.values[f"THCAP{node}"] * rate for node, rate in zip("SBCG", rates, strict=True)]
         values = SimpleNamespace(**warm.values)
-        heat = values.THSHARE * (abs(Fy * V * np.sin(np.arctan(tangent))) + abs(Fx * V * slip)) + values.THROLL * Fz * V
+        heat = (
+            values.THSHARE * (abs(Fy * V * np.sin(np.arctan(tangent))) + abs(Fx * V * slip))
+            + (values.THROLLB + values.THROLL) * Fz * V
+        )
         contact = values.THROAD * (np.hypot(Fz, 1.0) / values.FNOMIN) ** values.THROADZ
         lost = (contact + values.THAIR * (1.0 + values.THAIRV * V)) * (T[0] - 293.15) + values.THSIDE * (T[2] - 293.15)
         assert sum(stored) == pytest.approx(heat - lost, rel=1e-9)
         assert host.get("p_acting")[0] + 101325.0 == pytest.approx((1.5e5 + 101325.0) * T[3] / 293.15, rel=1e-12)
     assert T[0] > VALUES["THSTARTS"] + 0.2
+
+
+@pytest.mark.parametrize("inputs", ["wheel", "hub"])
+def test_temperatures_with_other_inputs_are_those_of_the_evaluation(compiler, tire, tmp_path, make_host, inputs):
+    """With the slips, speed and load that the FMU has from the motion of the wheel, held for each step."""
+    host = make_host(export(tire, tmp_path / "tire.fmu", inputs=inputs))
+    host.initialize()
+    speed, rows, nodes = "V_x" if inputs == "wheel" else "v_x", [], []
+    for i in range(40):
+        motion = {speed: 15.0 + np.sin(0.3 * i), "omega": 62.0 + 4.0 * np.sin(0.2 * i), "T_road": 300.0 + i}
+        motion |= {"V_y": np.sin(0.1 * i), "Fz": 1500.0 + 20.0 * i} if inputs == "wheel" else {"r_z": 0.243 - 1e-4 * i}
+        assert host.set(**motion) == OK
+        if i == 0:
+            assert host.call("ExitInitializationMode") == OK
+        named = dict(zip(("kappa", "alpha", "V", "Fz"), host.get("kappa", "alpha", "V_x", "Fz"), strict=True))
+        rows.append({"t": 0.02 * i, **named, "T_road": 300.0 + i})
+        nodes.append(host.get(*NODES))
+        assert host.step(0.02 * i, 0.02) == OK
+    evaluated = tire.evaluate(pd.DataFrame(rows), hold=True)
+    np.testing.assert_allclose(nodes, evaluated[list(NODES)], rtol=1e-9)
+    assert nodes[-1][0] > nodes[0][0] + 1.0
 
 
 def test_the_step_does_not_change_temperatures(tire):

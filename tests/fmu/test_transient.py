@@ -7,7 +7,6 @@ import struct
 import numpy as np
 import pandas as pd
 import pytest
-from fmpy import simulate_fmu
 
 from tirefmu.fmu import check
 
@@ -25,12 +24,6 @@ def rolling(hosts, lagging, fmi):
     assert host.set(**STRAIGHT) == OK
     assert host.call("ExitInitializationMode") == OK
     return host
-
-
-@pytest.fixture
-def lengths(tires, lagging):
-    """Return a function: the relaxation lengths at a point, m."""
-    return lambda **point: tires[lagging].evaluate(pd.DataFrame([point])).iloc[0][["sigma_kappa", "sigma_alpha"]]
 
 
 def steady(tires, lagging, **point):
@@ -84,28 +77,6 @@ def test_conventions_reach_the_lengths_too(hosts, tires):
     assert distance(np.array(found), expected[[*host.outputs, *SLIPS]].to_numpy()) < 1e-9
 
 
-def test_fmpys_own_simulation(fmus, tires, fmi):
-    """fmpy sets inputs, makes a step, and reads the outputs at its end."""
-    time = np.linspace(0.0, 0.5, 51)
-    inputs = {"kappa": 0.2 * np.sin(20.0 * time), "alpha": 0.3 * np.cos(15.0 * time), "Fz": 4000.0 + 5000.0 * time}
-    signal = np.zeros(len(time), dtype=[("time", float), *((key, float) for key in inputs)])
-    signal["time"] = time
-    for key, values in inputs.items():
-        signal[key] = values
-    names = list(tires["rolling"].outputs)
-    result = simulate_fmu(
-        str(fmus["rolling", fmi]), stop_time=0.5, output_interval=0.01, input=signal, output=[*inputs, *names]
-    )
-    rows = pd.DataFrame({"t": result["time"], **{key: result[key] for key in inputs}})
-    # The inputs of a row act in the step that ends at its time; from there on those of the next row act.
-    going_on = rows.shift(-1).assign(t=rows["t"]).iloc[:-1]
-    table = pd.concat([rows, going_on]).sort_values("t", kind="stable", ignore_index=True)
-    reported = tires["rolling"].evaluate(table, hold=True)
-    ends = reported[~table["t"].duplicated()]
-    assert len(ends) == 51
-    assert distance(np.array([result[key] for key in names]), ends[names].to_numpy().T) < 1e-9
-
-
 def test_every_segment_begins_in_steady_state(fmus, tires):
     runs = recording(300, 12)
     runs = pd.concat([runs, runs.assign(t=runs["t"] + 500.0, kappa=-0.6 * runs["kappa"])], ignore_index=True)
@@ -125,38 +96,6 @@ def test_initialization_is_steady_and_stays_so(hosts, tires, lagging, fmi):
     for k in range(3):
         assert distance(host.get(*host.outputs), steady(tires, lagging, **POINT)) < 1e-9
         assert host.step(0.1 * k, 0.1) == OK
-
-
-def test_slips_follow_the_exponential(rolling, lengths):
-    sigma = lengths(**POINT).to_numpy()
-    assert np.all(sigma > 0.05)
-    before = rolling.get(*rolling.outputs)
-    assert distance(rolling.forces(**POINT), before) < 0.1 * np.abs(before).max()
-    assert rolling.get(*SLIPS).tolist() == [0.0, 0.0]  # a jump of the input is not a jump of the lagged slip
-    end = np.array([POINT["kappa"], np.tan(POINT["alpha"])])
-    for k in range(1, 30):
-        assert rolling.step(0.01 * (k - 1), 0.01) == OK
-        expected = end * -np.expm1(-abs(POINT["V"]) * 0.01 * k / sigma)
-        kappa, alpha = rolling.get(*SLIPS)
-        np.testing.assert_allclose([kappa, np.tan(alpha)], expected, rtol=1e-12)
-
-
-def test_the_step_size_does_not_matter(hosts, lagging, fmi):
-    """Inputs held over 50 ms: one step, 50 steps, or uneven ones."""
-    found = []
-    cuts = {"one": [0.05], "many": [0.001] * 50, "uneven": [0.02, 1e-6, 0.0033, 0.0266, 0.05 - 0.049901]}
-    for sizes in cuts.values():
-        host, time = hosts(lagging, fmi).start(), 0.0
-        rows = []
-        for i in range(12):
-            host.set(**POINT | {"kappa": 0.1 * np.sin(i), "alpha": 0.2 * np.cos(2 * i), "V": 8.0 + i})
-            for size in sizes:
-                assert host.step(time, size) == OK
-                time += size
-            rows.append(np.concatenate([host.get(*host.outputs), host.get(*SLIPS)]))
-        found.append(rows)
-    assert distance(np.array(found[1]), np.array(found[0])) < 1e-9
-    assert distance(np.array(found[2]), np.array(found[0])) < 1e-9
 
 
 def test_without_a_length_a_slip_acts_at_once(hosts, tires):

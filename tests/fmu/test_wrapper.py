@@ -23,6 +23,7 @@ from tirefmu.fmu.packaging.sources import c_files, sources
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires import Tire
 
+from .programs import random_steps
 from .test_memory import EFFECTS, VALUES
 
 
@@ -75,27 +76,11 @@ def test_compiles_for_arm_without_a_warning(tires, tmp_path, target):
 )
 def test_a_step_allocates_no_memory_and_opens_no_file(compiler, tires, tmp_path, name, inputs, steps):
     """Nor is a step refused, or a load beyond all bounds: fast changes of slip make large forces."""
-    shown = interface(tires[name], inputs=inputs)
-    files = sources(3, shown, "{1}")
-    for file, content in files.items():
-        (tmp_path / file).write_bytes(content)
-    wrapped = [f"-Wl,--wrap={name}" for name in ("malloc", "calloc", "realloc", "free", "fopen")]
-    code = [str(tmp_path / file) for file in files if file.endswith(".c")]
-    host = str(Path(__file__).with_name("quiet_step.c"))
-    command = [*compiler, "-std=gnu99", "-O1", f"-I{tmp_path}", f"-I{fmi_headers()}", host, *code, *wrapped, "-lm"]
-    subprocess.run([*command, "-o", str(tmp_path / "host")], check=True)
-    listed = {v.name: reference for reference, v in enumerate(shown.variables)}
-    radius = tires[name].values["UNLOADED_RADIUS"]
-    limits = {"r_z": (0.85 * radius, 1.02 * radius), "R_32": (-0.1, 0.1), "v_x": (-10.0, 60.0), "v_y": (-3.0, 3.0),
-              "v_z": (-0.5, 0.5), "w_z": (-1.0, 1.0), "road_mu": (0.1, 1.2)}  # fmt: skip
-    limits |= {"T_drive": (-300.0, 300.0), "T_brake": (0.0, 500.0)} if shown.spins else {"omega": (-20.0, 150.0)}
-    moved = [f"{listed[name]}:{low!r}:{high!r}" for name, (low, high) in limits.items()]
-    given = [str(tmp_path / "host"), "{1}", str(steps), str(listed["F_x"]), *moved]
-    done = subprocess.run(given, capture_output=True, text=True, check=True)
-    before, during, largest = map(float, done.stdout.split())
-    assert before > 0
-    assert during == 0
-    assert 1e3 < largest < 60.0 * tires[name].values["FNOMIN"]
+    wrapped = [f"-Wl,--wrap={function}" for function in ("malloc", "calloc", "realloc", "free", "fopen")]
+    counted = random_steps(compiler, tmp_path, tires[name], inputs, steps, "-DCOUNTS", *wrapped)
+    assert counted["allocations before"] > 0
+    assert counted["allocations"] == 0
+    assert 1e3 < counted["largest force"] < 60.0 * tires[name].values["FNOMIN"]
 
 
 KINDS = {2: (FMU2Slave, FMU2Model), 3: (FMU3Slave, FMU3Model, FMU3ScheduledExecution)}

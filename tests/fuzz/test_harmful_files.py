@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from tirefmu.boundary.errors import DataError
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.fitting.results.checkpoint import Checkpoint, FitState
 from tirefmu.measurements import read_recording
-from tirefmu.tires.drawing.whole_file import write_whole
 
 from .harmful import HARMFUL, READ
 from .kinds import IDENTITY, KINDS

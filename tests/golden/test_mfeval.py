@@ -35,10 +35,10 @@ class Case:
 
 
 CASES = {
-    "mf52": Case("mf52", "mf52_MagicFormula52.csv.gz", "MagicFormula52_Parameters.tir"),
-    "mf61": Case("mf61", "mf61_MagicFormula61.csv.gz", "MagicFormula61_Parameters.tir"),
-    "mf61-turnslip": Case("mf61", "mf61_MagicFormula61_turnslip.csv.gz", "MagicFormula61_Parameters.tir"),
-    "mf62": Case("mf62", "mf62_MagicFormula62.csv.gz", "MagicFormula62_Parameters.tir"),
+    "mf52": Case("mf52", "mf52_MagicFormula52.csv.xz", "MagicFormula52_Parameters.tir"),
+    "mf61": Case("mf61", "mf61_MagicFormula61.csv.xz", "MagicFormula61_Parameters.tir"),
+    "mf61-turnslip": Case("mf61", "mf61_MagicFormula61_turnslip.csv.xz", "MagicFormula61_Parameters.tir"),
+    "mf62": Case("mf62", "mf62_MagicFormula62.csv.xz", "MagicFormula62_Parameters.tir"),
 }
 
 

@@ -26,7 +26,7 @@ INPUTS = ["kappa", "alpha", "gamma", "Fz"]
 
 @pytest.fixture(scope="module")
 def rows(golden) -> pd.DataFrame:
-    return pd.read_csv(golden / "mf96_trento.csv.gz")
+    return pd.read_csv(golden / "mf96_trento.csv.xz")
 
 
 @pytest.fixture(scope="module")

@@ -110,7 +110,7 @@ def largest_error(ours: pd.DataFrame, theirs: pd.DataFrame) -> float:
 
 
 def test_the_transcription_agrees_with_the_golden_numbers(golden):
-    rows = pd.read_csv(golden / "mf96_trento.csv.gz")
+    rows = pd.read_csv(golden / "mf96_trento.csv.xz")
     inputs = rows[["kappa", "alpha", "gamma", "Fz"]]
     written = table_of(published("trento_hoosier"), inputs)
     names = {"FX0": "F_x0", "FY0": "F_y0", "MZ0": "M_z0", "FX": "Fx", "FY": "Fy", "Kya": "K_yalpha", "Et": "E_t"}

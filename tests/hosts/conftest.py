@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
-import sys
-import tempfile
 from dataclasses import replace
-from functools import lru_cache
-from pathlib import Path
+from functools import wraps
 
 import pytest
 
@@ -18,6 +13,9 @@ from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, TOLERANCE
 from tirefmu.tires import published, read_tir
+
+from . import self_tests
+from .self_tests import NotInstalledError, differences
 
 #: Ends comments and strings of several languages.
 HOSTILE = '*/ -- }% """ \' #= =# \\end{document} ??/ \u2028 $(touch ran) <script> {{7}} @name@ \\'
@@ -51,62 +49,20 @@ def wet():
     return replace(trento, values=values, effects=effects, name=HOSTILE, added=(wet_grip(),))
 
 
-def tool(name):
-    """Return the path of a program, or skip the test."""
-    found = shutil.which(name)
-    if not found:
-        pytest.skip(f"{name} is not installed")
-    return found
+def or_skip(function):
+    """Return a function that skips the test if a program or package is missing."""
+
+    @wraps(function)
+    def call(*given):
+        try:
+            return function(*given)
+        except NotInstalledError as error:
+            pytest.skip(str(error))
+
+    return call
 
 
-#: How the self-test of each language is compiled and run; {0} is the file, {1} its name without ending.
-#: Octave warns that it ignores arguments blocks.
-COMMANDS = {
-    "c": ("cc", "-std=c99 -O0 -Wall -Wextra -Wpedantic -Werror {} -lm -o selftest", "./selftest"),
-    "cpp": ("c++", "-std=c++17 -O0 -Wall -Wextra -Wpedantic -Werror {} -o selftest", "./selftest"),
-    "javascript": ("node", "", "node {}"),
-    "matlab": ("octave-cli", "", "octave-cli --norc --no-history --quiet --eval warning('off');{1}"),
-    "rust": ("rustc", "{} --extern libm=LIBM -o selftest", "./selftest"),
-    **dict.fromkeys(("numpy", "casadi", "jax", "torch"), ("python3", "", f"{sys.executable} -W error {{}}")),
-}
-
-
-def command_of(language, folder=None):
-    """Return the command of a language's self-test, compiled; skip the test if its program is missing."""
-    program, options, run = COMMANDS[language]
-    path = tool(program)
-    if language in ("jax", "torch"):
-        pytest.importorskip(language)
-    if language == "rust":
-        options = options.replace("LIBM", str(libm(path)))
-    if folder is None:
-        return []
-    (source,) = (file.name for file in folder.glob("*_selftest.*") if file.suffix != ".txt")
-    if options:
-        command = [path, *options.format(source).split()]
-        built = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        assert built.returncode == 0, built.stderr[:3000]
-    return run.format(source, Path(source).stem).split()
-
-
-@lru_cache(maxsize=1)
-def libm(rustc):
-    """Return the compiled crate libm, made from Debian's source of it; skip the test if that is not installed."""
-    sources = sorted(Path("/usr/share/cargo/registry").glob("libm-*/src/lib.rs"))
-    if not sources:
-        pytest.skip("the crate libm (Debian: librust-libm-dev) is not installed")
-    target = Path(tempfile.mkdtemp()) / "liblibm.rlib"
-    command = [rustc, "--crate-type", "rlib", "--crate-name", "libm", "-O", "--cap-lints", "allow", sources[-1]]
-    subprocess.run([*command, "-o", target], check=True)
-    return target
-
-
-def differences(command, folder):
-    """Run a self-test: return its exit code and the largest difference of each function."""
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
-    lines = [line.split() for line in run.stdout.splitlines()]
-    assert run.returncode or not run.stderr, run.stderr
-    return run.returncode, {name: float(number) for name, number in lines}
+tool, command_of = or_skip(self_tests.tool), or_skip(self_tests.command_of)
 
 
 def with_faults(stored):

@@ -17,11 +17,11 @@ from tirefmu.boundary.errors import TirefmuError
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS, TOLERANCE
 from tirefmu.tires import Tire
 
-from .conftest import differences
+from .self_tests import differences
 
 rumoca = pytest.importorskip("rumoca")
 
-RUN = Path(__file__).parents[2] / "benchmarks" / "run_modelica.py"
+RUN = Path(__file__).with_name("run_modelica.py")
 
 
 def command(name):

@@ -14,7 +14,7 @@ from tirefmu.cli import main
 from tirefmu.hosts.printout import generate, printed, program_of
 from tirefmu.hosts.self_test import operating_conditions, reference
 from tirefmu.symbolic.printers.languages import LANGUAGES
-from tirefmu.symbolic.printers.languages.program import FUNCTIONS, Selection
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PrintoutSelection
 from tirefmu.tires import read_tir
 
 from .conftest import HOSTILE, command_of, wet_grip
@@ -38,7 +38,7 @@ def test_few_rows_are_omitted_and_few_results_have_a_wider_tolerance(trento, gol
     """All special rows are compared. Only results that lose digits are compared less strictly than their size."""
     tire = trento if model == "mf96" else read_tir(golden / f"MagicFormula{model[2:]}_Parameters.tir")
     tire = tire.in_signs("iso")
-    found = program_of(tire, model, Selection(("forces", "quantities")), rows=1)
+    found = program_of(tire, model, PrintoutSelection(("forces", "quantities")), rows=1)
     rows = operating_conditions(tire, 500)
     inputs, results, sizes = reference(tire, found, rows)
     assert inputs.shape[1] >= 0.99 * rows.shape[1]

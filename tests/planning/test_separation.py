@@ -55,6 +55,11 @@ def test_inseparable_effects_are_refused_with_advice():
     held = Bench({"Fz": BENCH.limits["Fz"], "alpha": BENCH.limits["alpha"]}, Noise(), sample_rate=20.0)
     with pytest.raises(PlanError, match="camber_friction"):
         plan_between("trento_hoosier", held, [("camber_friction", "load_friction")], minutes=1.0)
+    result = plan_between(
+        "trento_hoosier", held, [("camber_friction", "load_friction"), ("load_friction", "load_curvature")], minutes=1.0
+    )
+    assert list(result.undetermined) == ["camber_friction or load_friction"]
+    assert result.separations[-1].evidence > 5.0
     with pytest.raises(UnknownName, match="did you mean conicity"):
         plan_between("trento_hoosier", held, [("conicty", "load_friction")], minutes=1.0)
 

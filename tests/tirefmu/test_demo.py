@@ -52,7 +52,7 @@ def test_the_end_to_end_workflow(command, tmp_path, monkeypatch):
     assert "All checks passed" in page
     assert page.count('class="panels"') == 5
     assert page.count("data:image/png;base64,") == 1
-    linked = re.findall(r'href="([^"]+)"', page)
+    linked = re.findall(r'href="([^"#]+)"', page)
     assert len(linked) > 12
     assert all((folder / address).is_file() for address in linked)
     figures = {path.name for path in (folder / "figures").iterdir()}

@@ -152,7 +152,7 @@ def test_a_force_that_is_not_finite_is_rejected_with_its_condition(small, tmp_pa
 
 def test_a_folder_that_cannot_be_made_is_one_line(small, tmp_path):
     (tmp_path / "taken").write_text("", encoding="utf-8")
-    with pytest.raises(TirefmuError, match="figures cannot be written"):
+    with pytest.raises(TirefmuError, match="figures: cannot be written"):
         files.draw(small, tmp_path / "taken" / "figures", loads=[60.0])
 
 

@@ -16,8 +16,8 @@ NODES = ("T_surface", "T_bulk", "T_carcass", "T_gas")
 CAPACITY = {"T_surface": 140.0, "T_bulk": 450.0, "T_carcass": 1200.0, "T_gas": 900.0}
 VALUES = {
     "FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "TMU1": -0.003, "TREF": 50.0, "THACT": 1.0, "THCAPS": 140.0,
-    "THCAPC": 1200.0, "THCAPG": 900.0, "THSHARE": 0.55, "THSHAREX": 0.8, "THROLL": 0.011, "THROAD": 18.0,
-    "THROADZ": 0.7, "THAIR": 0.3, "THAIRV": 0.15, "THSIDE": 3.0, "THCONS": 110.0, "THCONG": 15.0,
+    "THCAPC": 1200.0, "THCAPG": 900.0, "THSHARE": 0.55, "THSHAREX": 0.8, "THROLLB": 0.004, "THROLL": 0.007,
+    "THROAD": 18.0, "THROADZ": 0.7, "THAIR": 0.3, "THAIRV": 0.15, "THSIDE": 3.0, "THCONS": 110.0, "THCONG": 15.0,
     "THCAPB": 450.0, "THCONB": 70.0, "THSTARTB": 302.0, "THSTARTS": 300.0, "THSTARTC": 305.0, "THSTARTG": 310.0,
 }  # fmt: skip
 
@@ -44,11 +44,11 @@ def drive(t):
 
 
 def flows(row):
-    """Return heat from sliding, from rolling, to the road, to the air, and between nodes, W, in plain NumPy."""
+    """Return heat from sliding, from rolling (bulk, carcass), to road and air, from the carcass, and between nodes."""
     surface, bulk, carcass, gas = (row[name] for name in NODES)
     lateral, longitudinal = abs(row["Fy"] * row["V"] * np.sin(row["alpha"])), abs(row["Fx"] * row["V"] * row["kappa"])
     sliding = VALUES["THSHARE"] * (lateral + VALUES["THSHAREX"] * longitudinal)
-    rolling = VALUES["THROLL"] * row["Fz"] * row["V"]
+    rolling = [VALUES[name] * row["Fz"] * row["V"] for name in ("THROLLB", "THROLL")]
     load = np.hypot(row["Fz"], 1.0)  # not 0, whose powers have no derivative
     contact = VALUES["THROAD"] * (load / VALUES["FNOMIN"]) ** VALUES["THROADZ"]
     road = contact * (surface - row["T_road"])
@@ -70,7 +70,7 @@ def test_it_is_the_integration_of_the_heat_flows(tire, sensed):
         forces = sensed.forces(**given, T=x[0] - 273.15)
         row = {**inputs, "Fx": float(forces.Fx), "Fy": float(forces.Fy), **dict(zip(NODES, x, strict=True))}
         sliding, rolling, road, air, side, exchanged = flows(row)
-        heat = np.array([sliding - road - air, 0.0, rolling - side, 0.0])
+        heat = np.array([sliding - road - air, rolling[0], rolling[1] - side, 0.0])
         heat[:-1] -= exchanged
         heat[1:] += exchanged
         return heat / np.array([CAPACITY[name] for name in NODES])
@@ -91,12 +91,14 @@ def test_energy_is_conserved(tire):
     evaluated = tire.evaluate(table)
     sliding, rolling, road, air, side, _ = flows(evaluated)
     stored = sum(CAPACITY[name] * evaluated[f"{name}_derivative"] for name in NODES)
-    np.testing.assert_allclose(stored, sliding + rolling - road - air - side, rtol=0, atol=1e-9 * np.abs(stored).max())
+    np.testing.assert_allclose(
+        stored, sliding + sum(rolling) - road - air - side, rtol=0, atol=1e-9 * np.abs(stored).max()
+    )
     t = np.linspace(0.0, 20.0, 2001)
     steady = {"kappa": 0.03, "alpha": 0.08, "Fz": 1500.0, "V": 14.0}
     course = tire.with_values(THACT=0.0).evaluate(pd.DataFrame({"t": t, **steady}), hold=True)
     sliding, rolling, road, air, side, _ = flows(course)
-    inflow = simpson(sliding + rolling - road - air - side, x=t)
+    inflow = simpson(sliding + sum(rolling) - road - air - side, x=t)
     gained = sum(CAPACITY[name] * (course[name].iloc[-1] - course[name].iloc[0]) for name in NODES)
     assert gained > 1e4
     assert gained == pytest.approx(inflow, rel=1e-9)
@@ -123,7 +125,7 @@ def test_a_temperature_is_linear_and_cools(drive):
 def test_a_pause_cools_the_tire(tire):
     """Slips at the ends of a gap in time do not heat the tire in it; a long pause ends near its surroundings."""
     t = np.concatenate([np.arange(0.0, 5.0, 0.05), np.arange(605.0, 606.0, 0.05)])
-    still = tire.with_values(THROLL=0.0)
+    still = tire.with_values(THROLLB=0.0, THROLL=0.0)
     hot = still.evaluate(pd.DataFrame({"t": t, "alpha": 0.1, "kappa": 0.05, "Fz": 1500.0, "V": 14.0}))
     before, after = hot["T_surface"].iloc[[99, 100]]
     assert before > VALUES["THSTARTS"] + 5.0
@@ -149,3 +151,22 @@ def test_predicted_or_recorded_temperature_acts(tire, sensed):
     predicted = tire.evaluate(table)
     np.testing.assert_allclose(predicted["T_acting"], predicted["T_surface"] - 273.15, rtol=0, atol=1e-9)
     assert np.abs(predicted["Fy"] - recorded["Fy"]).max() > 50.0
+
+
+def test_heat_friction_is_the_same_law_with_one_node():
+    """Its coefficients follow from those of a surface that exchanges heat with its surroundings only."""
+    one_node = {**VALUES, "TMU1": 0.0, "TMUA": 0.004, "TREF": 20.0, "THCONS": 0.0, "THROADZ": 0.0, "THSHAREX": 1.0,
+                "THSTARTS": 293.15}  # fmt: skip
+    conductance = one_node["THROAD"] + one_node["THAIR"]
+    same = {
+        "HMU": one_node["TMUA"] * one_node["THSHARE"] * one_node["FNOMIN"] / conductance,
+        "HTAU": one_node["THCAPS"] / conductance, "HCOOL": one_node["THAIR"] * one_node["THAIRV"] / conductance,
+    }  # fmt: skip
+    table = drive(np.arange(0.0, 30.0, 0.01)).drop(columns=["T_ambient", "T_road"])
+    kelvin = Tire("mf96", one_node, effects={"temperature", "temp_friction"}).evaluate(table)
+    size = {name: VALUES[name] for name in ("FNOMIN", "UNLOADED_RADIUS")}
+    heat = Tire("mf96", size | same, effects={"heat_friction"}).evaluate(table)
+    scale = same["HMU"] / one_node["TMUA"]
+    np.testing.assert_allclose(scale * heat["tread_heat"], kelvin["T_surface"] - 293.15, rtol=0, atol=0.05)
+    np.testing.assert_allclose(heat[["Fx", "Fy"]], kelvin[["Fx", "Fy"]], rtol=0, atol=1.0)
+    assert kelvin["T_surface"].iloc[-1] > 313.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from decimal import Decimal
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -212,7 +213,7 @@ def test_a_failed_write_preserves_the_old_file(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tirefmu.tires.property_file.writing.os.replace", full)
+    monkeypatch.setattr(Path, "replace", full)
     with pytest.raises(TirError, match=r"tire\.tir: cannot be written \(No space left on device\)"):
         published("trento_hoosier").save(path)
     assert path.read_text(encoding="utf-8") == "the old one"

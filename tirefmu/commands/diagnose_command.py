@@ -16,8 +16,8 @@ from ..arguments import (
     MODEL,
     SIGNS,
     Pairs,
-    Selection,
     Spread,
+    TableOptions,
     check_input_paths,
     check_output_paths,
     command_line,
@@ -53,9 +53,9 @@ FURTHER = {FMUS: 8.0, REPORT: 18.0}
 @click.option("--resume", is_flag=True, help="Of several recordings: keep the results of the folder that are valid.")
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis.json, report.html, tires, FMUs.")
 @common
-@grouped(selection=Selection, spread=Spread)
+@grouped(selection=TableOptions, spread=Spread)
 def diagnose(
-    tables: tuple[Path, ...], selection: Selection, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
+    tables: tuple[Path, ...], selection: TableOptions, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
     others: tuple[Path, ...], turning: bool, fmus: bool, spread: Spread, resume: bool, output: Path, quiet: bool,
     json_file: Path | None, **baseline: Any,
 ) -> int:  # fmt: skip
@@ -132,6 +132,8 @@ def diagnose(
     terminal.print(result.verdict)
     for line in _error_lines(summary):
         terminal.print(line)
+    if ignored := result.recording["ignored_columns"]:
+        terminal.print(f"note: ignored, no tested model has them: {', '.join(ignored)}")
     written_names = [*written.values(), *(f"{effect.name}.toml" for effect in result.proposed)]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
     tire, fmu = output / "improved.tir", output / "improved.fmu"

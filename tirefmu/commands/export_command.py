@@ -26,7 +26,7 @@ from ..arguments import (
 
 
 @dataclass(frozen=True)
-class Interface:
+class InterfaceOptions:
     """Version, inputs and outputs of an FMU."""
 
     fmi: str | None
@@ -116,10 +116,10 @@ class Proof:
 @click.option("--signs", type=SIGNS, help="With --proof: convention of its table.")
 @table_options
 @common
-@grouped(interface=Interface, proof=Proof)
+@grouped(interface=InterfaceOptions, proof=Proof)
 def export(
     tires: tuple[Path, ...], output: Path | None, ssp: Path | None, vehicle: Path | None, radius: float | None,
-    interface: Interface, proof: Proof, kind: str, platforms: str, road: Path | None, arrays: bool, quiet: bool,
+    interface: InterfaceOptions, proof: Proof, kind: str, platforms: str, road: Path | None, arrays: bool, quiet: bool,
     json_file: Path | None,
 ) -> int:  # fmt: skip
     """Export TIRE as an FMU.
@@ -134,7 +134,7 @@ def export(
         raise TirefmuError("several tires are one file as a system only: give --ssp instead of -o")
     if ssp and kind != "native":
         raise TirefmuError(f"--ssp packs native FMUs, not kind {kind}")
-    if kind == "sti" and interface != Interface(None, "slip", "iso", False):
+    if kind == "sti" and interface != InterfaceOptions(None, "slip", "iso", False):
         raise TirefmuError("--kind sti has inputs and outputs of its own: omit --fmi, --inputs, --axes, --quantities")
     if (road or arrays) and (ssp or kind != "native"):
         raise TirefmuError("--road and --arrays are for one native FMU")

@@ -19,8 +19,8 @@ from ..arguments import (
     MODEL,
     SIGNS,
     Pairs,
-    Selection,
     Spread,
+    TableOptions,
     Weight,
     check_input_paths,
     check_output_paths,
@@ -118,9 +118,9 @@ class Checks:
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @click.option("--all", "every", is_flag=True, help="List every coefficient, constraint and stage.")
 @common
-@grouped(selection=Selection, checks=Checks, spread=Spread)
+@grouped(selection=TableOptions, checks=Checks, spread=Spread)
 def fit(
-    tables: tuple[Path, ...], model: str | None, output: Path, selection: Selection, resume: bool, checks: Checks,
+    tables: tuple[Path, ...], model: str | None, output: Path, selection: TableOptions, resume: bool, checks: Checks,
     spread: Spread, figures: Path | None, report: Path | None, every: bool, quiet: bool, json_file: Path | None,
     **options: Any,
 ) -> int:  # fmt: skip

@@ -13,7 +13,7 @@ from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from ..arguments import (
     FILE,
     SIGNS,
-    Selection,
+    TableOptions,
     check_input_paths,
     check_output_paths,
     command_line,
@@ -36,9 +36,9 @@ MAX_ROWS = 14
               help="Write the selected rows of one table as CSV or Parquet, in SI units.")  # fmt: skip
 @click.option("--all", "every", is_flag=True, help="List every operating condition, sweep and excluded row.")
 @common
-@grouped(selection=Selection)
+@grouped(selection=TableOptions)
 def inspect(
-    tables: tuple[Path, ...], output: Path | None, selection: Selection, selected: Path | None,
+    tables: tuple[Path, ...], output: Path | None, selection: TableOptions, selected: Path | None,
     every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Summarize TABLES, and what the data lack or contradict.

@@ -11,7 +11,7 @@ from tirefmu.measurements.files.formats import DEFAULT_SIGNS
 from ..arguments import (
     FILE,
     SIGNS,
-    Selection,
+    TableOptions,
     check_input_paths,
     check_output_paths,
     common,
@@ -31,9 +31,9 @@ from ..arguments import (
 @table_options
 @click.option("--all", "every", is_flag=True, help="List every coefficient that differs.")
 @common
-@grouped(selection=Selection)
+@grouped(selection=TableOptions)
 def compare(
-    tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, selection: Selection, draw_signs: str | None,
+    tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, selection: TableOptions, draw_signs: str | None,
     every: bool, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Compare TIRE with TIRE2, of any models.
@@ -91,10 +91,10 @@ def _short(value: float | None) -> str:
 @click.option("--signs", type=SIGNS, help=f"Convention of the tables (default: {DEFAULT_SIGNS}).")
 @table_options
 @common
-@grouped(selection=Selection)
+@grouped(selection=TableOptions)
 def explore(
     tire: Path, tables: tuple[Path, ...], output: Path, compare: Path | None, fit_json: Path | None,
-    selection: Selection, quiet: bool, json_file: Path | None,
+    selection: TableOptions, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Write a page with sliders and curves of TIRE.
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import writing
 from tirefmu.boundary.json_schema import document, schema_of
 
 from .steps import Step
@@ -83,10 +83,8 @@ class Records:
             self._write()
 
     def _write(self) -> None:
-        try:
+        with writing(self.path):
             self.path.write_text(json.dumps(self.entries, indent=1) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise TirefmuError(f"{self.path}: cannot be written ({error.strerror or error})") from error
 
 
 def _key(step: Step) -> str:

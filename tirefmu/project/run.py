@@ -12,7 +12,7 @@ from time import monotonic
 from typing import Any
 from urllib.parse import quote
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError, writing
 from tirefmu.tires.drawing.page import page_text, write_page
 
 from ..forecast import left_text
@@ -32,7 +32,7 @@ Command = Callable[[Step], int]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StepOutcome:
     """A step of a run.
 
     - `status`: 0: success; 1: completed, but a check failed.
@@ -53,7 +53,7 @@ class Outcome:
 def run_project(
     project: Project, command: Command, terminal: Terminal, *, force: bool = False, outside: bool = False,
     only: Collection[str] = (),
-) -> list[Outcome]:  # fmt: skip
+) -> list[StepOutcome]:  # fmt: skip
     """Run the steps of a project and write the page ``index.html`` before the first and after each.
 
     `command`: runs the command of a step and returns its exit code; raises `TimeLimitReached` if it had to be ended.
@@ -75,7 +75,7 @@ def run_project(
     except OSError as error:
         raise TirefmuError(f"{project.folder}: cannot be created ({error.strerror or error})") from error
     records = Records.of(project.folder)
-    outcomes: list[Outcome] = []
+    outcomes: list[StepOutcome] = []
     chosen = needed(steps, only) if only else steps
     skipped: dict[str, Step] = {}
     ahead = _seconds_ahead(chosen, records, force)
@@ -106,7 +106,7 @@ def _check_inside(project: Project, steps: Sequence[Step]) -> None:
             raise TirefmuError(f"{project.path}: {path} is outside the folder of the project: --outside permits it")
 
 
-def _run(step: Step, records: Records, command: Command, terminal: Terminal, force: bool) -> Outcome:
+def _run(step: Step, records: Records, command: Command, terminal: Terminal, force: bool) -> StepOutcome:
     status = None if force else records.status(step)
     repeated = status is None
     if status is None:
@@ -124,7 +124,7 @@ def _run(step: Step, records: Records, command: Command, terminal: Terminal, for
         records.add(step, status, round(seconds, 1))
     result = _result(step)
     headline = headline_of(step.command, result, status)
-    return Outcome(step, status, repeated, headline, tuple(summary_of(step.command, result)), _picture(step))
+    return StepOutcome(step, status, repeated, headline, tuple(summary_of(step.command, result)), _picture(step))
 
 
 def _seconds_ahead(steps: Sequence[Step], records: Records, force: bool) -> dict[str, float | None]:
@@ -148,11 +148,11 @@ def _picture(step: Step) -> str:
     return first[1] if first else ""
 
 
-def _unfinished(step: Step, last: str) -> Outcome:
+def _unfinished(step: Step, last: str) -> StepOutcome:
     """Return the outcome of a step that was ended; it is not recorded, and the next run repeats it."""
     headline = Headline(f"no answer within the time limit of {step.time_limit:g} s", "limited")
     summary = (f"last progress: {last or 'none'}", f"longer: time_limit in [{step.command}] of the project file")
-    return Outcome(replace(step, outputs=(), page=None), 1, True, headline, summary)
+    return StepOutcome(replace(step, outputs=(), page=None), 1, True, headline, summary)
 
 
 def _result(step: Step) -> dict[str, Any]:
@@ -163,11 +163,11 @@ def _result(step: Step) -> dict[str, Any]:
     return content if isinstance(content, dict) else {}
 
 
-def _write_index(project: Project, outcomes: Sequence[Outcome], missing: Sequence[str]) -> None:
+def _write_index(project: Project, outcomes: Sequence[StepOutcome], missing: Sequence[str]) -> None:
     path = project.folder / INDEX
     folder = project.folder
 
-    def links(outcome: Outcome) -> list[tuple[str, str]]:
+    def links(outcome: StepOutcome) -> list[tuple[str, str]]:
         first = [outcome.step.page] if outcome.step.page else []
         written = [file for output in outcome.step.outputs for file in files_of(output)]
         files = [file.relative_to(folder).as_posix() for file in dict.fromkeys([*first, *written])]
@@ -175,7 +175,5 @@ def _write_index(project: Project, outcomes: Sequence[Outcome], missing: Sequenc
 
     text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes,
                      missing=missing)  # fmt: skip
-    try:
+    with writing(path):
         write_page(text, path)
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error

@@ -65,9 +65,9 @@ def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) ->
     'made once'
     """
     cache = _trusted_cache()
-    found = None if rebuild else _found(cache, name)
-    if found or not cache:
-        return found or _built(None, name, make, rebuild)
+    stored = None if rebuild else _found(cache, name)
+    if stored or not cache:
+        return stored or _built(None, name, make, rebuild)
     with _locked(cache, name):
         # Another process may have built it in the meantime.
         return (None if rebuild else _found(cache, name)) or _built(cache, name, make, rebuild)
@@ -151,12 +151,12 @@ def _doubt(folder: Path) -> str:
 
     A user who can write into one of the folders above can replace it, unless the sticky bit is set.
     """
-    for each in (folder, *folder.parents):
-        status = each.stat()
+    for place in (folder, *folder.parents):
+        status = place.stat()
         if not _ours(status):
-            return f"{each}: belongs to another user"
-        if _others_write(status) and (each == folder or not status.st_mode & stat.S_ISVTX):
-            return f"{each}: other users can write into it"
+            return f"{place}: belongs to another user"
+        if _others_write(status) and (place == folder or not status.st_mode & stat.S_ISVTX):
+            return f"{place}: other users can write into it"
     return ""
 
 

@@ -76,10 +76,10 @@ class _CCode(Code):
         taken = np.empty((min(n, ROWS_IN_CACHE), len(inputs)))
         columns = [array.ctypes.data_as(ctypes.c_void_p) for array in (taken, parameters)]
         for rows in slices(n, ROWS_IN_CACHE):
-            part, found = inputs[:, rows], results[rows]
+            part, results_of_rows = inputs[:, rows], results[rows]
             taken[: part.shape[1]] = part.T
             apply(
                 function, ctypes.c_size_t(part.shape[1]), ctypes.c_size_t(int(np.prod(size))), *columns,
-                found.ctypes.data_as(ctypes.c_void_p),
+                results_of_rows.ctypes.data_as(ctypes.c_void_p),
             )  # fmt: skip
         return results

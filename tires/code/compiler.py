@@ -20,7 +20,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from tirefmu.boundary.errors import TirefmuError
+from tirefmu.boundary.errors import TirefmuError, writing
 from tirefmu.boundary.escaping import visible
 
 from .build_cache import cached
@@ -202,10 +202,8 @@ def _built(
         into = ["-o", str(folder / file), *libraries] if ending else []
         _run([*compiler, *options, *folders, *map(str, sources), *into], None if ending else folder)
 
-    try:
+    with writing(file, CompilerError):
         return cached(f"{name}-{digest.hexdigest()[:24]}", build, rebuild=rebuild) / file
-    except OSError as error:
-        raise CompilerError(f"{file}: cannot be written ({error.strerror or error})") from error
 
 
 def _run(command: list[str], folder: Path | None = None) -> None:
@@ -221,8 +219,8 @@ def _errors(output: str) -> str:
     "a.c:3:1: error: expected ';'"
     """
     lines = [line.strip() for line in output.strip().splitlines()]
-    found = [line for line in lines if "error:" in line or "undefined reference" in line]
-    return " / ".join(visible(line)[:LONGEST_LINE] for line in (found[:3] or lines[-3:]))
+    reasons = [line for line in lines if "error:" in line or "undefined reference" in line]
+    return " / ".join(visible(line)[:LONGEST_LINE] for line in (reasons[:3] or lines[-3:]))
 
 
 @lru_cache(maxsize=1)

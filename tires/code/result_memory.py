@@ -60,16 +60,16 @@ class ResultMemory:
     def _of_size(self, size: int) -> FloatArray:
         """Return memory for numbers: the last kept memory if it is at most a quarter larger, otherwise new memory."""
         others: deque[FloatArray] = deque()
-        found = None
+        suitable = None
         with suppress(IndexError):
-            while found is None:
+            while suitable is None:
                 memory = self._kept.pop()
                 if size <= memory.size <= size + size // 4:
-                    found = memory
+                    suitable = memory
                 else:
                     others.appendleft(memory)
         self._kept.extend(others)
-        return np.empty(size) if found is None else found
+        return np.empty(size) if suitable is None else suitable
 
 
 class _Loan:

@@ -34,7 +34,7 @@ def chart_data(figure: Figure) -> str:
 def _panel(figure: Figure, panel: Panel) -> dict[str, Any]:
     names = ("x", "y", "title", "legend", "across", "upright", "x_axis", "width", "height")
     return {name: getattr(panel, name) for name in names} | {
-        "limits": figure.limits(panel), "series": [_series(each) for each in panel.series],
+        "limits": figure.limits(panel), "series": [_series(drawn) for drawn in panel.series],
         "cells": _cells(panel.cells) if panel.cells else None,
     }  # fmt: skip
 

@@ -17,8 +17,8 @@ def library_file(name: str) -> str:
 
     `name`: `LIBRARY_SCRIPT` or `LIBRARY_STYLE`. Raises `TirefmuError` if the package is not installed.
     """
-    found = find_spec(LIBRARY)
-    for folder in (found.submodule_search_locations or []) if found else []:
+    spec = find_spec(LIBRARY)
+    for folder in (spec.submodule_search_locations or []) if spec else []:
         path = Path(folder, "static", name)
         if path.is_file():
             return path.read_text(encoding="utf-8")

@@ -125,11 +125,11 @@ class Figure:
 
     def limits(self, panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the limits of the axes of a panel, x and y."""
-        along = [each for each in self.panels if each is panel or (panel.x_axis and each.x_axis == panel.x_axis)]
-        upward = [each for each in self.panels if each is panel or (panel.y_axis and each.y_axis == panel.y_axis)]
+        along = [other for other in self.panels if other is panel or (panel.x_axis and other.x_axis == panel.x_axis)]
+        upward = [other for other in self.panels if other is panel or (panel.y_axis and other.y_axis == panel.y_axis)]
         return (
-            _limits(panel.x_limits, [values for each in along for values in _values(each, 0)]),
-            _limits(panel.y_limits, [values for each in upward for values in _values(each, 1)]),
+            _limits(panel.x_limits, [values for other in along for values in _values(other, 0)]),
+            _limits(panel.y_limits, [values for other in upward for values in _values(other, 1)]),
         )
 
 

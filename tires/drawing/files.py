@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.boundary.errors import TirefmuError, UnknownName, path_from
+from tirefmu.boundary.errors import UnknownName, path_from, writing
+from tirefmu.boundary.whole_file import write_whole
 
 from ..tire_argument import TireLike, tire_from
 from .picture import DPI, picture, rendered
 from .surface_figure import surfaces
 from .tire_figures import combined, pure, sketched
-from .whole_file import write_whole
 
 FORMATS = ("png", "svg", "pdf")
 _DATELESS = {"png": None, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
@@ -81,8 +81,6 @@ def draw(
         f"{name}.{suffix}": rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])
         for name, figure in figures.items()
     }
-    try:
+    with writing(target):
         target.mkdir(parents=True, exist_ok=True)
         return [write_whole(target / name, image) for name, image in images.items()]
-    except OSError as error:
-        raise TirefmuError(f"{target}: figures cannot be written ({error.strerror or error})") from None

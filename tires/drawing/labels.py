@@ -8,7 +8,9 @@ from math import degrees
 from tirefmu.symbolic import quantities
 from tirefmu.symbolic.declarations import Quantity
 
-_UNITS = {"t": "s"} | {each.name: each.unit for each in vars(quantities).values() if isinstance(each, Quantity)}
+_UNITS = {"t": "s"} | {
+    quantity.name: quantity.unit for quantity in vars(quantities).values() if isinstance(quantity, Quantity)
+}
 _WRITTEN = {"1": "-", "degC": "deg C"}
 _DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
 _GREEK = {"kappa": "κ", "alpha": "α", "gamma": "γ", "phit": "φt"}

@@ -12,11 +12,11 @@ from jinja2 import DictLoader, Environment, StrictUndefined
 from markupsafe import Markup
 
 from tirefmu.boundary.escaping import visible
+from tirefmu.boundary.whole_file import write_whole
 
 from .chart_data import chart_data
 from .chart_library import LIBRARY_SCRIPT, LIBRARY_STYLE, allowed, library_file
 from .figure import Figure
-from .whole_file import write_whole
 
 #: Common parts of all pages: the frame with the style, and tables and figures that scroll on a narrow screen.
 FRAME, PARTS, STYLE = "page.html", "parts.html", "page.css"

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from tirefmu.boundary.whole_file import write_whole
+
 from .figure import Cells, Figure, Panel, Series
 from .own_matplotlib import (
     Axes,
@@ -23,7 +25,6 @@ from .own_matplotlib import (
     colormaps,
     own_settings,
 )
-from .whole_file import write_whole
 
 DPI = 120
 #: Of the picture of a page.
@@ -86,21 +87,21 @@ def write_figures(figures: Sequence[Figure], folder: Path, prefix: str = "") -> 
 
     `folder`: created if it does not exist. `prefix`: of the file names. Raises `OSError` if a file cannot be written.
     """
-    images = [(folder / f"{prefix}{each.name}.png", png(each, DPI)) for each in figures]
+    images = [(folder / f"{prefix}{figure.name}.png", png(figure, DPI)) for figure in figures]
     folder.mkdir(parents=True, exist_ok=True)
     return [write_whole(path, image) for path, image in images]
 
 
 def _looks(panel: Panel | None) -> dict[str, tuple[str, tuple[float, ...]]]:
     """Return the style of each name in the legend: the next panel of a row may repeat it."""
-    return {each.label: (each.color, each.dashes) for each in panel.series if each.label} if panel else {}
+    return {drawn.label: (drawn.color, drawn.dashes) for drawn in panel.series if drawn.label} if panel else {}
 
 
 def _draw(ax: Axes, panel: Panel, figure: Figure, with_legend: bool) -> None:
     handles: dict[str, Any] = {}
     if panel.cells:
         _draw_cells(ax, panel.cells)
-    rimmed = any(each.kind == "points" for each in panel.series)
+    rimmed = any(drawn.kind == "points" for drawn in panel.series)
     for series in panel.series:
         drawn = _draw_series(ax, series, rimmed)
         if series.label and (series.kind == "line" or series.label not in handles):

@@ -59,18 +59,18 @@ def residuals_over_inputs(
 
 
 def _varies(column: pd.Series) -> bool:
-    known = column.dropna().to_numpy(dtype=np.float64)
-    return bool(len(known) and np.ptp(known) > MIN_RANGE * np.abs(known).max())
+    measured = column.dropna().to_numpy(dtype=np.float64)
+    return bool(len(measured) and np.ptp(measured) > MIN_RANGE * np.abs(measured).max())
 
 
 def _panel(column: pd.Series, residual: FloatArray, channel: str, signs: str) -> Panel:
     name = str(column.name)
     x = column.to_numpy(dtype=np.float64) * per_si(name)
     limit = 1.15 * float(np.nanquantile(np.abs(residual), 0.995)) or 1.0
-    known = np.isfinite(residual) & np.isfinite(x)
-    few = some_of(pd.DataFrame({"x": x[known], "y": residual[known]}), POINTS)
+    measured = np.isfinite(residual) & np.isfinite(x)
+    few = some_of(pd.DataFrame({"x": x[measured], "y": residual[measured]}), POINTS)
     series = [Series("points", few["x"], few["y"], LIGHT_GRAY, marker=".", size=1.5)]
-    parts = [(x[rows], residual[rows]) for rows in _bins(x, known)]
+    parts = [(x[rows], residual[rows]) for rows in _bins(x, measured)]
     if parts:
         center, mean, spread = np.transpose([(np.median(a), b.mean(), b.std()) for a, b in parts])
         gap = np.full(len(parts), np.nan)
@@ -83,10 +83,10 @@ def _panel(column: pd.Series, residual: FloatArray, channel: str, signs: str) ->
     )  # fmt: skip
 
 
-def _bins(x: FloatArray, known: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:
+def _bins(x: FloatArray, measured: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:
     """Return the rows of bins with about equal numbers of rows; rows with equal input share one."""
-    edges = np.unique(np.quantile(x[known], np.linspace(0.0, 1.0, BINS + 1)))
+    edges = np.unique(np.quantile(x[measured], np.linspace(0.0, 1.0, BINS + 1)))
     # The largest value also begins a bin: otherwise the two highest levels of a held input would share one.
     number = np.searchsorted(edges, x, side="right")
-    found = [np.flatnonzero(known & (number == i)) for i in range(1, len(edges) + 1)]
-    return [rows for rows in found if len(rows) >= MIN_ROWS]
+    bins = [np.flatnonzero(measured & (number == i)) for i in range(1, len(edges) + 1)]
+    return [rows for rows in bins if len(rows) >= MIN_ROWS]

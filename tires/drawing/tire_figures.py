@@ -104,8 +104,8 @@ class Sketch:
         if slip in self._requested:
             return self._requested[slip]
         widest = WIDEST[slip]
-        known = self.tire.ranges.get(slip, widest)
-        low, high = max(known[0], widest[0]), min(known[1], widest[1])
+        limits = self.tire.ranges.get(slip, widest)
+        low, high = max(limits[0], widest[0]), min(limits[1], widest[1])
         return (low, high) if low < high else widest
 
     def grid(self, slip: str, count: int) -> FloatArray:

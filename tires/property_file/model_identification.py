@@ -29,15 +29,15 @@ OTHER_MODELS = {
 
 
 def model_of(
-    entries: Mapping[tuple[str, str], Entry], own: Mapping[str, Entry], path: Path
+    entries: Mapping[tuple[str, str], Entry], stated: Mapping[str, Entry], path: Path
 ) -> tuple[str, tuple[str, ...]]:
     """Return the model of a file, with notes where the file does not state it explicitly.
 
     `own`: the entries of [TIREFMU]. `path`: for messages. Raises `TirError` if the file is for no model of this
     version, or states none.
     """
-    if "TIREFMU_MODEL" in own:
-        return _named(own["TIREFMU_MODEL"], path), ()
+    if "TIREFMU_MODEL" in stated:
+        return _named(stated["TIREFMU_MODEL"], path), ()
     fittyp = _last("FITTYP", entries)
     if fittyp and unquoted(fittyp.value):
         return _numbered(fittyp, path), ()
@@ -49,19 +49,19 @@ def model_of(
     for name, file in files.items():
         if folded(spelled) in map(folded, file.formats):
             return name, (f"no FITTYP: {name} by PROPERTY_FILE_FORMAT '{spelled}'",)
-    known = {format_ for file in files.values() for format_ in (*file.formats, *file.shared_formats)}
+    formats = {format_ for file in files.values() for format_ in (*file.formats, *file.shared_formats)}
     other = OTHER_MODELS.get("".join(filter(str.isalnum, spelled)))
     if other:
         raise TirError(f"{path}:{format_.line}: the file is for {other}: tirefmu reads files of {', '.join(MODELS)}")
-    if folded(spelled) not in map(folded, known):
+    if folded(spelled) not in map(folded, formats):
         raise TirError(
             f"{path}:{format_.line}: PROPERTY_FILE_FORMAT {quoted(spelled)} is not a model of this version"
-            f"{nearest(spelled, sorted(known))}"
+            f"{nearest(spelled, sorted(formats))}"
         )
-    found = model_by_coefficients(spelled, {key for _, key in entries})
-    if found is None:
+    identified = model_by_coefficients(spelled, {key for _, key in entries})
+    if identified is None:
         raise TirError(f"{path}: no FITTYP in [MODEL], and {quoted(spelled)} does not identify the model")
-    return found, (f"no FITTYP: {found} by the coefficients in the file",)
+    return identified, (f"no FITTYP: {identified} by the coefficients in the file",)
 
 
 def _named(entry: Entry, path: Path) -> str:
@@ -79,13 +79,13 @@ def _numbered(entry: Entry, path: Path) -> str:
     for name, numbers in fittyp.items():
         if number in numbers:
             return name
-    known = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in fittyp.items())
+    listed = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in fittyp.items())
     raise TirError(
-        f"{path}:{entry.line}: FITTYP {excerpt(entry.value)} is not a model of this version: known are {known}"
+        f"{path}:{entry.line}: FITTYP {excerpt(entry.value)} is not a model of this version: known are {listed}"
     )
 
 
 def _last(key: str, entries: Mapping[tuple[str, str], Entry]) -> Entry | None:
     """Return an entry of [MODEL], else the last one of another section with this key."""
-    found = [entry for (_, known), entry in entries.items() if known == key]
-    return entries.get(("MODEL", key)) or (found[-1] if found else None)
+    matching = [entry for (_, name), entry in entries.items() if name == key]
+    return entries.get(("MODEL", key)) or (matching[-1] if matching else None)

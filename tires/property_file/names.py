@@ -127,8 +127,8 @@ def model_by_coefficients(format_: str, keys: Collection[str]) -> str | None:
     sharing = [model for model in MODELS.values() if folded(format_) in map(folded, model.property_file.shared_formats)]
     for model in sorted(sharing, key=lambda model: -max(model.property_file.fittyp, default=0)):
         other = model.property_file.differs_from
-        known = MODELS[other].coefficients.keys() if other else set()
-        if (model.coefficients.keys() - known) & set(keys):
+        other_names = MODELS[other].coefficients.keys() if other else set()
+        if (model.coefficients.keys() - other_names) & set(keys):
             return model.name
     return None
 
@@ -181,8 +181,8 @@ def assumed_lines(names: Collection[str], model: Model) -> tuple[OtherEntry, ...
     >>> assumed_lines({"PKY2", "PKY1"}, MODELS["mf96"])
     (('TIREFMU_ASSUMED', 'LATERAL_COEFFICIENTS', "'PKY1,PKY2'"),)
     """
-    found = {section.title: [name for name in section.coefficients if name in names] for section in model.sections}
-    return tuple((ASSUMED, title, f"'{','.join(those)}'") for title, those in found.items() if those)
+    by_section = {section.title: [name for name in section.coefficients if name in names] for section in model.sections}
+    return tuple((ASSUMED, title, f"'{','.join(those)}'") for title, those in by_section.items() if those)
 
 
 def listed(text: str) -> tuple[str, ...]:

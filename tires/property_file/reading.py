@@ -117,28 +117,30 @@ class _Reader:
 
     def reading(self) -> TirReading:
         """Return the tire and the notes."""
-        own = {key: self.unread.pop(("TIREFMU", key)) for key in self._keys_of("TIREFMU")}
+        stated = {key: self.unread.pop(("TIREFMU", key)) for key in self._keys_of("TIREFMU")}
         self.units, unit_notes = unit_system(self.unread, self.path)
-        name, why = model_of(self.unread, own, self.path)
+        name, why = model_of(self.unread, stated, self.path)
         self.notes += [*why, *unit_notes]
         added = tuple(self._added(self._take(ADDED, key)) for key in self._keys_of(ADDED))
-        named = listed(own["EFFECTS"].value) if "EFFECTS" in own else ()
+        named = listed(stated["EFFECTS"].value) if "EFFECTS" in stated else ()
         try:
             model = model_with(name, with_library(name, named, added))
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
         self._refuse_rows(model)
-        self._refuse_own(own, model)
+        self._refuse_own(stated, model)
         values = dict(self._values(model))
-        values |= {key.removeprefix("CORE_"): self._number(own[key], 1.0) for key in own if key.startswith("CORE_")}
+        values |= {
+            key.removeprefix("CORE_"): self._number(stated[key], 1.0) for key in stated if key.startswith("CORE_")
+        }
         self._add_radius(values)
         self._refuse_crossed(values)
-        effects = self._effects(own, model) if "EFFECTS" in own else self._effects_by_coefficients(values, model)
+        effects = self._effects(stated, model) if "EFFECTS" in stated else self._effects_by_coefficients(values, model)
         assumed = self._assume(values, model, model.default_effects if effects is None else effects)
         ranges = {**dict(self._ranges(model)), **dict(self._own_ranges())}
         about = [self._take("TIREFMU_ABOUT", key) for key in self._keys_of("TIREFMU_ABOUT")]
         about_texts = {entry.key.lower(): _text(entry, self.path) for entry in about}
-        title = _text(own["NAME"], self.path) if "NAME" in own else self.path.stem
+        title = _text(stated["NAME"], self.path) if "NAME" in stated else self.path.stem
         side = self._side()
         others, other_notes = other_entries([*self.rows, *self.unread.values()], model, self.units, self.path)
         self.notes += other_notes
@@ -184,17 +186,17 @@ class _Reader:
 
     def _find(self, key: str, section: str) -> Entry | None:
         """Remove a key from its own section, or from the last other section that has it."""
-        unread = (each for each in self.sections.get(key, ()) if each in self.unread)
-        found = [each for each in unread if each[0] not in ("UNITS", *OWN_SECTIONS)]
+        unread = (place for place in self.sections.get(key, ()) if place in self.unread)
+        places = [place for place in unread if place[0] not in ("UNITS", *OWN_SECTIONS)]
         home = (section, key)
-        entry = self.unread[home if home in found else found[-1]] if found else None
-        for each in found:
-            del self.unread[each]
+        entry = self.unread[home if home in places else places[-1]] if places else None
+        for place in places:
+            del self.unread[place]
         return entry
 
     def _values(self, model: Model) -> Iterator[tuple[str, float]]:
         spelled = model.property_file.aliases
-        spellings = {known: alias for alias, known in spelled.items() if alias not in model.coefficients}
+        spellings = {name: alias for alias, name in spelled.items() if alias not in model.coefficients}
         for name, declaration in model.coefficients.items():
             entry = self._find(name, declaration.section)
             if (entry is None or not entry.value) and name in spellings:
@@ -264,22 +266,22 @@ class _Reader:
         """Return the effect whose file is in a line of tirefmu's section."""
         return read_effect(_text(entry, self.path), self._line_of(entry))
 
-    def _effects(self, own: dict[str, Entry], model: Model) -> frozenset[str]:
+    def _effects(self, stated: dict[str, Entry], model: Model) -> frozenset[str]:
         try:
-            return model.known_effects(listed(own["EFFECTS"].value))
+            return model.known_effects(listed(stated["EFFECTS"].value))
         except UnknownName as error:
-            raise TirError(f"{self._line_of(own['EFFECTS'])}: {error}") from None
+            raise TirError(f"{self._line_of(stated['EFFECTS'])}: {error}") from None
 
     def _effects_by_coefficients(self, values: Mapping[str, float], model: Model) -> frozenset[str] | None:
         """Return the effects of a file that names none, or None for the default effects."""
         beyond = {effect.name for effect in model.added}
-        found = {}
+        absent = {}
         for effect in model.effects.keys() - model.default_effects - beyond:
-            own = sorted(model.owned(effect) & values.keys())
-            if acting := [name for name in own if values[name] != model.coefficients[name].neutral]:
-                found[effect] = ", ".join(acting)
-        self.notes += [f"the tire has the effect {effect}: {found[effect]} given" for effect in sorted(found)]
-        return model.default_effects | beyond - library().keys() | found.keys() if found else None
+            coefficients = sorted(model.owned(effect) & values.keys())
+            if acting := [name for name in coefficients if values[name] != model.coefficients[name].neutral]:
+                absent[effect] = ", ".join(acting)
+        self.notes += [f"the tire has the effect {effect}: {absent[effect]} given" for effect in sorted(absent)]
+        return model.default_effects | beyond - library().keys() | absent.keys() if absent else None
 
     def _assume(self, values: dict[str, float], model: Model, effects: frozenset[str]) -> tuple[OtherEntry, ...]:
         """Fill in missing coefficients, as other programs do, and return the lines that name them.
@@ -307,8 +309,8 @@ class _Reader:
             entry = self._take(ASSUMED, key)
             for name in listed(entry.value):
                 if name not in model.coefficients:
-                    known = nearest(name, model.coefficients, LISTED_BY["coefficient"])
-                    raise TirError(f"{self._line_of(entry)}: unknown coefficient {name} of {model.name}{known}")
+                    similar = nearest(name, model.coefficients, LISTED_BY["coefficient"])
+                    raise TirError(f"{self._line_of(entry)}: unknown coefficient {name} of {model.name}{similar}")
                 names.add(name)
         return names
 
@@ -327,11 +329,11 @@ class _Reader:
                 line = quoted(without_comment(row.text).strip())
                 raise TirError(f"{self.path}:{row.line}: {line} in [{row.section}] is not 'KEY = value'")
 
-    def _refuse_own(self, own: dict[str, Entry], model: Model) -> None:
-        known = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in model.coefficients)]
-        for key, entry in own.items():
-            if key not in known:
-                hint = nearest(key, known, LISTED_BY["coefficient"])
+    def _refuse_own(self, stated: dict[str, Entry], model: Model) -> None:
+        allowed = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in model.coefficients)]
+        for key, entry in stated.items():
+            if key not in allowed:
+                hint = nearest(key, allowed, LISTED_BY["coefficient"])
                 raise TirError(f"{self._line_of(entry)}: unknown key {key} of {model.name}{hint}")
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import TirError
+from tirefmu.boundary.errors import TirError, reading
 from tirefmu.boundary.escaping import excerpt, quoted
 
 #: The largest file that is read, bytes, and the most lines; files in use have a few hundred lines, those with long
@@ -59,10 +59,8 @@ def read_lines(path: Path) -> list[Entry | Row]:
     `TirError` if the file cannot be read, is larger than `MAX_BYTES`, `MAX_LINES` or `LONGEST_LINE`, or a section's
     name is broken.
     """
-    try:
+    with reading(path, TirError):
         content = read_bounded(path, MAX_BYTES)
-    except OSError as error:
-        raise TirError(f"{path}: cannot be read ({error.strerror or error})") from error
     text = _decoded(content)
     if text.lstrip().startswith("{"):
         raise TirError(f"{path}: a JSON file, as of TMeasy: not a .tir file")

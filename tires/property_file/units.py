@@ -128,10 +128,10 @@ def unit_contradicts(word: str, factor: float) -> bool:
     (False, False)
     """
     parts = [_folded(part) for part in re.findall(r"[A-Za-z_]+", word)]
-    found = [{table[part] for table in UNITS.values() if part in table} for part in parts]
-    if not found or not all(found):
+    meanings = [{table[part] for table in UNITS.values() if part in table} for part in parts]
+    if not meanings or not all(meanings):
         return False
-    return factor not in found[0] if len(found) == 1 else factor != 1.0 or not all(1.0 in f for f in found)
+    return factor not in meanings[0] if len(meanings) == 1 else factor != 1.0 or not all(1.0 in f for f in meanings)
 
 
 def _product(units: str, factors: Mapping[str, float]) -> float:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from tirefmu.boundary.errors import TirError, path_from
+from tirefmu.boundary.errors import TirError, path_from, writing
 from tirefmu.boundary.escaping import visible
+from tirefmu.boundary.whole_file import write_whole
 from tirefmu.symbolic.added import effect_text, packaged_library
 
 from ..definition import RANGES, TireDefinition
@@ -46,13 +45,8 @@ def write_tir(tire: TireDefinition, path: str | Path) -> None:
     """
     path = path_from(path)
     text = tir_text(tire)
-    try:
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
-            written = Path(scratch) / path.name
-            written.write_text(text, encoding="utf-8", newline="\n")
-            os.replace(written, path)
-    except OSError as error:
-        raise TirError(f"{path}: cannot be written ({error.strerror or error})") from error
+    with writing(path, TirError):
+        write_whole(path, text.encode())
 
 
 def tir_text(tire: TireDefinition) -> str:
@@ -108,18 +102,18 @@ def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
 
 def _only_here(tire: TireDefinition) -> list[str]:
     """Return the lines with information that a .tir file cannot state otherwise."""
-    own = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
+    entries = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
     absent = [effect for name, effect in tire.symbolic_model.effects.items() if name not in tire.has]
     if tire.has != tire.symbolic_model.default_effects:
-        own["EFFECTS"] = f"'{','.join(name for name in tire.symbolic_model.effects if name in tire.has)}'"
+        entries["EFFECTS"] = f"'{','.join(name for name in tire.symbolic_model.effects if name in tire.has)}'"
     # An absent effect may rescale a coefficient for other readers; its own value is stored here with every digit.
-    own |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
+    entries |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
     own_files = [effect for effect in tire.added if packaged_library().get(effect.name) != effect]
     ranges = {key: tire.ranges[name] for name, key in OWN_RANGES.items() if name in tire.ranges}
     assumed = {key: text for _, key, text in assumed_lines(not_given(tire), tire.symbolic_model)}
     return [
         "[TIREFMU]",
-        *(f"{key} = {value}" for key, value in own.items()),
+        *(f"{key} = {value}" for key, value in entries.items()),
         *_section(ADDED, {effect.name.upper(): _quoted(effect_text(effect)) for effect in own_files}),
         *_section("TIREFMU_ABOUT", {key.upper(): _quoted(str(value)) for key, value in tire.about.items()}),
         *_section("TIREFMU_RANGES", {key: f"'{low!r},{high!r}'" for key, (low, high) in ranges.items()}),

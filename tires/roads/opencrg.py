@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.bounded_file import read_bounded
-from tirefmu.boundary.errors import DataError, nearest, path_from
+from tirefmu.boundary.errors import DataError, nearest, path_from, reading
 from tirefmu.boundary.escaping import quoted
 
 from .road import Road
@@ -54,10 +54,8 @@ def read_crg(path: str | Path) -> Road:
     Source: ASAM OpenCRG 1.2.
     """
     file = path_from(path)
-    try:
+    with reading(file, DataError):
         lines = read_bounded(file, _LARGEST_FILE).decode("latin-1").split("\n")
-    except OSError as error:
-        raise DataError(f"{file} cannot be read: {error.strerror}") from error
     end = next((i for i, line in enumerate(lines) if line.startswith("$$$$")), None)
     if end is None or not lines[0].upper().startswith("$CT"):
         raise DataError(f"{file}: no OpenCRG file: it begins with $CT, and its data follow a line $$$$")
@@ -152,8 +150,8 @@ def _numbers(file: Path, header: _Header, lines: list[str], first: int) -> Float
 
 def _road(header: _Header, table: FloatArray) -> Road:
     """Return the road of a header and its data."""
-    known, n = header.parameters, len(table)
-    increment = known.get("REFERENCE_LINE_INCREMENT")
+    parameters, n = header.parameters, len(table)
+    increment = parameters.get("REFERENCE_LINE_INCREMENT")
     if increment is None:
         raise DataError("REFERENCE_LINE_INCREMENT is missing")
     if n < 2:
@@ -161,12 +159,12 @@ def _road(header: _Header, table: FloatArray) -> Road:
     columns = np.array(header.channels)
     given = {name: table[:, header.channels.index(name)] for name in _REFERENCE.values() if name in header.channels}
     v = _positions(header)
-    x, y = (known.get(f"REFERENCE_LINE_START_{name}", 0.0) for name in "XY")
-    ahead = [known.get(f"REFERENCE_LINE_END_{name}", start) - start for name, start in (("X", x), ("Y", y))]
-    heading = known.get("REFERENCE_LINE_START_PHI", math.atan2(ahead[1], ahead[0]))
-    slopes = given.get("slope", np.full(n, known.get("REFERENCE_LINE_START_S", 0.0)))
-    line = known.get("REFERENCE_LINE_START_Z", 0.0) + np.concatenate([[0.0], np.cumsum(increment * slopes[1:])])
-    banking = given.get("banking", np.full(n, known.get("REFERENCE_LINE_START_B", 0.0)))
+    x, y = (parameters.get(f"REFERENCE_LINE_START_{name}", 0.0) for name in "XY")
+    ahead = [parameters.get(f"REFERENCE_LINE_END_{name}", start) - start for name, start in (("X", x), ("Y", y))]
+    heading = parameters.get("REFERENCE_LINE_START_PHI", math.atan2(ahead[1], ahead[0]))
+    slopes = given.get("slope", np.full(n, parameters.get("REFERENCE_LINE_START_S", 0.0)))
+    line = parameters.get("REFERENCE_LINE_START_Z", 0.0) + np.concatenate([[0.0], np.cumsum(increment * slopes[1:])])
+    banking = given.get("banking", np.full(n, parameters.get("REFERENCE_LINE_START_B", 0.0)))
     heights = _filled(table[:, columns == "z"], v) + line[:, None] + banking[:, None] * v
     headings = given.get("phi", np.full(n, heading))
     return Road(increment, v, heights, np.concatenate([headings[1:2], headings[1:]]), (x, y))
@@ -174,13 +172,13 @@ def _road(header: _Header, table: FloatArray) -> Road:
 
 def _positions(header: _Header) -> FloatArray:
     """Return v of the long sections."""
-    known, n = header.parameters, len(header.sections)
+    parameters, n = header.parameters, len(header.sections)
     listed = [at for at in header.sections if at is not None]
     if listed and len(listed) < n:
         raise DataError("some long sections have a number, others a position v")
     if listed:
         return np.array(listed)
-    right, left, step = (known.get(f"LONG_SECTION_V_{name}") for name in ("RIGHT", "LEFT", "INCREMENT"))
+    right, left, step = (parameters.get(f"LONG_SECTION_V_{name}") for name in ("RIGHT", "LEFT", "INCREMENT"))
     if step is not None and right is None:
         right = left - step * (n - 1) if left is not None else -0.5 * step * (n - 1)
     if right is None or (step is None and left is None):

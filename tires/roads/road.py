@@ -83,7 +83,7 @@ class Road:
         [1.361, 0.1]
         """
         given = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        points = np.stack([each.ravel() for each in given], axis=-1)
+        points = np.stack([coordinate.ravel() for coordinate in given], axis=-1)
         nearest = np.concatenate([
             np.argmin(((part[:, None] - self.nodes) ** 2).sum(axis=-1), axis=1)
             for part in np.array_split(points, 1 + points.size * len(self.nodes) // _CHUNK)

@@ -65,7 +65,7 @@ def symbol_text(name: str) -> str:
 
 
 def _greek(word: str) -> str:
-    text = re.sub("|".join(_GREEK), lambda found: rf"\{found[0]} ".replace("eps", "varepsilon"), word)
+    text = re.sub("|".join(_GREEK), lambda match: rf"\{match[0]} ".replace("eps", "varepsilon"), word)
     return text.strip()
 
 

@@ -35,9 +35,9 @@ def files(program: Program) -> dict[str, str]:
         if routine.name.startswith("jacobian_") else list(routine.labels)
         for routine in program.routines
     }  # fmt: skip
-    found = [_function(program, routine, arguments) for routine in _printed(program)]
-    found.append(render(program, LAYOUT, templates, argument=", ".join(arguments), names=names, keys=keys))
-    return {name: text for files in found for name, text in files.items()}
+    functions = [_function(program, routine, arguments) for routine in _printed(program)]
+    functions.append(render(program, LAYOUT, templates, argument=", ".join(arguments), names=names, keys=keys))
+    return {name: text for files in functions for name, text in files.items()}
 
 
 def _outputs(program: Program) -> list[str]:

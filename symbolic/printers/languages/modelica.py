@@ -15,7 +15,7 @@ from ..states import ENDINGS
 from .expressions import ModelicaPrinter
 from .layout import Layout
 from .program import Program
-from .rendering import Function, Named, functions_of, render
+from .rendering import Function, PrintedValue, functions_of, render
 
 LAYOUT = Layout(ModelicaPrinter(), "{name} := {value};", "// {}", c_comment, indent="  ")
 
@@ -99,7 +99,7 @@ def _rows(program: Program, functions: Sequence[Function]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _declared(about: Named, kind: str, value: str = "", attributes: str = "") -> str:
+def _declared(about: PrintedValue, kind: str, value: str = "", attributes: str = "") -> str:
     """Return the declaration of a Real with its type or unit and its description."""
     type_ = f"Types.{TYPES[about.unit][0]}" if about.unit in TYPES else "Real"
     attributes = ", ".join(filter(None, ["" if about.unit in TYPES else _unit(about.unit), attributes]))
@@ -143,5 +143,5 @@ def _unit(text: str) -> str:
     """
     unit = text.replace("^", "").replace(" ", ".")
     factor = "[A-Za-z]+[0-9]*"
-    known = re.fullmatch(rf"(1|{factor}(\.{factor})*)(/({factor}|\({factor}(\.{factor})+\)))?", unit)
-    return f'unit = "{unit}"' if known else ""
+    plain = re.fullmatch(rf"(1|{factor}(\.{factor})*)(/({factor}|\({factor}(\.{factor})+\)))?", unit)
+    return f'unit = "{unit}"' if plain else ""

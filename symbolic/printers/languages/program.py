@@ -31,7 +31,7 @@ TOLERANCE = {name: 1e-9 if name.startswith("jacobian_") else 1e-12 for name in F
 
 
 @dataclass(frozen=True)
-class Selection:
+class PrintoutSelection:
     """What a user requests of a printout.
 
     - `functions`: of `FUNCTIONS`.
@@ -104,10 +104,10 @@ class Program:
 
     def data_files(self) -> dict[str, str]:
         """Return the files without code: the rows of the self-test, the coefficients where they are in a file."""
-        found = {self.check_file: self.check}
+        files = {self.check_file: self.check}
         if self.placement == "file":
-            found[self.values_file] = "".join(f"{name} {value!r}\n" for name, value in self.coefficients.items())
-        return found
+            files[self.values_file] = "".join(f"{name} {value!r}\n" for name, value in self.coefficients.items())
+        return files
 
     def sizes(self) -> list[tuple[str, int]]:
         """Return the functions and their numbers of results, in the order of the self-test's rows."""
@@ -120,7 +120,7 @@ def program(
     effects: Collection[str],
     values: Mapping[str, float],
     nominal: Mapping[str, float],
-    selection: Selection,
+    selection: PrintoutSelection,
 ) -> Program:
     """Return the printout of a tire, without header and self-test.
 

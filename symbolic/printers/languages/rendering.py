@@ -108,7 +108,7 @@ class Function:
 
 
 @dataclass(frozen=True)
-class Named:
+class PrintedValue:
     """An input, an output or a coefficient: name, value, unit, description, and the last two in one text."""
 
     name: str
@@ -124,11 +124,11 @@ class Named:
 
 def functions_of(program: Program, layout: Layout) -> list[Function]:
     """Return the functions of a program in a language."""
-    found: list[Function] = []
+    functions: list[Function] = []
     for routine in program.routines:
-        first = found[-1].first + found[-1].size if found else 0
-        found.append(Function(routine, program, layout, first))
-    return found
+        first = functions[-1].first + functions[-1].size if functions else 0
+        functions.append(Function(routine, program, layout, first))
+    return functions
 
 
 def render(
@@ -174,9 +174,9 @@ def _wrapped(items: Iterable[str], width: int = 100) -> str:
 def variables(program: Program, layout: Layout) -> dict[str, Any]:
     """Return the variables that every template has."""
     declared, functions = program.model.coefficients, functions_of(program, layout)
-    inputs = [Named(q.name, q.unit, q.description, program.nominal[q.name]) for q in program.inputs]
-    outputs = [Named(q.name, q.unit, q.description) for q in program.outputs]
-    lines = [Named(str(line.symbol), line.unit, line.description) for line in program.lines]
+    inputs = [PrintedValue(q.name, q.unit, q.description, program.nominal[q.name]) for q in program.inputs]
+    outputs = [PrintedValue(q.name, q.unit, q.description) for q in program.outputs]
+    lines = [PrintedValue(str(line.symbol), line.unit, line.description) for line in program.lines]
     return {
         "program": program,
         "name": program.name,
@@ -190,7 +190,7 @@ def variables(program: Program, layout: Layout) -> dict[str, Any]:
         "inputs": inputs,
         "outputs": outputs,
         "coefficients": [
-            Named(name, declared[name].unit, declared[name].description, value)
+            PrintedValue(name, declared[name].unit, declared[name].description, value)
             for name, value in program.coefficients.items()
         ],
         "results": {result.name: result for result in (*outputs, *lines)},

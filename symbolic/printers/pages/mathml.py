@@ -84,7 +84,7 @@ class BookMathML(MathMLPresentationPrinter):  # type: ignore[misc,unused-ignore]
 
 
 def _greek(word: str) -> str:
-    return _WORDS.sub(lambda found: GREEK[found[0]], word)
+    return _WORDS.sub(lambda match: GREEK[match[0]], word)
 
 
 def equation_mathml(symbol: sp.Symbol | str, expression: sp.Expr) -> str:

@@ -48,7 +48,9 @@ def _python_function(function: LineFunction) -> str:
 
 
 def _c_header() -> str:
-    functions = "\n\n".join(text for each in FUNCTIONS for text in (_c_sizes(each), _c_values(each), _c_tangents(each)))
+    functions = "\n\n".join(
+        text for function in FUNCTIONS for text in (_c_sizes(function), _c_values(function), _c_tangents(function))
+    )
     remarks = (
         f"{TITLE}, in C99.",
         "A function writes its results y for arguments x; its tangent also writes the change of y for a change of x.",

@@ -30,6 +30,8 @@ def recording(signs="iso", declared="", **columns) -> Recording:
         ({"p": [-1e4, 1e5]}, "p reaches -1e+04 Pa: in another unit?"),
         ({"V": [200.0]}, "V reaches 200 m/s: in km/h?"),
         ({"T": [330.0]}, "T reaches 330 deg C: in kelvin?"),
+        ({"T": [2000.0]}, "T reaches 2000 deg C: in another unit?"),
+        ({"T": [-273.15]}, "T reaches -273.1 deg C: in another unit?"),
         ({"Fz": [-900.0] * 98 + [10.0] * 2}, "Fz is negative in 98 % of the rows: SAE signs? (--signs sae)"),
         ({"signs": "adapted-sae", "Fz": [-900.0]}, "Fz is negative in 100 %"),
         ({"signs": "sae", "Fz": [900.0]}, "Fz is positive in 100 % of the rows: not SAE?"),

@@ -135,3 +135,28 @@ def test_nothing_is_concluded_from_noise():
     check_columns(recording(alpha=held, Fy=1e4 * held))
     swept = np.linspace(-0.2, 0.2, 500)
     check_columns(recording(alpha=swept, kappa=swept, Fx=rng.normal(size=500), Fy=rng.normal(size=500)))
+
+
+@pytest.mark.parametrize("signs", SIGNS)
+@pytest.mark.parametrize(("column", "fact"), [
+    ("Fy", "Fy has the same sign at both ends of alpha"), ("Fx", "Fx has the same sign at both ends of kappa"),
+    ("alpha", "Fy has both signs at the same end of alpha"), ("kappa", "Fx has both signs at the same end of kappa"),
+])  # fmt: skip
+def test_a_column_without_its_sign_is_named(signs, column, fact):
+    table = bench(signs).table.assign(**{column: lambda rows: rows[column].abs()})
+    (note,) = column_notes(Recording(table, signs, "bench.csv"))
+    assert note.startswith(f"bench.csv: {fact}")
+    assert f"--columns {column}=NAME" in note
+
+
+def test_a_sweep_of_one_side_has_its_sign():
+    table = bench().table
+    assert column_notes(Recording(table[table["alpha"] > -0.03], "iso", "half.csv")) == []
+
+
+@pytest.mark.parametrize("slip", ["alpha", "kappa"])
+def test_a_slip_exchanged_with_camber_is_named(slip):
+    table = bench().table.assign(gamma=lambda rows: np.where(rows["Fz"] > 500.0, 0.05, 0.0))
+    swapped = table.rename(columns={slip: "gamma", "gamma": slip})
+    (note,) = column_notes(Recording(swapped, "iso", "bench.csv"))
+    assert f"--columns {slip}=gamma,gamma={slip}" in note

@@ -1,16 +1,12 @@
 """CPU time of short commands, and of the first fit and diagnosis of a process beyond the second ones.
 
-    python benchmarks/startup.py [--runs 3] [--only info,evaluate] [--json FILE]
-
-Each command runs in a process of its own; the result is the median of the runs in CPU seconds, with its ratio to
-``python -c "import pandas"`` in the same run, because machines differ. The cache of compiled code is warm except for
-"cold". A fit or a diagnosis is repeated in its process: what the first one needs beyond the second one is start-up.
+Each command runs in a process of its own; the result is the median of the runs. The cache of compiled code is warm
+except for "cold". A fit or a diagnosis is repeated in its process: what the first one needs beyond the second one is
+start-up.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import statistics
 import subprocess
@@ -28,8 +24,6 @@ from tirefmu.tires import published
 TIREFMU = (sys.executable, "-m", "tirefmu")
 #: Arguments in a folder with bench.csv, table.csv and tire.tir.
 COMMANDS: dict[str, tuple[str, ...]] = {
-    "python": (sys.executable, "-c", "pass"),
-    "import pandas": (sys.executable, "-c", "import pandas"),
     "import tirefmu": (sys.executable, "-c", "import tirefmu"),
     "--help": (*TIREFMU, "--help"),
     "usage error": (*TIREFMU, "inof"),
@@ -88,44 +82,26 @@ def beyond(work: str, folder: Path, environment: Mapping[str, str]) -> float:
     return first - (both - first)
 
 
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=3)
-    parser.add_argument("--only", default="", help="Names that begin with one of these, separated by commas.")
-    parser.add_argument("--json", type=Path, help="also write the times to this file")
-    given = parser.parse_args()
-    wanted = tuple(given.only.split(","))
+def startup_times(runs: int, only: tuple[str, ...] = ("",)) -> dict[str, float]:
+    """Return the median CPU time of each command and work, s, after one run that fills the caches.
+
+    `only`: beginnings of names.
+    """
+    times: dict[str, float] = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         prepare(folder)
-        warm = {**os.environ, "TIREFMU_CACHE": str(folder / "warm")}
-        (reference,) = measured({"import pandas": COMMANDS["import pandas"]}, given.runs, folder, warm).values()
-        chosen = {key: command for key, command in COMMANDS.items() if key.startswith(wanted)}
-        times = measured(chosen, given.runs, folder, warm)
-        for key, (work, cold) in REPEATED.items():
-            if key.startswith(wanted):
-                samples = []
-                for run in range(given.runs + 1):  # the first one fills the warm cache
-                    cache = folder / f"cold {run}" if cold else folder / "warm"
-                    samples.append(beyond(work, folder, {**warm, "TIREFMU_CACHE": str(cache)}))
-                times[key] = statistics.median(samples[1:])
-        for key, seconds in times.items():
-            print(f"{key:<42} {seconds:6.2f} s CPU   {seconds / reference:5.2f} x import pandas")
-        if given.json:
-            given.json.write_text(json.dumps(times, indent=2) + "\n")
-
-
-def measured(
-    commands: Mapping[str, Sequence[str]], runs: int, folder: Path, environment: Mapping[str, str]
-) -> dict[str, float]:
-    """Return the median CPU time of each command, s, after one run that fills the caches."""
-    times = {}
-    for key, command in commands.items():
-        samples = [cpu_of(command, folder, environment)[0] for _ in range(runs + 1)]
-        times[key] = statistics.median(samples[1:])
+        for key in (*COMMANDS, *REPEATED):
+            if not key.startswith(only):
+                continue
+            samples = []
+            for run in range(runs + 1):
+                cold = key in REPEATED and REPEATED[key][1]
+                environment = {**os.environ, "TIREFMU_CACHE": str(folder / (f"cold {run}" if cold else "warm"))}
+                samples.append(
+                    cpu_of(COMMANDS[key], folder, environment)[0]
+                    if key in COMMANDS
+                    else beyond(REPEATED[key][0], folder, environment)
+                )
+            times[key] = statistics.median(samples[1:])
     return times
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,6 @@
 """Run the self-test of a printed Modelica package with rumoca; print the largest difference of each function.
 
-    python benchmarks/run_modelica.py NAME_selftest.mo
+    python run_modelica.py NAME_selftest.mo
 
 Exit code 1: an assertion stopped the simulation.
 """

@@ -1,20 +1,18 @@
 """Memory and CPU time of commands over a Parquet table of many rows.
 
-    python benchmarks/streaming.py [--rows 1000000,10000000] [--json FILE]
-
 `tirefmu evaluate` and `tirefmu check` of the published MF96 tire, each in a process of its own. The peak is the larger
 one of the command's process and of those that it starts (reader, FMU); their sum is smaller than twice the peak.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -61,31 +59,16 @@ def measured(arguments: list[str], folder: Path) -> dict[str, float]:
     return {**found, "peak MB": max(found["own MB"], found["children MB"])}
 
 
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rows", default="1000000,10000000")
-    parser.add_argument("--json", type=Path, help="also write the results to this file")
-    given = parser.parse_args()
+def streaming_runs(numbers: Sequence[int]) -> list[dict[str, Any]]:
+    """Return command, rows, peak memory and CPU time of each command and number of rows."""
     runs = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         published("trento_hoosier").save(folder / "tire.tir")
         export(published("trento_hoosier"), folder / "tire.fmu")
-        for rows in map(int, given.rows.split(",")):
+        for rows in numbers:
             write_tables(sweeps(rows), folder / "in.parquet")
             for arguments in (["evaluate", "tire.tir", "in.parquet", "-o", "out.parquet"],
                               ["check", "tire.fmu", "in.parquet"]):  # fmt: skip
-                found = measured(arguments, folder)
-                runs.append({"command": f"`tirefmu {arguments[0]}`", "rows": rows, **found})
-                print(
-                    f"{arguments[0]:10}{rows:12,} rows{found['peak MB']:8.0f} MB peak"
-                    f"{1e6 * found['seconds'] / rows:8.2f} us CPU per row",
-                    flush=True,
-                )
-    if given.json:
-        given.json.write_text(json.dumps(runs, indent=2) + "\n")
-
-
-if __name__ == "__main__":
-    main()
+                runs.append({"command": f"`tirefmu {arguments[0]}`", "rows": rows, **measured(arguments, folder)})
+    return runs

@@ -3,28 +3,24 @@
 A complete MF6.1 tire on the virtual bench with noise, from generic values. CPU seconds of one process with one BLAS
 thread. SciPy uses the same Jacobian and only the bounds. The final cost is reported as well, because a solver that is
 faster has to reach the same optimum. A derivative pass is one evaluation of gradient and J^T W J: in the compiled
-kernel, and from the Jacobian of 256 rows at a time.
-
-    python benchmarks/fitting.py [--rows 20000] [--growth 10000,100000,1000000] [--json FILE]
+kernel, and from the Jacobian of 256 rows at a time. As a program it fits a number of rows and prints time and memory.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import resource
 import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
-from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
 from known_tires import CHANNELS, NAMED, NOMINAL, SIZES, VALUES, known_tire, recorded
@@ -166,61 +162,12 @@ def single_fit(rows: int) -> dict[str, float]:
     return {"rows": len(recording), "seconds": seconds, "peak MB": peak, "ok": float(result.ok)}
 
 
-def growth(numbers: list[int]) -> list[dict[str, float]]:
+def growth(numbers: Sequence[int]) -> list[dict[str, float]]:
     """Fit each number of rows in a separate process, so that its peak memory is that of the fit."""
-    command = [sys.executable, __file__, "--alone"]
+    command = [sys.executable, __file__]
     runs = [subprocess.run([*command, str(n)], check=True, capture_output=True, text=True) for n in numbers]
     return [json.loads(run.stdout.splitlines()[-1]) for run in runs]
 
 
-def report_text(compared: dict[str, Any], grown: list[dict[str, float]]) -> str:
-    """Return both results as text."""
-    lines = []
-    if compared:
-        slowest = compared["scipy trf"]["seconds"]
-        lines.append(
-            f"{compared['rows']} rows, {compared['coefficients']} coefficients, {compared['constraints']} constraints"
-        )
-        lines.append(f"{'':16}{'CPU s':>9}{'ratio':>8}{'cost':>11}{'Jacobians':>11}  satisfied")
-        for name in ("scipy trf", "joint problem", "fit of all rows", "full fit"):
-            solver = compared[name]
-            ratio = f"1/{slowest / solver['seconds']:.1f}"
-            lines.append(
-                f"{name:16}{solver['seconds']:9.2f}{ratio:>8}{solver['cost']:11.6f}{solver['evaluations']:11}"
-                f"  {solver['satisfied']}"
-            )
-        for way, seconds in compared["derivative pass"].items():
-            lines.append(f"derivative pass {way}: {1e6 * seconds:.2f} us per row")
-        for stage in compared["stages"]:
-            lines.append(
-                f"{stage['name']:32}{stage['rows']:8} rows{stage['free']:5} free{stage['iterations']:5} iterations"
-            )
-    for run in grown:
-        each = 1e6 * run["seconds"] / run["rows"]
-        lines.append(
-            f"{run['rows']:9,.0f} rows{run['seconds']:9.2f} s CPU{each:8.1f} us per row{run['peak MB']:8.0f} MB peak"
-        )
-    return "\n".join(lines)
-
-
-def main() -> None:
-    """Measure and print the results."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rows", type=int, default=20_000, help="of the comparison; 0: none")
-    parser.add_argument("--growth", default="10000,100000,1000000", help="numbers of rows; '': none")
-    parser.add_argument("--alone", type=int, help=argparse.SUPPRESS)
-    parser.add_argument("--json", type=Path, help="also write the results to this file")
-    given = parser.parse_args()
-    with threadpool_limits(limits=1, user_api="blas"):
-        if given.alone:
-            print(json.dumps(single_fit(given.alone)))
-            return
-        compared = compare(given.rows) if given.rows else {}
-        grown = growth([int(n) for n in given.growth.split(",") if n])
-    print(report_text(compared, grown))
-    if given.json:
-        given.json.write_text(json.dumps({"comparison": compared, "growth": grown}, indent=2) + "\n")
-
-
 if __name__ == "__main__":
-    main()
+    print(json.dumps(single_fit(int(sys.argv[1]))))
