@@ -126,16 +126,6 @@ COEFFICIENT_BOUND_FACTOR = 10.0
 
 # ------------------------------------------------------------------ the delivered tire and the verdict
 
-#: Probability with which a tire that is as good as the baseline tire, in each channel and on both sets, is not
-#: delivered. Convention.
-WORSE_P = 0.05
-#: Largest uncertainty of an effect over the operating range, as a share of its spread among tires. Derived: above it,
-#: three quarters of the knowledge about the effect's variance come from other tires, not from the recording.
-MAX_UNCERTAINTY = 0.5
-#: Largest change of a force by an effect that the recording does not determine, in multiples of the spread among tires.
-#: Derived: a larger one is less plausible than none. Effects that the recording determines are exempt, because true
-#: effects can be larger than the spread.
-MAX_UNDETERMINED_CHANGE = 1.0
 #: Residual over noise floor above which a channel lacks something that was not identified. From the requirements of the
 #: diagnosis.
 INADEQUATE = 1.5

@@ -34,7 +34,6 @@ from .extrapolation import extrapolations
 from .findings import Finding, Interval
 from .fit_error import FitErrors, Residuals, delivered_residuals, fit_errors, floors_of, preprocessed, without_skew
 from .improved_tire import tire_of
-from .operating_range import undetermined_change
 from .residual_location import residual_maps, time_course
 from .result import Diagnosis
 from .verdict import verdict_text
@@ -180,7 +179,7 @@ def _delivery(outcome: Outcome, added: Mapping[str, tuple[str, ...]]) -> _Delive
         compared = fit_errors(*screens, judged, floors)
     against: tuple[str, ...] = ()
     if added or fits.refinements:
-        against = reasons_against(compared, judged, undetermined_change(fits.whitened, added))
+        against = reasons_against(compared, judged)
     if not against:
         return _Delivery(base_tire, tire, (), after, residuals, errors, floors)
     errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)
