@@ -138,7 +138,7 @@ class LeastSquares:
         tolerance : float
             Iterations stop when the predicted reduction is below this share of the cost.
         """
-        subsample = self._subsampled(rows)
+        subsample = self.subsampled(rows)
         lower, upper = subsample.bounds(free)
         projected = _Projected(subsample, start, free)
         first = np.clip(start[projected.indices], lower, upper)
@@ -245,7 +245,8 @@ class LeastSquares:
         matrix = jacobian.T @ jacobian + np.diag(deviation**-2.0)
         return matrix - cross.T @ inner[:, :-1], slope - cross.T @ inner[:, -1]
 
-    def _subsampled(self, rows: slice | None) -> LeastSquares:
+    def subsampled(self, rows: slice | None) -> LeastSquares:
+        """Return the problem over some of the compared rows, which are then independent; over all of them for None."""
         if rows is None:
             return self
         signals = self.simulator.signals

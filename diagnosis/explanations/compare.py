@@ -22,7 +22,7 @@ from .answer import Answer, answer_of
 from .evidence import Projected
 from .explanation import FORM, UNKNOWN, Explanation, Term
 from .linearization import Addition, Linearization, form_errors, relative_size
-from .refit import Refitted, Shared, refitted, shared_problem, with_terms
+from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -58,13 +58,10 @@ def compared(
     -------
     Comparison
     """
-    linear = Linearization(Explanation(), problem, baseline, dict(sorted(candidates.items())))
+    linear = _begun(problem, baseline, dict(sorted(candidates.items())), progress)
     first = set[tuple[str, ...]]()
     for _ in range(ESTIMATES):
-        additions = linear.additions()
-        shared = shared_problem(linear, baseline, [one for every in additions.values() for one in every])
-        weighted = {name: [one.weighted(shared.problem) for one in every] for name, every in additions.items()}
-        table = _Table(shared, baseline.parameters, weighted, progress)
+        table = _table(linear, baseline, progress)
         table.climb(linear)
         if table.leader.explanation.parts == linear.explanation.parts:
             table.compare()
@@ -75,14 +72,41 @@ def compared(
         if parts in first and len(parts) <= len(linear.explanation.parts):
             break
         linear = _with_own_noise(leader, problem)
-    return Comparison(answer_of(table.scores, candidates), leader, shared)
+    return Comparison(answer_of(table.scores, candidates), leader, table.shared)
 
 
-def _with_own_noise(refit: Refitted, problem: LeastSquares) -> Linearization:
+def _begun(
+    problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], progress: Callable[[str], None]
+) -> Linearization:
+    """Return the linearization from which all rows are compared: at the effects to which a climb over some rows leads.
+
+    `baseline`: solution of the baseline model.
+    """
+    few = problem.subsampled(some_rows(problem.simulator))
+    linear = Linearization(Explanation(), few, few.at(baseline.parameters, baseline.free), candidates)
+    table = _table(linear, baseline, progress)
+    table.climb(linear)
+    end, signals = table.leader.linear, problem.simulator.signals
+    delayed = problem.over(problem.simulator.with_signals(signals.delayed(end.simulator.signals.skew - signals.skew)))
+    return replace(
+        end, explanation=Explanation(end.explanation.forms), problem=delayed,
+        solution=delayed.at(end.solution.parameters, end.solution.free),
+    )  # fmt: skip
+
+
+def _table(linear: Linearization, baseline: Solution, progress: Callable[[str], None]) -> _Table:
+    """Return an empty table under the noise of a linearization."""
+    additions = linear.additions()
+    shared = shared_problem(linear, baseline, [one for forms in additions.values() for one in forms])
+    weighted = {name: [one.weighted(shared.problem) for one in forms] for name, forms in additions.items()}
+    return _Table(shared, baseline.parameters, weighted, progress)
+
+
+def _with_own_noise(leader: Refitted, problem: LeastSquares) -> Linearization:
     """Return the linearization of a refit with rows of independent noise and without a discrepancy."""
-    bare = with_terms(problem, refit.explanation).over(refit.linear.simulator)
-    at = bare.at(refit.linear.solution.parameters, refit.linear.solution.free)
-    return replace(refit.linear, problem=bare, solution=at)
+    bare = with_terms(problem, leader.explanation).over(leader.linear.simulator)
+    at = bare.at(leader.linear.solution.parameters, leader.linear.solution.free)
+    return replace(leader.linear, problem=bare, solution=at)
 
 
 @dataclass(eq=False)

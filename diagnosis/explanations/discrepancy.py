@@ -90,13 +90,13 @@ def _fast_waves(signals: Signals) -> dict[int, FloatArray]:
     return dict(enumerate(waves[DRIFT_WAVES + 1 :], DRIFT_WAVES + 1))
 
 
-def effect_discrepancy(response: FloatArray, inputs: Mapping[str, FloatArray]) -> FloatArray:
+def effect_discrepancy(response: FloatArray, inputs: Mapping[str, FloatArray], seed: int = 0) -> FloatArray:
     """Return the features of an effect, N and N m, shape (n_channels, n, k).
 
     `response`, shape (n_channels, n): the change of the forces by the effect. `inputs`: those of which its error is a
-    function, at the compared rows.
+    function, at the compared rows. `seed`: of the random functions.
     """
-    return _by_channel(response, smooth_functions(inputs, EFFECT_FEATURES))
+    return _by_channel(response, smooth_functions(inputs, EFFECT_FEATURES, seed))
 
 
 def _by_channel(rows: FloatArray, functions: FloatArray) -> FloatArray:
@@ -107,18 +107,18 @@ def _by_channel(rows: FloatArray, functions: FloatArray) -> FloatArray:
     return columns.reshape(*rows.shape, -1)
 
 
-def smooth_functions(inputs: Mapping[str, FloatArray], number: int) -> FloatArray:
+def smooth_functions(inputs: Mapping[str, FloatArray], number: int, seed: int = 0) -> FloatArray:
     """Return random functions of inputs, each of shape (n,), shape (n, number).
 
     Combined with independent coefficients of variance 1 they are a Gaussian process of variance 1 whose length scale is
-    the standard deviation of each input. The same inputs always give the same functions.
+    the standard deviation of each input. The same inputs and the same seed always give the same functions.
     """
     axes, rows = [], len(next(iter(inputs.values())))
     for name, column in inputs.items():
         values = np.abs(column) if name in SYMMETRIC else column
         if (spread := float(np.std(values))) > 1e-9:
             axes.append((values - values.mean()) / spread)
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(seed)
     frequencies, phases = rng.standard_normal((len(axes), number)), rng.uniform(0.0, 2.0 * np.pi, number)
     arguments = np.tensordot(np.array(axes), frequencies, axes=(0, 0)) if axes else 0.0
     return np.asarray(np.sqrt(2.0 / number) * np.cos(arguments + np.broadcast_to(phases, (rows, number))))

@@ -13,7 +13,7 @@ from tirefmu.symbolic.detection import Form
 from tirefmu.symbolic.model import Model
 
 from ..least_squares import LeastSquares, Solution
-from ..probing.candidates import Candidate, is_testable, refinements_for
+from ..probing.candidates import Candidate, declared_candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
 from ..recording.disturbances import CROSS_TALK
 from ..recording.simulation import Simulator
@@ -84,6 +84,15 @@ class Linearization:
     solution: Solution
     candidates: Mapping[str, Candidate]
 
+    def with_deviation(self, deviation: FloatArray) -> Linearization:
+        """Return the linearization with other prior deviations of the disturbances, shape (n_disturbances,)."""
+        other = replace(self, problem=self.problem.with_deviation(deviation))
+        own = self._own_equations
+        precision = np.append(deviation**-2.0, own.precision[len(deviation) :])
+        other.__dict__.update({name: self.__dict__[name] for name in ("_contained", "_rows")})
+        other.__dict__["_own_equations"] = replace(own, precision=precision)
+        return other
+
     @property
     def simulator(self) -> Simulator:
         """Of the recording with the inputs delayed by the skew."""
@@ -98,6 +107,14 @@ class Linearization:
     def skew_index(self) -> int:
         """The index of the skew among the columns of `equations`."""
         return len(self.problem.disturbances.names) + len(self._inside)
+
+    def error_of_skew(self, step: float) -> float:
+        """Return the error of the logarithm of the evidence if the forces are linear in a change of the skew, s.
+
+        The second derivative of the forces by time, which is neglected then, is the column after the skew.
+        """
+        bend = float(self._own_equations.matrix[self.skew_index + 1, self.skew_index + 1])
+        return 0.5 * bend * (0.5 * step**2) ** 2
 
     @cached_property
     def _inside(self) -> tuple[str, ...]:
@@ -158,6 +175,7 @@ class Linearization:
         bench, of_bench = bench_errors(simulator, solution.parameters)
         refined = [self._probes(form) for _, form in self._refinements]
         forms = [self._form_errors(name, form) for name, form in self.explanation.forms]
+        forms.append(self._baseline_errors())
         if (unknown := self._unknown_response()).any():
             depends_on = frozenset().union(*(one.depends_on for one in self.explanation.terms_of(UNKNOWN)))
             forms.append(FORM_ERROR * effect_discrepancy(unknown, self._inputs(depends_on)))
@@ -190,6 +208,25 @@ class Linearization:
             inputs |= {f"lagged {name}": np.abs(acting[name]) for name in ("alpha", "kappa") if name in acting}
         smooth = effect_discrepancy(response, inputs)
         return PAST_ERROR * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
+
+    def _baseline_errors(self) -> FloatArray:
+        """Return errors of the forms of the baseline model's effects, N and N m, shape (n_channels, n, k).
+
+        Each column is the sum of the errors of all effects, by independent random functions: the covariance is that of
+        a sum of independent Gaussian processes.
+        """
+        model, index = self.simulator.symbolic_model, self.simulator.index
+        errors = np.zeros((*self.forces.shape, 0))
+        for number, effect in enumerate(sorted(self.simulator.tire.has)):
+            absent, declared = self.solution.parameters.copy(), declared_candidate(effect, model)
+            for name in model.owned(effect) & index.keys():
+                if (neutral := model.coefficients[name].neutral) is not None:
+                    absent[index[name]] = neutral
+            response = np.nan_to_num(self.forces - self.simulator.forces(absent))
+            inputs = self._inputs(declared.requires if declared else ())
+            of_effect = effect_discrepancy(response, inputs, seed=number + 1)
+            errors = of_effect + errors if errors.size else of_effect
+        return FORM_ERROR * errors
 
     def _inputs(self, others: Collection[str]) -> dict[str, FloatArray]:
         """Return the inputs of the core and others, of which an error of form is a function, at the compared rows."""

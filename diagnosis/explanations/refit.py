@@ -13,6 +13,7 @@ from tirefmu.estimation.noise_model import Whitening, noise_parts
 
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
+from ..recording.disturbances import Disturbances
 from ..recording.simulation import Simulator
 from ..thresholds import DISCREPANCIES, MAX_SKEW, SEARCH_ROWS
 from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
@@ -24,8 +25,10 @@ FloatArray = npt.NDArray[np.float64]
 
 #: How the names of the columns of the discrepancy, and of fast drift and noise of the inputs, begin.
 DISCREPANCY, BENCH = "discrepancy_", "bench_"
-#: Iterations of a refit, from all and from some rows; corrections of the skew, and the smallest one, s.
-ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS, SKEW_STEP = 3, 8, 3, 2e-4
+#: Iterations of a refit, from all and from some rows; corrections of the skew.
+ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 3, 8, 3
+#: A smaller change of the evidence is none: a factor of 1.1 between two explanations.
+SAME_EVIDENCE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +76,14 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
     problem = with_terms(shared.problem, explanation).over(simulator)
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
-    thin = slice(None, None, max(1, len(simulator.signals.rows) // SEARCH_ROWS))
-    tried = [problem.solve(start, free, rows=thin, iterations=COARSE_ITERATIONS) for start in starts]
+    some = some_rows(simulator)
+    tried = [problem.solve(start, free, rows=some, iterations=COARSE_ITERATIONS) for start in starts]
     start = min(tried, key=lambda one: one.cost).parameters
     best, estimate = _evaluated(shared, explanation, problem, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
         signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
         step = float(np.clip(signals.skew + skew, -MAX_SKEW, MAX_SKEW)) - signals.skew
-        if abs(step) < SKEW_STEP:
+        if best.linear.error_of_skew(step) < SAME_EVIDENCE:
             break
         delayed = problem.over(simulator.with_signals(signals.delayed(step)))
         other, estimate = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
@@ -88,6 +91,11 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
             break
         best = other
     return best
+
+
+def some_rows(simulator: Simulator) -> slice:
+    """Return every n-th compared row, at most `SEARCH_ROWS`."""
+    return slice(None, None, -(-len(simulator.signals.rows) // SEARCH_ROWS))
 
 
 def with_terms(problem: LeastSquares, explanation: Explanation) -> LeastSquares:
@@ -106,8 +114,9 @@ def _evaluated(
     """Return a refit from all rows, and the estimates of all columns at it."""
     solution = problem.solve(start, free, iterations=ITERATIONS)
     linear = Linearization(explanation, problem, solution, shared.candidates)
-    estimate, evidence = linear.equations().solved()
-    return Refitted(linear, evidence), estimate
+    own = linear.with_deviation(_best_deviation(linear.equations(), problem.disturbances))
+    estimate, evidence = own.equations().solved()
+    return Refitted(own, evidence), estimate
 
 
 def shared_problem(linear: Linearization, baseline: Solution, additions: Sequence[Addition]) -> Shared:
@@ -134,29 +143,30 @@ def shared_problem(linear: Linearization, baseline: Solution, additions: Sequenc
     noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions))
     effects = [one for one in additions if not isinstance(one.part, Term)]
     normal = replace(linear, problem=noisy).equations(effects)
-    deviations = _discrepancies(normal, len(known.names), np.argmax(np.any(columns, axis=1), axis=0))
-    chosen = noisy.with_deviation(np.append(known.deviation, deviations))
+    chosen = noisy.with_deviation(_best_deviation(normal, noisy.disturbances))
     of_terms = {name for name in chosen.disturbances.names if name.startswith(TERM)}  # of the leading explanation only
     return Shared(replace(chosen, disturbances=chosen.disturbances.without(of_terms)), baseline.free, linear.candidates)
 
 
-def _discrepancies(normal: NormalEquations, first: int, channels: npt.NDArray[np.intp]) -> FloatArray:
-    """Return the deviations of the discrepancy by which the evidence is the largest, one for all columns of a channel.
+def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
+    """Return the deviations of the disturbances, shape (k,), with those of the discrepancy of the largest evidence.
 
-    `normal`: with all effects, so that the discrepancy does not take their part. `first`: the index of its first
-    column. `channels`, shape (k,): of its columns.
+    One deviation is that of all columns of a channel.
     """
-    deviations = np.full(len(channels), DISCREPANCIES[0])
+    columns = [i for i, name in enumerate(disturbances.names) if name.startswith(DISCREPANCY)]
+    channels = np.argmax(np.any(disturbances.columns[:, :, columns], axis=1), axis=0)
+    deviation = disturbances.deviation.copy()
 
-    def evidence(one: FloatArray) -> float:
+    def evidence(tried: FloatArray) -> float:
         precision = normal.precision.copy()
-        precision[first : first + len(one)] = one**-2.0
+        precision[: len(tried)] = tried**-2.0
         return replace(normal, precision=precision).solved()[1]
 
     for channel in np.unique(channels):
-        tried = [np.where(channels == channel, size, deviations) for size in DISCREPANCIES]
-        deviations = tried[int(np.argmax([evidence(one) for one in tried]))]
-    return deviations
+        tried = np.tile(deviation, (len(DISCREPANCIES), 1))
+        tried[:, np.array(columns)[channels == channel]] = np.array(DISCREPANCIES)[:, None]
+        deviation = tried[int(np.argmax([evidence(one) for one in tried]))]
+    return deviation
 
 
 def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> FloatArray:
