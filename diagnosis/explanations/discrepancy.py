@@ -21,7 +21,7 @@ from ..recording.disturbances import passed
 from ..recording.load_error import LAGS, load_error_responses
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
-from ..thresholds import DRIFT_WAVES, FAST_DRIFT_PRIOR, FAST_DRIFT_WAVES, LOAD_ERROR_PRIOR, MAX_SKEW
+from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, FAST_DRIFT_PRIOR, FAST_DRIFT_WAVES, LOAD_ERROR_PRIOR, MAX_SKEW
 from ..unexplained.features import CORE_INPUTS
 
 FloatArray = npt.NDArray[np.float64]
@@ -97,6 +97,14 @@ def effect_discrepancy(response: FloatArray, inputs: Mapping[str, FloatArray], s
     function, at the compared rows. `seed`: of the random functions.
     """
     return _by_channel(response, smooth_functions(inputs, EFFECT_FEATURES, seed))
+
+
+def envelope(response: FloatArray, signals: Signals) -> FloatArray:
+    """Return the root mean square of a response over the length of a block around each row, shape (n_channels, n)."""
+    if not signals.timed:
+        return response
+    rows = round(BLOCK_LENGTH / float(np.median(np.diff(signals.t[signals.rows]))))
+    return np.asarray(np.sqrt(np.maximum(uniform_filter1d(response**2, max(rows, 1), axis=1, mode="nearest"), 0.0)))
 
 
 def _by_channel(rows: FloatArray, functions: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ from ..recording.disturbances import CROSS_TALK
 from ..recording.simulation import Simulator
 from ..thresholds import EFFECT_ODDS, FORM_ERROR, PAST_ERROR, UNKNOWN_SHARE
 from ..unexplained.features import CORE_INPUTS, LOCATIONS, Location, determined, directions, features, locations_of
-from .discrepancy import bench_errors, effect_discrepancy
+from .discrepancy import bench_errors, effect_discrepancy, envelope
 from .evidence import NormalEquations
 from .explanation import FORM, UNKNOWN, Explanation, Term
 
@@ -83,15 +83,6 @@ class Linearization:
     problem: LeastSquares
     solution: Solution
     candidates: Mapping[str, Candidate]
-
-    def with_deviation(self, deviation: FloatArray) -> Linearization:
-        """Return the linearization with other prior deviations of the disturbances, shape (n_disturbances,)."""
-        other = replace(self, problem=self.problem.with_deviation(deviation))
-        own = self._own_equations
-        precision = np.append(deviation**-2.0, own.precision[len(deviation) :])
-        other.__dict__.update({name: self.__dict__[name] for name in ("_contained", "_rows")})
-        other.__dict__["_own_equations"] = replace(own, precision=precision)
-        return other
 
     @property
     def simulator(self) -> Simulator:
@@ -192,8 +183,8 @@ class Linearization:
     def _form_errors(self, effect: str, form: Form) -> FloatArray:
         """Return errors of the form of an effect, N and N m, shape (n_channels, n, k), each of deviation 1.
 
-        Those of an effect of the past are larger and depend on its states, and a tire has more than one memory: the
-        effect with shorter and longer memories is an error, too.
+        Those of an effect of the past are larger and depend on its states; as it may turn at another time, they follow
+        its size. A tire has more than one memory: the effect with shorter and longer memories is an error, too.
         """
         simulator, candidate = self.simulator, self.candidates[effect]
         model = simulator.symbolic_model
@@ -206,25 +197,26 @@ class Linearization:
             states = [state.name for added in model.added if added.name == effect for state in added.states]
             inputs |= {name: acting[name] for name in states}
             inputs |= {f"lagged {name}": np.abs(acting[name]) for name in ("alpha", "kappa") if name in acting}
-        smooth = effect_discrepancy(response, inputs)
+        smooth = effect_discrepancy(envelope(response, simulator.signals), inputs)
         return PAST_ERROR * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
 
     def _baseline_errors(self) -> FloatArray:
         """Return errors of the forms of the baseline model's effects, N and N m, shape (n_channels, n, k).
 
-        Each column is the sum of the errors of all effects, by independent random functions: the covariance is that of
+        Those of effects of the core inputs alone are in the discrepancy of the model. Each column is the sum of the errors of all effects, by independent random functions: the covariance is that of
         a sum of independent Gaussian processes.
         """
         model, index = self.simulator.symbolic_model, self.simulator.index
         errors = np.zeros((*self.forces.shape, 0))
         for number, effect in enumerate(sorted(self.simulator.tire.has)):
             absent, declared = self.solution.parameters.copy(), declared_candidate(effect, model)
+            if declared is None or CORE_INPUTS.issuperset(declared.requires):
+                continue
             for name in model.owned(effect) & index.keys():
                 if (neutral := model.coefficients[name].neutral) is not None:
                     absent[index[name]] = neutral
             response = np.nan_to_num(self.forces - self.simulator.forces(absent))
-            inputs = self._inputs(declared.requires if declared else ())
-            of_effect = effect_discrepancy(response, inputs, seed=number + 1)
+            of_effect = effect_discrepancy(response, self._inputs(declared.requires), seed=number + 1)
             errors = of_effect + errors if errors.size else of_effect
         return FORM_ERROR * errors
 

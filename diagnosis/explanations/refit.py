@@ -114,9 +114,8 @@ def _evaluated(
     """Return a refit from all rows, and the estimates of all columns at it."""
     solution = problem.solve(start, free, iterations=ITERATIONS)
     linear = Linearization(explanation, problem, solution, shared.candidates)
-    own = linear.with_deviation(_best_deviation(linear.equations(), problem.disturbances))
-    estimate, evidence = own.equations().solved()
-    return Refitted(own, evidence), estimate
+    estimate, evidence = linear.equations().solved()
+    return Refitted(linear, evidence), estimate
 
 
 def shared_problem(linear: Linearization, baseline: Solution, additions: Sequence[Addition]) -> Shared:
@@ -151,7 +150,8 @@ def shared_problem(linear: Linearization, baseline: Solution, additions: Sequenc
 def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
     """Return the deviations of the disturbances, shape (k,), with those of the discrepancy of the largest evidence.
 
-    One deviation is that of all columns of a channel.
+    One deviation is that of all columns of a channel. `normal`: with all effects, so that the discrepancy does not take
+    their part.
     """
     columns = [i for i, name in enumerate(disturbances.names) if name.startswith(DISCREPANCY)]
     channels = np.argmax(np.any(disturbances.columns[:, :, columns], axis=1), axis=0)
