@@ -183,28 +183,32 @@ class Linearization:
     def _form_errors(self, effect: str, form: Form) -> FloatArray:
         """Return errors of the form of an effect, N and N m, shape (n_channels, n, k), each of deviation 1.
 
-        Those of an effect of the past are larger and depend on its states; as it may turn at another time, they follow
-        its size. A tire has more than one memory: the effect with shorter and longer memories is an error, too.
+        Those of an effect of the past are larger and depend on its states. A tire has more than one memory: the effect
+        with shorter and longer memories is an error, too. An effect of a path may turn elsewhere on it: its errors are
+        in proportion to its size there.
         """
         simulator, candidate = self.simulator, self.candidates[effect]
         model = simulator.symbolic_model
         response, inputs = self._response(effect), self._inputs(candidate.requires)
         if not candidate.has_states and effect not in model.relaxing_effects:
             return FORM_ERROR * effect_discrepancy(response, inputs)
+        states = [state for added in model.added if added.name == effect for state in added.states]
         if candidate.has_states:
             rows = simulator.effective_inputs(self.solution.parameters)
             acting = dict(zip(simulator.signals.names, rows, strict=True))
-            states = [state.name for added in model.added if added.name == effect for state in added.states]
-            inputs |= {name: acting[name] for name in states}
+            inputs |= {state.name: acting[state.name] for state in states}
             inputs |= {f"lagged {name}": np.abs(acting[name]) for name in ("alpha", "kappa") if name in acting}
-        smooth = effect_discrepancy(envelope(response, simulator.signals), inputs)
+        if any(state.follows_a_path for state in states):
+            response = envelope(response, simulator.signals)
+        smooth = effect_discrepancy(response, inputs)
         return PAST_ERROR * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
 
     def _baseline_errors(self) -> FloatArray:
         """Return errors of the forms of the baseline model's effects, N and N m, shape (n_channels, n, k).
 
-        Those of effects of the core inputs alone are in the discrepancy of the model. Each column is the sum of the errors of all effects, by independent random functions: the covariance is that of
-        a sum of independent Gaussian processes.
+        Those of effects of the core inputs alone are in the discrepancy of the model. Each column is the sum of the
+        errors of all effects, by independent random functions: the covariance is that of a sum of independent Gaussian
+        processes.
         """
         model, index = self.simulator.symbolic_model, self.simulator.index
         errors = np.zeros((*self.forces.shape, 0))
