@@ -1,8 +1,9 @@
 """The final fits: baseline model and most probable explanation, as they are delivered.
 
 Errors of the functional form of an explanation are left out, as a tire contains none. The discrepancy of the model is
-estimated beside the coefficients, so that these do not take its part. Channels are weighted by their residuals, so that a channel with an inexact formula does not make the others worse; the baseline tire is fitted
-with the same weights. If nothing is missing, both are one tire.
+estimated beside the coefficients, so that these do not take its part. Channels are weighted by their residuals, so that
+a channel with an inexact formula does not make the others worse; the baseline tire is fitted with the same weights. If
+nothing is missing, both are one tire.
 """
 
 from __future__ import annotations
