@@ -1,9 +1,8 @@
 """The final fits: baseline model and most probable explanation, as they are delivered.
 
-Errors of the functional form of an explanation are left out, as a tire contains none. The discrepancy of the model is
-estimated beside the coefficients, so that these do not take its part. Channels are weighted by their residuals, so that
-a channel with an inexact formula does not make the others worse; the baseline tire is fitted with the same weights. If
-nothing is missing, both are one tire.
+A tire contains no discrepancies and no errors of its functional form, so these are left out. Channels are weighted by
+their residuals, so that a channel with an inexact formula does not make the others worse; the baseline tire is fitted
+with the same weights. If nothing is missing, both are one tire.
 """
 
 from __future__ import annotations
@@ -26,7 +25,6 @@ from ..unexplained.structure import Structure
 from .compare import Comparison
 from .effect_evidence import Evidence, effect_evidence
 from .explanation import UNKNOWN, Explanation
-from .refit import DISCREPANCY
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -90,9 +88,6 @@ def final_fits(
     """
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
-    others = {name for name in linear.problem.disturbances.names if not name.startswith(DISCREPANCY)}
-    of_model = linear.problem.disturbances.without(others)
-    disturbances = disturbances.extended(of_model.names, of_model.columns, of_model.deviation)
     problem = replace(problem, disturbances=disturbances).over(linear.simulator)
     base = problem.solve(baseline.parameters, baseline.free, iterations=FINAL_ITERATIONS)
     refinements = linear.needed_refinements()
