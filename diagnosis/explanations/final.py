@@ -49,7 +49,7 @@ class Final:
     evidence : mapping of str to Evidence
         For the same effects.
     refinements : tuple of (str, Form)
-        Finer forms that the recording needs, each with its effect or "core".
+        Finer forms that the recording needs, each with its effect.
     unknown : tuple of Unknown
         The unknown component; at most one.
     unknown_evidence : Evidence or None

@@ -13,7 +13,7 @@ from tirefmu.symbolic.detection import Form
 from tirefmu.symbolic.model import Model
 
 from ..least_squares import LeastSquares, Solution
-from ..probing.candidates import Candidate, declared_candidate, is_testable, refinements_for
+from ..probing.candidates import CORE, Candidate, declared_candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
 from ..recording.disturbances import CROSS_TALK
 from ..recording.simulation import Simulator
@@ -263,23 +263,24 @@ class Linearization:
 
     @cached_property
     def _refinements(self) -> list[tuple[str, Form]]:
-        """What is not fitted of the baseline model ("core") and of each effect: its refinements and its other forms."""
+        """What is not fitted of the core and of each effect: its refinements and its other forms."""
         declared = refinements_for(self.simulator.tire, frozenset(self.explanation.effects))
         declared += [(name, form) for name in self.explanation.effects for form in self.candidates[name].forms]
         forms = [(name, unfitted(form, self.simulator, self.solution.free)) for name, form in declared]
         return [(name, form) for name, form in forms if form is not None and form.scalable]
 
     def needed_refinements(self) -> tuple[tuple[str, Form], ...]:
-        """Return the refinements without which the explanation would have less evidence, with odds as of an effect.
+        """Return the refinements of the effects without which there would be less evidence, with odds as of an effect.
 
-        They are among the columns of every explanation. The ratio of the evidences with and without a column is that of
+        They are among the columns of every explanation. Errors of the core are no effects: its refinements would
+        extrapolate what is left of them. The ratio of the evidences with and without a column is that of
         Savage and Dickey.
         """
         first = self.skew_index + len(bench_errors(self.simulator, self.solution.parameters)[1])
         needed = []
         for name, form in self._refinements:
             end = first + len(form.probes)
-            if self._gain_of(range(first, end)) + np.log(EFFECT_ODDS) > 0.0:
+            if name != CORE and self._gain_of(range(first, end)) + np.log(EFFECT_ODDS) > 0.0:
                 needed.append((name, form))
             first = end
         return tuple(needed)
