@@ -160,22 +160,15 @@ class LeastSquares:
         residual = misfit - self.disturbances.columns @ disturbance
         return Solution(parameters, tuple(free), disturbance, self._cost(parameters, free, disturbance), residual)
 
-    def holdout_gain(self, before: Solution, after: Solution) -> float:
-        """Return the share of the squared misfit on the hold-out set by which a solution is better than another one.
+    def holdout_gains(self, before: Solution, after: Solution) -> FloatArray:
+        """Return by how much a solution is better than another one in each block of the hold-out set, (n_blocks,).
+
+        As a share of the squared misfit on the whole set.
 
         Parameters
         ----------
         before, after : Solution
             Channels are weighted by the misfit of `before` on the training rows.
-        """
-        return float(self.holdout_gains(before, after).sum())
-
-    def holdout_gains(self, before: Solution, after: Solution) -> FloatArray:
-        """Return the contribution of each block of the hold-out set to `holdout_gain`, shape (n_blocks,).
-
-        Parameters
-        ----------
-        before, after : Solution
         """
         signals = self.simulator.signals
         holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0

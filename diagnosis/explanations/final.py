@@ -20,7 +20,7 @@ from tirefmu.tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
 from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT
-from ..unexplained.formula_proposal import Added, Unknown, added_if_better, effect_of, unknown_of
+from ..unexplained.formula_proposal import Added, Unknown, effect_of, unknown_of, with_formula
 from ..unexplained.structure import Structure
 from .compare import Comparison
 from .effect_evidence import Evidence, effect_evidence
@@ -118,7 +118,7 @@ def _unknown(
     comparison: Comparison, start: Tire, problem: LeastSquares, solution: Solution, report: Callable[[str], None],
     no_formula: str,
 ) -> tuple[tuple[Unknown, ...], Added | None]:  # fmt: skip
-    """Return the report of the unknown component, and its formula in the model if the hold-out set confirms it."""
+    """Return the report of the unknown component, and the model with its formula if possible."""
     terms = comparison.leader.explanation.terms_of(UNKNOWN)
     if not terms:
         return (), None
@@ -126,7 +126,7 @@ def _unknown(
     structure = Structure(terms[0].location, tuple(term.feature for term in terms), sizes)
     effect = effect_of(structure)
     report("adding the proposed formula to the model equations")
-    added = no_formula or added_if_better(structure, effect, start, problem, solution)
+    added = no_formula or with_formula(structure, effect, start, problem, solution)
     return (unknown_of(structure, effect, added),), added if isinstance(added, Added) else None
 
 

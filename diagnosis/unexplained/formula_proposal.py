@@ -1,4 +1,4 @@
-"""Structure as a proposed effect: its file, and the test on the hold-out set."""
+"""Structure as a proposed effect: its file, and the model with it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
-from ..thresholds import COEFFICIENT_BOUND_FACTOR, MIN_IMPROVEMENT
+from ..thresholds import COEFFICIENT_BOUND_FACTOR
 from .past import STATES
 from .structure import Structure
 
@@ -28,7 +28,7 @@ class Unknown:
     formula : str
         As in an effect file: "quantity, factor or term: formula".
     added : bool
-        Whether the improved tire contains it: only if the error on the hold-out set decreases.
+        Whether the improved tire contains it: only if it predicts the hold-out set better.
     effect : AddedEffect or None
         The proposed effect file.
     not_added_because : str
@@ -116,7 +116,7 @@ def unknown_of(structure: Structure, effect: AddedEffect, added: Added | str) ->
     effect : AddedEffect
         Result of `effect_of`.
     added : Added or str
-        Result of `added_if_better`.
+        Result of `with_formula`.
     """
     formula = structure.formula
     if isinstance(added, Added):
@@ -145,10 +145,10 @@ def _bound(size: float) -> float:
     return max(abs(float(size)), 1e-4) * COEFFICIENT_BOUND_FACTOR
 
 
-def added_if_better(
+def with_formula(
     structure: Structure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
 ) -> Added | str:
-    """Add a formula to the model if the error on the hold-out set decreases.
+    """Add a formula to the model.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def added_if_better(
     Returns
     -------
     Added or str
-        Otherwise the reason: the hold-out error does not decrease, or the model cannot contain the formula.
+        Otherwise the reason why the model cannot contain the formula.
     """
     try:
         tire = replace(start, added=(*start.added, effect))
@@ -177,13 +177,4 @@ def added_if_better(
         parameters[simulator.index[declaration.name]] = size
     extended = replace(problem, simulator=simulator)
     free = (*solution.free, *(declaration.name for declaration in effect.declarations))
-    fitted = extended.solve(parameters, free, iterations=8)
-    if (gain := problem.holdout_gain(solution, fitted)) <= MIN_IMPROVEMENT:
-        return _too_small(gain)
-    return Added(effect, tire, extended, fitted)
-
-
-def _too_small(gain: float) -> str:
-    """Return the reason why a formula with a gain on the hold-out set was not added."""
-    change = f"decreases it by {100.0 * gain:.1f} %" if gain > 0.0 else f"increases it by {-100.0 * gain:.1f} %"
-    return f"it does not reduce the squared error on the hold-out set by {100.0 * MIN_IMPROVEMENT:.0f} % (it {change})"
+    return Added(effect, tire, extended, extended.solve(parameters, free, iterations=8))
