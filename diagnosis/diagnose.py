@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from tirefmu.boundary.errors import UnknownName, no_single_text
 from tirefmu.estimation.nominal_values import check_nominal
@@ -17,12 +17,12 @@ from tirefmu.symbolic.models import model_named, whole_library
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
-from .explanations.answer import Answer
 from .explanations.compare import compared
+from .explanations.explanation import Explanation
+from .explanations.final import final_fits
 from .least_squares import LeastSquares
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
-from .probing.effect_probing import Screen
 from .recording.predicted_temperature import (
     TEMPERATURE,
     predicting,
@@ -30,12 +30,7 @@ from .recording.predicted_temperature import (
     with_predicted_temperature,
 )
 from .recording.signals import FORMULA_SIGNS, signals_of
-from .search.effect_search import Search
-from .search.memory import searched
-from .search.proposals import FormCorrection, with_correction, with_unknown_structure
-from .search.settling import settle
-from .unexplained.formula_proposal import Unknown
-from .verdict.composition import SearchOutcome, composed
+from .verdict.composition import Outcome, composed
 from .verdict.improved_tire import tire_of
 from .verdict.result import Diagnosis
 
@@ -48,15 +43,10 @@ NOMINAL_COEFFICIENTS = {
 }
 
 
-#: The steps of a diagnosis, as reported to its progress callback, and their time relative to the first one. The search
-#: took 22 to 58 times as long in four recordings of 5,000 rows: how many effects it finds is not known in advance. The
-#: comparison takes about half as long as the search.
-STEPS = {
-    "fitting the baseline model": 1.0,
-    "searching for missing effects": 40.0,
-    "comparing explanations": 20.0,
-}
-BASELINE, SEARCH, EVIDENCE = STEPS
+#: The steps of a diagnosis, as reported to its progress callback, and their time relative to the first one. Comparisons
+#: took 10 to 60 times as long in recordings of 5,000 rows: how many effects are missing is not known in advance.
+STEPS = {"fitting the baseline model": 1.0, "comparing explanations": 30.0, "fitting the best explanation": 5.0}
+BASELINE, COMPARING, FINAL = STEPS
 
 
 def diagnose(
@@ -130,12 +120,29 @@ def diagnose(
         complete = with_predicted_temperature(turning, tire_of(start, problem, solution, ()))
         if complete is not turning:
             problem = _over(problem, complete, start, {*derived, TEMPERATURE})
-            reading = {name: one for name, one in candidates_tried.items() if TEMPERATURE in one.requires}
-            candidates_tried |= {name: replace(one, has_states=True) for name, one in reading.items()}
-        report(SEARCH)
-        before, search = searched(problem, solution, candidates_tried, report)
-        result = _Outcome(recording, complete, candidates_tried, before, began, report).of(search, start)
+            reading = {name: tried for name, tried in candidates_tried.items() if TEMPERATURE in tried.requires}
+            candidates_tried |= {name: replace(tried, has_states=True) for name, tried in reading.items()}
+        report(COMPARING)
+        comparison = compared(problem, solution, candidates_tried, report)
+        report(FINAL)
+        read = _read(comparison.leader.explanation, candidates_tried)
+        derived_table = complete.table[[name for name in complete.table if name in recording.table or name in read]]
+        recorded_or_read = replace(complete, table=derived_table)
+
+        def with_final_fits(*, no_formula: str = "") -> Diagnosis:
+            fits = final_fits(comparison, problem, solution, start, report, no_formula=no_formula)
+            return composed(Outcome(recorded_or_read, candidates_tried, fits, comparison.answer), began)
+
+        result = with_final_fits()
+        if not result.delivered and any(part.effect for part in result.unknown):
+            result = with_final_fits(no_formula=f"with it, {'; '.join(result.not_delivered_because)}")
         return _with_source_of_temperature(result, recording, start, candidates_tried).in_signs("iso")
+
+
+def _read(explanation: Explanation, candidates: Mapping[str, Candidate]) -> set[str]:
+    """Return the inputs that the parts of an explanation read."""
+    of_terms = (term.depends_on for term in explanation.terms)
+    return set().union(*of_terms, *(candidates[name].requires for name in explanation.effects))
 
 
 def _over(problem: LeastSquares, recording: Recording, start: Tire, derived: set[str]) -> LeastSquares:
@@ -159,54 +166,6 @@ def _with_source_of_temperature(
     recorded = TEMPERATURE in recording.table and not start.values.get("THACT")
     source = source_of_temperature(reading, found, start, recorded)
     return replace(result, verdict=f"{result.verdict}. {source}") if source else result
-
-
-@dataclass(frozen=True)
-class _Outcome:
-    """What a diagnosis needs after its search; `complete` is the recording with columns that were computed."""
-
-    recording: Recording
-    complete: Recording
-    tried: Mapping[str, Candidate]
-    before: Screen
-    began: float
-    report: Callable[[str], None]
-    answers: dict[tuple[str, ...], Answer] = field(default_factory=dict)
-
-    def of(self, search: Search, start: Tire) -> Diagnosis:
-        """Return the diagnosis with the proposed formulas, or without them if the tire with them is not delivered.
-
-        A correction of the functional form is left out first, then the formula of an unexplained effect.
-        """
-        without = search.copy()
-        correction, corrected = with_correction(search, self.before, start, self.report)
-        unknown, extended = with_unknown_structure(search, corrected, self.report)
-        result = self._completed(search, extended, unknown, correction)
-        if correction and not result.delivered:
-            self.report("the tire with the correction of the functional form is not better: repeated without it")
-            search, correction = without.copy(), None
-            unknown, extended = with_unknown_structure(search, start, self.report)
-            result = self._completed(search, extended, unknown)
-        if result.delivered or extended is start:
-            return result
-        self.report("the tire with the proposed formula is not better: repeated without the formula")
-        reason = f"with it, {'; '.join(result.not_delivered_because)}"
-        rejected = tuple(replace(one, added=False, not_added_because=reason) if one.added else one for one in unknown)
-        return self._completed(without, start, rejected)
-
-    def _completed(
-        self, search: Search, tire: Tire, unknown: tuple[Unknown, ...], correction: FormCorrection | None = None
-    ) -> Diagnosis:
-        settled = settle(search, self.before)
-        self.report(EVIDENCE)
-        names = tuple(one.name for one in search.found)  # the same for each formula that is tried
-        if names not in self.answers:
-            self.answers[names] = compared(search, self.before, self.tried, self.report)
-        read = {name for one in search.found if one.name in self.tried for name in self.tried[one.name].requires}
-        unread = [name for name in self.complete.table if name not in {*self.recording.table, *read}]
-        recording = replace(self.complete, table=self.complete.table.drop(columns=unread))
-        outcome = SearchOutcome(recording, tire, self.tried, settled, search, unknown, self.answers[names], correction)
-        return composed(outcome, self.began)
 
 
 def _with_derived_turn_slip(recording: Recording, start: Tire, candidates: Mapping[str, Candidate]) -> Recording:

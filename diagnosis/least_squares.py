@@ -138,7 +138,7 @@ class LeastSquares:
         tolerance : float
             Iterations stop when the predicted reduction is below this share of the cost.
         """
-        subsample = self._subsampled(rows)
+        subsample = self.subsampled(rows)
         lower, upper = subsample.bounds(free)
         projected = _Projected(subsample, start, free)
         first = np.clip(start[projected.indices], lower, upper)
@@ -160,22 +160,15 @@ class LeastSquares:
         residual = misfit - self.disturbances.columns @ disturbance
         return Solution(parameters, tuple(free), disturbance, self._cost(parameters, free, disturbance), residual)
 
-    def holdout_gain(self, before: Solution, after: Solution) -> float:
-        """Return the share of the squared misfit on the hold-out set by which a solution is better than another one.
+    def holdout_gains(self, before: Solution, after: Solution) -> FloatArray:
+        """Return by how much a solution is better than another one in each block of the hold-out set, (n_blocks,).
+
+        As a share of the squared misfit on the whole set.
 
         Parameters
         ----------
         before, after : Solution
             Channels are weighted by the misfit of `before` on the training rows.
-        """
-        return float(self.holdout_gains(before, after).sum())
-
-    def holdout_gains(self, before: Solution, after: Solution) -> FloatArray:
-        """Return the contribution of each block of the hold-out set to `holdout_gain`, shape (n_blocks,).
-
-        Parameters
-        ----------
-        before, after : Solution
         """
         signals = self.simulator.signals
         holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0
@@ -245,7 +238,8 @@ class LeastSquares:
         matrix = jacobian.T @ jacobian + np.diag(deviation**-2.0)
         return matrix - cross.T @ inner[:, :-1], slope - cross.T @ inner[:, -1]
 
-    def _subsampled(self, rows: slice | None) -> LeastSquares:
+    def subsampled(self, rows: slice | None) -> LeastSquares:
+        """Return the problem over some of the compared rows, which are then independent; over all of them for None."""
         if rows is None:
             return self
         signals = self.simulator.signals

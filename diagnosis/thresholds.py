@@ -1,20 +1,13 @@
-"""The thresholds of the diagnosis: unit, meaning, and reason for the value.
+"""The settings of the diagnosis: unit, meaning, and reason for the value.
 
-There are four kinds of reasons:
+There are three kinds of reasons:
 
 - *Derived*: the value follows from the method or from physics, as stated.
 - *Convention*: other values are equally suitable.
-- *Benchmark*: the value was selected by results on the 116 recordings of docs/discovery.md. The rates in that document
-  are measured on the same recordings and are optimistic in this respect.
 - *Not recorded*: the value is that of the first version; no study of it is recorded.
 
-No recorded study validates a single threshold on independent data. The benchmark validates, as a set, the thresholds
-that it did not select. The measured recordings of ``make real`` (docs/diagnosis.md) selected no value, but some rules
-followed from looking at one of them: errors of the load, the least variation of a speed, `FURTHER_MEMORY` beside an
-effect of a recorded temperature, another first effect (`search/memory.py`), and corrections of the functional form
-(`search/proposals.py`). For these, the confirmation suite is the validation (docs/discovery.md).
-
-Thresholds of one effect are in its file (docs/effects.md), those of `tirefmu.estimation` in its modules.
+Settings of one effect are in its file
+(docs/effects.md), those of `tirefmu.estimation` in its modules.
 """
 
 from __future__ import annotations
@@ -52,11 +45,8 @@ OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
 #: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
 #: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
 FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
-#: Smallest skew that is corrected, s: in a sweep of 10 deg/s, 3 ms are 0.03 deg. Benchmark: increased from 1 ms after a
-#: skew of -2 ms was found in a recording with hysteresis.
-MIN_SKEW = 0.003
 #: Prior standard deviation of the relative error of the load that follows the direction of slip: benches hold the load
-#: within 1 %. Errors beyond two deviations are attributed to the tire. Convention.
+#: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
 #: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load or speed. Not recorded,
 #: except the last one, a convention: a bench holds a constant speed within 1 %.
@@ -92,109 +82,52 @@ CONFOUNDED, REPORTED = 0.8, 0.7
 #: Share of an effect's norm from which the response of a single coefficient is compared as well. Not recorded.
 MIN_SHARE = 0.4
 
-# ------------------------------------------------------------------ identified effects
+# ------------------------------------------------------------------ the comparison of explanations
 
-#: p-value under coloured noise with Bonferroni correction. Convention: one false identification in 1000 recordings if
-#: the noise model were exact. It is not, hence three further criteria.
-EFFECT_P = 1e-3
-#: Other p-values are larger or smaller by this factor. Larger: that of the block jackknife, as blocks are few and
-#: unequal, and that from which a candidate is refitted, as the nonlinear fit may gain more. Smaller: those of a
-#: formula, which can have many forms. Not recorded.
-P_FACTOR = 10.0
-#: Minimum gain in cross-validation, in standard errors. Benchmark: increased from 1 to 1.2 and to 1.4 after false
-#: identifications in recordings without a missing effect (docs/discovery.md, "Limitations").
-EFFECT_ERRORS = 1.4
-#: Largest share of one block in that sum of gains; larger gains are reduced. Convention: at least five blocks gain;
-#: five equal gains among 50 blocks have 2.3 standard errors.
-LARGEST_SHARE = 0.2
-#: Minimum gain as a share of the squared misfit. Decreased from 0.008, which rejected weak true effects; no study of it
-#: is recorded.
-EFFECT_GAIN = 0.003
-#: Number of candidates and of refinements refitted in a round, and maximum number of rounds. Five as in the independent
-#: study of the method; the others are conventions.
-REFITTED, REFITTED_REFINEMENTS, ROUNDS = 5, 2, 6
-#: Standard errors of the difference by which the gain of a refinement, of an effect that contains another, or of a
-#: formula with one more term must exceed that of the simpler explanation. Convention: about 95 %.
-PREFERRED_ERRORS = 2.0
-#: An effect is preferred to unexplained structure from this share of its gain. Not recorded: a flexible formula gains
-#: more than one effect if several are missing.
-PREFERRED_SHARE = 0.6
-#: The same for the joint gain with the effects that the next rounds would identify, and the number of those rounds.
-#: Benchmark: several missing effects were reported as unexplained structure.
-PREFERRED_JOINT_SHARE, LOOKAHEAD = 0.8, 3
-#: Share of the gain of an identified effect with states, or of a recorded temperature, that a further effect of the
-#: past must gain. Benchmark: a hysteresis of another form was reported as two effects.
-FURTHER_MEMORY = 0.15
-#: Rows of the fits in the search; iterations of the final fit. Conventions: computing time.
-SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
-
-# ------------------------------------------------------------------ confirmation in the final fit
-
-#: Joint significance of an effect in the final fit, in standard deviations of a normal distribution. Convention: true
-#: effects of an independent study had 5.9 or more, false ones mostly less than 4. The measured rate of false names
-#: (docs/discovery.md) is none of 100 recordings of the first generator from 2 on, and 4 of 100 of the second generator
-#: at any threshold up to 4. It was selected on neither.
-CONFIRMED_Z = 4.0
-#: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
-#: the agreement that is required of reported residuals.
-MAX_WHITENED_MISFIT = 1.02
-
-# ------------------------------------------------------------------ the probability of explanations
-
-#: Power of the likelihood. No model of a tire or of its noise is exact; with 1 probabilities are too near 0 and 1. From
-#: an independent study of 76 recordings; the suites of docs/discovery.md did not select it.
-LIKELIHOOD_POWER = 0.3
+#: Number of compared rows at which the likelihood is raised to the power 1/2: no model of a tire or of its noise is
+#: exact, so that evidence does not grow in proportion to the rows. An independent study of 76 recordings, most of them
+#: with 4,500 rows, gave the power 0.3.
+COARSENED_ROWS = 2000
 #: Prior odds of each effect and of an unknown component. Convention: about one of all effects is missing.
-EFFECT_ODDS = 1.0 / 40.0
+EFFECT_ODDS, UNKNOWN_ODDS = 1.0 / 40.0, 1.0 / 40.0
 #: Prior standard deviation of a term of the unknown component, as a share of all forces. Convention.
 UNKNOWN_SHARE = 0.1
-#: Prior standard deviation of the discrepancy of an effect, as a share of its response, and those of the discrepancy of
-#: the model, as a share of the forces, of which the evidence selects one. Conventions.
-FORM_ERROR, DISCREPANCIES = 0.1, (0.002, 0.006, 0.02)
+#: Prior standard deviation of errors of the form of an effect, as a share of its response: of any effect, and of one
+#: that depends on the past, as a tire has several memories, an effect of the library one. Conventions.
+FORM_ERROR, PAST_ERROR = 0.1, 1.0
+#: Prior standard deviations of the discrepancy of the model, as a share of the forces; the evidence selects one of them
+#: for each channel. Conventions.
+DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
 #: Number of effects that are refitted in place of each identified one, and logarithm of the evidence relative to the
 #: best explanation from which an addition is refitted. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -4.0
+#: Rows of the first iterations of a refit; iterations of the final fit. Conventions: computing time.
+SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
 
-# ------------------------------------------------------------------ unexplained structure
+# ------------------------------------------------------------------ the proposal of an unknown component
 
-#: Minimum gain of a formula in standard errors. Benchmark: increased from 1.
-STRUCTURE_ERRORS = 1.2
-#: Minimum gain of a formula as a share of the squared misfit, and of a further term as a share of the gain of the
-#: previous terms. Not recorded.
-STRUCTURE_GAIN = 0.03
-#: Number of best correlated columns that are cross-validated. Convention: computing time.
-SHORTLIST = 12
-#: Maximum number of terms of a formula. Convention: legibility.
-MAX_TERMS = 3
-#: Minimum gain of a further term with a new variable in standard errors. Benchmark: variables of unexplained structure.
-TERM_ERRORS_OF_VARIABLE = 2.5
-#: Number of long stretches of a recording, minimum number that an effect or a formula must predict better, and share of
-#: the gain of a formula that must remain. By chance 6 or more of 8 are positive in 14 %: the criterion rejects proxies,
-#: not noise. 43 of 44 true effects of an independent study passed it. Benchmark.
-STRETCHES, MIN_STRETCHES, MIN_RETAINED_GAIN = 8, 6, 0.5
-#: Share of the squared misfit on the hold-out set that a formula must remove to be added. Not recorded.
-MIN_IMPROVEMENT = 0.02
+#: Number of features whose evidence is computed. Convention: computing time.
+SHORTLIST = 60
 #: Bounds of a formula's coefficient as multiples of its estimate. Convention.
 COEFFICIENT_BOUND_FACTOR = 10.0
 
 # ------------------------------------------------------------------ the delivered tire and the verdict
 
-#: Probability with which a tire that is as good as the baseline tire, in each channel and on both sets, is not
-#: delivered. Convention.
-WORSE_P = 0.05
-#: Largest uncertainty of an effect over the operating range, as a share of its spread among tires; the same for the
-#: coefficients of a refinement. Derived: above it,
-#: three quarters of the knowledge about the effect's variance come from other tires, not from the recording.
-MAX_UNCERTAINTY = 0.5
-#: Largest change of a force by an effect that the recording does not determine, in multiples of the spread among tires.
-#: Derived: a larger one is less plausible than none. Benchmark: effects that the recording determines are exempt,
-#: because true effects were larger than the spread.
-MAX_UNDETERMINED_CHANGE = 1.0
 #: Residual over noise floor above which a channel lacks something that was not identified. From the requirements of the
 #: diagnosis.
 INADEQUATE = 1.5
 
+#: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
+#: the agreement that is required of reported residuals.
+MAX_WHITENED_MISFIT = 1.02
+
 # ------------------------------------------------------------------ the report
+
+#: p-value under coloured noise, with Bonferroni correction, at which the detection limit of an effect is stated.
+#: Convention.
+EFFECT_P = 1e-3
+#: Number of long stretches in which an effect is judged. Convention.
+STRETCHES = 8
 
 #: A channel is reported for an effect from this share of the largest channel's power. Convention.
 CHANNEL_SHARE = 0.02

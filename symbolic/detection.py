@@ -108,9 +108,9 @@ class Detection:
 
     @property
     def prior_spread(self) -> dict[str, float]:
-        """The declared spread, and the default spread of the coefficients of scalable forms."""
+        """The declared spread, and the default spread of the coefficients of scalable forms and refinements."""
         spread = dict(self.spread)
-        for form in self.forms:
+        for form in (*self.forms, *self.refinements):
             if form.scalable and not form.given:
                 for probe in form.probes:
                     spread = {**{name: LARGEST_IN_SIZES * abs(size) for name, size in probe.items()}, **spread}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .explanation import UNKNOWN
+from .explanation import FORM, UNKNOWN
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,14 @@ class Answer:
 
 
 def answer_of(evidences: Mapping[tuple[str, ...], float], candidates: Iterable[str]) -> Answer:
-    """Return the answer from the logarithm of the evidence of each explanation, prior odds included, by its parts."""
+    """Return the answer from the logarithm of the evidence of each explanation, prior odds included, by its parts.
+
+    Explanations that differ in errors of the functional form only are one.
+    """
     values = np.array(list(evidences.values()))
-    weights = np.exp(values - values.max())
-    ranked = [
-        RankedExplanation(tuple(one for one in parts if one != UNKNOWN), UNKNOWN in parts, float(weight))
-        for parts, weight in zip(evidences, weights / weights.sum(), strict=True)
-    ]
+    weights, sums = np.exp(values - values.max()), dict[tuple[tuple[str, ...], bool], float]()
+    for parts, weight in zip(evidences, weights / weights.sum(), strict=True):
+        key = tuple(one for one in parts if one not in (UNKNOWN, FORM)), UNKNOWN in parts
+        sums[key] = sums.get(key, 0.0) + float(weight)
+    ranked = [RankedExplanation(effects, unknown, probability) for (effects, unknown), probability in sums.items()]
     return Answer(tuple(sorted(ranked, key=lambda one: -one.probability)), tuple(candidates))

@@ -1,161 +1,374 @@
-"""How probable the identified effects are: they are compared with their rivals.
+"""The most probable explanation of a recording: explanations are refitted, extended and reduced, best first.
 
-Compared are the identified effects, all explanations with one effect more or an unknown component, all with one less,
-and all with another one in place of one. Rivals that come near are refitted; the others keep the evidence of the linear
-problem at the explanation next to them.
+All compared explanations have one noise and one discrepancy, those of the leading explanation. When another one leads,
+both are estimated again and the comparison is repeated.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from ..least_squares import Solution
+from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
-from ..search.effect_search import Search
-from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS
+from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS, UNKNOWN_ODDS, UNKNOWN_SHARE
+from ..unexplained.proposal import Dictionary
 from .answer import Answer, answer_of
 from .evidence import Projected
-from .explanation import UNKNOWN, Explanation, Term
-from .linearization import Addition, Linearization, term_of
-from .refit import Refitted, Shared, refitted, shared_problem
+from .explanation import FORM, UNKNOWN, Explanation, Term
+from .linearization import Addition, Linearization, form_errors, relative_size
+from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Number of estimates of the noise, of extended explanations for each, and of terms of a part.
+#: Conventions: computing time.
+ESTIMATES, COMPARED, TERMS = 5, 12, 3
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """The answer, the most probable explanation with its refit, and what all explanations have in common."""
+
+    answer: Answer
+    leader: Refitted
+    shared: Shared
+
 
 def compared(
-    search: Search, before: Screen, candidates: Mapping[str, Candidate], progress: Callable[[str], None]
-) -> Answer:
-    """Return the probabilities of the effects and the structure that a search identified, and of their rivals.
+    problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], progress: Callable[[str], None]
+) -> Comparison:
+    """Compare explanations of a recording.
 
     Parameters
     ----------
-    search : Search
-        Completed and settled.
-    before : Screen
-        Of the baseline model, before formulas were added to it.
+    problem : LeastSquares
+        Of the baseline model.
+    baseline : Solution
     candidates : mapping of str to Candidate
-        All that were tested.
     progress : callable
         Called with a sentence.
 
     Returns
     -------
-    Answer
+    Comparison
     """
-    baseline = before.solution
-    problem = replace(before.problem, disturbances=before.problem.disturbances.of_recording())
-    simulator, parameters = problem.simulator, baseline.parameters.copy()
-    known = [name for name in simulator.names if name in search.problem.simulator.index]
-    values = search.solution.parameters[[search.problem.simulator.index[name] for name in known]]
-    parameters[[simulator.index[name] for name in known]] = values
-    forms = tuple((refit.name, refit.form) for refit in search.found)
-    terms = [
-        term
-        for one in search.structures
-        for column in np.moveaxis(one.columns, -1, 0)
-        for term in term_of(problem, one.formula, column, one.tests)
-    ]
-    fitted = {*baseline.free, *(name for _, form in forms for name in form.free)}
-    at = problem.at(parameters, tuple(sorted(fitted, key=simulator.names.index)))
-    return _ranked(Linearization(Explanation(forms, tuple(terms)), problem, at, candidates), baseline, progress)
+    linear = _begun(problem, baseline, dict(sorted(candidates.items())), progress)
+    first = set[tuple[str, ...]]()
+    for _ in range(ESTIMATES):
+        table = _table(linear, baseline, progress)
+        table.climb(linear)
+        if table.leader.explanation.parts == linear.explanation.parts:
+            table.compare()
+            table.propose(baseline)
+        leader, first = table.leader, first | {linear.explanation.parts}
+        parts = leader.explanation.parts
+        # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
+        if parts in first and len(parts) <= len(linear.explanation.parts):
+            break
+        linear = _with_own_noise(leader, problem)
+    return Comparison(answer_of(table.scores, candidates), leader, table.shared)
 
 
-def _ranked(linear: Linearization, baseline: Solution, progress: Callable[[str], None]) -> Answer:
-    """Return the probabilities of the explanation of a linearization and of its rivals."""
-    identified, additions = linear.explanation, linear.additions()
-    shared = shared_problem(linear, baseline, additions)
-    evidences: dict[tuple[str, ...], float] = {}
-    first = _compared(shared, identified, linear.solution.parameters, evidences)
-    _add(shared, first, additions, evidences, refits=0)
-    absent = first.linear.simulator.tire.parameters()
-    for part in identified.parts:
-        progress(f"comparing {part} with other explanations")
-        start = first.linear.solution.parameters.copy()
-        freed = [name for one, form in identified.forms if one == part for name in form.free]
-        indices = [first.linear.simulator.index[name] for name in freed]
-        start[indices] = absent[indices]
-        less = _compared(shared, identified.without(part), start, evidences, first)
-        _add(shared, less, less.linear.additions(), evidences, refits=RIVALS)
-    if len(identified.parts) > 1:
-        _compared(shared, Explanation(), baseline.parameters, evidences, first)
-    return answer_of(evidences, linear.candidates)
+def _begun(
+    problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], progress: Callable[[str], None]
+) -> Linearization:
+    """Return the linearization from which all rows are compared: at the effects to which a climb over some rows leads.
 
-
-def _compared(
-    shared: Shared, explanation: Explanation, start: FloatArray, evidences: dict[tuple[str, ...], float],
-    near: Refitted | None = None,
-) -> Refitted:  # fmt: skip
-    """Refit an explanation with the skew of another one first, and store its evidence."""
-    refit = refitted(shared, explanation, start, (near.linear if near else shared).problem.simulator)
-    evidences[explanation.parts] = refit.evidence + explanation.log_prior
-    return refit
-
-
-def _add(
-    shared: Shared, refit: Refitted, additions: Sequence[Addition], evidences: dict[tuple[str, ...], float], *,
-    refits: int,
-) -> None:  # fmt: skip
-    """Store the evidence of an explanation with each addition; the best ones are refitted.
-
-    The first `refits` ones always are, others from `REFIT_MARGIN` on.
+    `baseline`: solution of the baseline model.
     """
-    if not additions:
-        return
-    projected = Projected.of(refit.linear.equations(additions), [len(one.deviation) for one in additions])
-    known = _known(projected, additions)
-    base = evidences[refit.explanation.parts]
-    scored = dict[str, list[tuple[float, Addition, FloatArray]]]()
-    for addition, group in zip(additions, projected.groups, strict=True):
-        if addition.name != UNKNOWN or not known[group].any():
-            gain, estimate = projected.gain(group)
-            scored.setdefault(addition.name, []).append((gain + addition.log_prior, addition, estimate))
-    totals = {name: float(np.logaddexp.reduce([gain for gain, _, _ in forms])) for name, forms in scored.items()}
-    for number, name in enumerate(sorted(totals, key=lambda one: -totals[one])):
-        gain, best, estimate = max(scored[name], key=lambda one: one[0])
-        extended = _with(refit.explanation, best)
-        if extended.parts in evidences:
-            continue
-        evidences[extended.parts] = base + totals[name]
-        if number < refits or base + totals[name] > max(evidences.values()) + REFIT_MARGIN:
-            _refit(shared, refit, best, estimate, extended, evidences, totals[name] - gain)
+    few = problem.subsampled(some_rows(problem.simulator))
+    linear = Linearization(Explanation(), few, few.at(baseline.parameters, baseline.free), candidates)
+    table = _table(linear, baseline, progress)
+    table.climb(linear)
+    end, signals = table.leader.linear, problem.simulator.signals
+    delayed = problem.over(problem.simulator.with_signals(signals.delayed(end.simulator.signals.skew - signals.skew)))
+    return replace(
+        end, explanation=Explanation(end.explanation.forms), problem=delayed,
+        solution=delayed.at(end.solution.parameters, end.solution.free),
+    )  # fmt: skip
 
 
-def _known(projected: Projected, additions: Sequence[Addition]) -> npt.NDArray[np.bool_]:
-    """Return which columns an effect of the library reproduces: as terms, these are not unknown."""
+def _table(linear: Linearization, baseline: Solution, progress: Callable[[str], None]) -> _Table:
+    """Return an empty table under the noise of a linearization."""
+    additions = linear.additions()
+    shared = shared_problem(linear, baseline, [one for forms in additions.values() for one in forms])
+    weighted = {name: [one.weighted(shared.problem) for one in forms] for name, forms in additions.items()}
+    return _Table(shared, baseline.parameters, weighted, progress)
+
+
+def _with_own_noise(leader: Refitted, problem: LeastSquares) -> Linearization:
+    """Return the linearization of a refit with rows of independent noise and without a discrepancy."""
+    bare = with_terms(problem, leader.explanation).over(leader.linear.simulator)
+    at = bare.at(leader.linear.solution.parameters, leader.linear.solution.free)
+    return replace(leader.linear, problem=bare, solution=at)
+
+
+@dataclass(eq=False)
+class _Table:
+    """The explanations that were compared under one noise, by their parts.
+
+    - `absent`, shape (n_parameters,): of the baseline model.
+    - `additions`: by name, to the first explanation that lacks the part. Their columns serve for all explanations.
+    - `refits`: those that were refitted.
+    - `proposed`: those for which a formula was searched.
+    - `expanded`: those that were extended and reduced.
+    - `scores`: logarithm of the evidence with the prior odds; of others that of the linear problem next to them.
+    """
+
+    shared: Shared
+    absent: FloatArray
+    additions: dict[str, list[Addition]]
+    progress: Callable[[str], None]
+    refits: dict[tuple[str, ...], Refitted] = field(default_factory=dict)
+    scores: dict[tuple[str, ...], float] = field(default_factory=dict)
+    proposed: set[tuple[str, ...]] = field(default_factory=set)
+    expanded: set[tuple[str, ...]] = field(default_factory=set)
+
+    def _possible(self, linear: Linearization) -> list[Addition]:
+        """Return the effects and terms that an explanation lacks."""
+        lacking = [name for name in linear.candidates if name not in linear.explanation.effects]
+        for name in lacking:
+            if name not in self.additions:
+                self.additions[name] = [one.weighted(self.shared.problem) for one in linear.of_effect(name)]
+        own = {(term.location.name, term.feature.text) for term in linear.explanation.terms}
+        terms = [one for one in self.additions[""] if (one.term.location.name, one.term.feature.text) not in own]
+        return [*(one for name in lacking for one in self.additions[name]), *terms]
+
+    @property
+    def leader(self) -> Refitted:
+        """The refitted explanation with the largest score."""
+        return self.refits[max(self.refits, key=lambda parts: self.scores[parts])]
+
+    def climb(self, linear: Linearization) -> None:
+        """Extend and reduce the leading explanation, from a given one on, while another one leads then."""
+        if linear.explanation.parts not in self.refits:
+            self._add(refitted(self.shared, linear.explanation, [linear.solution.parameters], linear.simulator))
+        if not linear.explanation.parts:
+            self._propose(self.refits[()])
+        self._expand(lambda: [self.leader.explanation.parts])
+
+    def compare(self) -> None:
+        """Extend and reduce the best explanations until none of the leading ones is left."""
+        self._expand(self._near)
+
+    def _expand(self, chosen: Callable[[], list[tuple[str, ...]]]) -> None:
+        """Extend and reduce chosen explanations until there are no others."""
+        while len(self.expanded) < COMPARED:
+            remaining = [parts for parts in chosen() if parts not in self.expanded]
+            if not remaining:
+                return
+            self._reduce(self.refits[remaining[0]])
+            self._extend(self.refits[remaining[0]])
+            self.expanded.add(remaining[0])
+
+    def propose(self, baseline: Solution) -> None:
+        """Compare formulas for what the leading explanation, those with one part less, and none of them explain."""
+        leader = self.leader
+        if UNKNOWN in leader.explanation.parts:
+            return
+        if () not in self.refits:
+            self._add(refitted(self.shared, Explanation(), [baseline.parameters], leader.linear.simulator))
+        less = [self._without(leader.explanation, part).parts for part in leader.explanation.effects]
+        for parts in dict.fromkeys([leader.explanation.parts, *less, ()]):
+            self._propose(self.refits[parts])
+        self.compare()
+
+    def _propose(self, refit: Refitted) -> None:
+        """Refit an explanation with the formula that explains most of what it does not.
+
+        Terms at one location are added while the evidence grows; each is one of all that were tested.
+        """
+        parts = (*refit.explanation.parts, UNKNOWN)
+        if parts in self.proposed:
+            return
+        self.proposed.add(parts)
+        self.progress(f"searching for a formula in addition to {', '.join(parts[:-1]) or 'the baseline model'}")
+        errors, dictionary, best = refit.linear.form_errors, Dictionary(_screen(refit)), refit
+        possible = [
+            i
+            for i, (location, feature) in enumerate(dictionary.terms)
+            if not errors.contain(location, feature.depends_on.union(location.proportional_to))
+        ]
+        chosen = list[int]()
+        while possible and len(chosen) < TERMS:
+            prior = float(np.log((1.0 if chosen else UNKNOWN_ODDS) / len(dictionary.terms)))
+            tried = dictionary.shortlisted(_screen(best), possible)
+            i, gain = self._best_term(best, dictionary, tried)
+            if gain + prior <= 0.0:
+                break
+            term = self._term(dictionary, i, prior)
+            explanation = best.explanation.extended(UNKNOWN, term)
+            more = refitted(self.shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
+            if more.evidence + prior <= best.evidence:
+                break
+            best, chosen = more, [*chosen, i]
+            possible = [
+                k for k, (at, _) in enumerate(dictionary.terms) if at == dictionary.terms[i][0] and k not in chosen
+            ]
+        if not chosen:
+            return
+        formula = np.stack([dictionary.column(i) for i in chosen], axis=-1)
+        size = formula @ np.array(best.term_sizes(UNKNOWN))
+        if not self._reproduced(refit.linear, size):
+            self._add(best)
+
+    def _reproduced(self, linear: Linearization, change: FloatArray) -> bool:
+        """Return whether an effect of the library reproduces a change of the forces, shape (n_channels, n)."""
+        effects = [one for one in self._possible(linear) if not isinstance(one.part, Term)]
+        alone = Addition(UNKNOWN, effects[0].part, change[:, :, None], np.ones(1), 0.0)
+        sizes = [1, *(len(one.deviation) for one in effects)]
+        projected = Projected.of(linear.equations([alone, *effects]), sizes)
+        return any(projected.correlations(group)[0] > CONFOUNDED for group in projected.groups[1:])
+
+    def _best_term(self, refit: Refitted, dictionary: Dictionary, tried: Sequence[int]) -> tuple[int, float]:
+        """Return the term with the largest gain in the linear problem, and this gain."""
+        terms = [self._term(dictionary, i, 0.0) for i in tried]
+        additions = [Addition(UNKNOWN, one, one.column[:, :, None], np.array([one.deviation]), 0.0) for one in terms]
+        projected = Projected.of(refit.linear.equations(additions), [1] * len(additions))
+        gained = [projected.gain(group)[0] for group in projected.groups]
+        return tried[int(np.argmax(gained))], max(gained)
+
+    def _term(self, dictionary: Dictionary, i: int, log_prior: float) -> Term:
+        (location, feature), column = dictionary.terms[i], dictionary.column(i)
+        deviation = UNKNOWN_SHARE * relative_size(self.shared.problem, column)
+        return Term(UNKNOWN, location, feature, column, deviation, log_prior)
+
+    def _near(self) -> list[tuple[str, ...]]:
+        """Return the leading explanation, those with one part less, and those with nearly its score."""
+        parts = self.leader.explanation.parts
+        less = [one for one in self.refits if len(one) == len(parts) - 1 and set(one) < set(parts)]
+        near = [one for one in self.refits if self.scores[one] > self.scores[parts] + REFIT_MARGIN]
+        return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda one: -self.scores[one])]))
+
+    def _add(self, refit: Refitted) -> None:
+        parts, score = refit.explanation.parts, refit.evidence + refit.explanation.log_prior
+        if parts not in self.refits or score > self.scores[parts]:
+            self.refits[parts], self.scores[parts] = refit, score
+
+    def _reduce(self, refit: Refitted) -> None:
+        """Refit an explanation without each of its parts."""
+        simulator, explanation = refit.linear.simulator, refit.explanation
+        for part in explanation.parts:
+            less = self._without(explanation, part)
+            if less.parts not in self.refits:
+                start = refit.linear.solution.parameters.copy()
+                freed = [simulator.index[name] for one, form in explanation.forms if one == part for name in form.free]
+                start[freed] = self.absent[freed]
+                self.progress(f"comparing {part} with other explanations")
+                self._add(refitted(self.shared, less, [start], simulator))
+
+    def _without(self, explanation: Explanation, part: str) -> Explanation:
+        """Return an explanation without a part, and without errors of form in the inputs of this part alone."""
+        less = explanation.without(part)
+        errors = form_errors(less, self.shared.candidates, self.shared.problem.simulator.symbolic_model)
+        terms = tuple(
+            term for term in less.terms if term.part == UNKNOWN or errors.contain(term.location, term.depends_on)
+        )
+        return replace(less, terms=terms)
+
+    def _extend(self, refit: Refitted) -> None:
+        """Compare an explanation with those that have one part more; the best ones are refitted.
+
+        Others are from `REFIT_MARGIN` on; the first `RIVALS` ones always if they are rivals of the leading explanation.
+        """
+        always = RIVALS if len(refit.explanation.parts) <= max(len(self.leader.explanation.parts) - 1, 0) else 0
+        base = self.scores[refit.explanation.parts]
+        scored = gains(refit.linear, self._possible(refit.linear))
+        totals = {name: float(np.logaddexp.reduce([one.gain for one in forms])) for name, forms in scored.items()}
+        for number, name in enumerate(sorted(totals, key=lambda one: -totals[one])):
+            best = max(scored[name], key=lambda one: one.gain)
+            parts, score = self._extended(refit, best).parts, base + totals[name]
+            if parts in self.refits:
+                continue
+            self.scores[parts] = max(score, self.scores.get(parts, -np.inf))
+            if number < always or score > max(self.scores.values()) + REFIT_MARGIN:
+                if isinstance(best.addition.part, Term):
+                    self._add(self._with_form(refit, best, totals[name] - best.gain))
+                else:
+                    self._add(self._with_effect(refit, best))
+
+    def _extended(self, refit: Refitted, gain: Gain) -> Explanation:
+        """Return an explanation with an addition; terms that are errors of its form then are unknown no longer."""
+        more = refit.explanation.extended(gain.addition.name, gain.addition.part)
+        errors = form_errors(more, self.shared.candidates, self.shared.problem.simulator.symbolic_model)
+        terms = [
+            replace(term, part=FORM) if errors.contain(term.location, term.depends_on) else term for term in more.terms
+        ]
+        return replace(more, terms=tuple(terms))
+
+    def _with_effect(self, refit: Refitted, best: Gain) -> Refitted:
+        """Refit an addition of an effect; coefficients of a grid are fitted, so that its points are one explanation."""
+        simulator, addition = refit.linear.simulator, best.addition
+        explanation = self._extended(refit, best)
+        begins = starts(simulator, refit.linear.solution, addition.form, best.estimate * addition.deviation)
+        return refitted(self.shared, explanation, begins, simulator)
+
+    def _with_form(self, refit: Refitted, best: Gain, others: float) -> Refitted:
+        """Refit an error of form, and further terms of it while they gain.
+
+        `others`: logarithm of the evidence of all terms relative to that of the best one.
+        """
+        while True:
+            term = replace(best.addition.term, log_prior=best.log_prior + others)
+            explanation = refit.explanation.extended(FORM, term)
+            more = refitted(self.shared, explanation, [refit.linear.solution.parameters], refit.linear.simulator)
+            gained = more.evidence + more.explanation.log_prior - refit.evidence - refit.explanation.log_prior
+            number = len(explanation.terms_of(FORM))
+            if number > 1 and gained <= 0.0:
+                return refit
+            if number == TERMS:
+                return more
+            refit, others = more, 0.0
+            further = gains(refit.linear, self._possible(refit.linear)).get(FORM, [])
+            best = max(further, key=lambda one: one.gain, default=best)
+            if not further or best.gain <= 0.0:
+                return refit
+
+
+def _screen(refit: Refitted) -> Screen:
+    """Return the linearization of a refit in rows of independent noise."""
+    problem = replace(refit.linear.problem, whitening=None)
+    return Screen(problem, problem.at(refit.linear.solution.parameters, refit.linear.solution.free))
+
+
+@dataclass(frozen=True, eq=False)
+class Gain:
+    """An addition with its prior odds, the increase of the logarithm of the evidence with these, and its estimate."""
+
+    gain: float
+    addition: Addition
+    log_prior: float
+    estimate: FloatArray
+
+
+def gains(linear: Linearization, additions: Sequence[Addition]) -> dict[str, list[Gain]]:
+    """Return what could be added to an explanation, by name, with its gain in the linear problem.
+
+    Terms are errors of form: others are unknown, and those that an effect of the library reproduces are neither. All
+    terms share the prior odds of an error of form; an explanation with one has them already.
+    """
+    possible = [linear.named(one) for one in additions]
+    if not possible:
+        return {}
+    projected = Projected.of(linear.equations(possible), [len(one.deviation) for one in possible])
     known = np.zeros(len(projected.target), dtype=bool)
-    for addition, group in zip(additions, projected.groups, strict=True):
-        if addition.name != UNKNOWN:
+    for addition, group in zip(possible, projected.groups, strict=True):
+        if not isinstance(addition.part, Term):
             known |= projected.correlations(group) > CONFOUNDED
-    return known
-
-
-def _refit(
-    shared: Shared, refit: Refitted, addition: Addition, estimate: FloatArray, extended: Explanation,
-    evidences: dict[tuple[str, ...], float], other_forms: float,
-) -> None:  # fmt: skip
-    """Store the evidence of a refitted addition.
-
-    Coefficients of a grid are fitted, so that all of its points are one explanation. `other_forms`: logarithm of the
-    evidence of all terms relative to that of the best one.
-    """
-    simulator, solution = refit.linear.simulator, refit.linear.solution
-    if isinstance(addition.part, Term):
-        one = refitted(shared, extended, solution.parameters, simulator)
-        evidences[extended.parts] = one.evidence + extended.log_prior + other_forms
-        return
-    tried = [
-        refitted(shared, extended, start, simulator)
-        for start in starts(simulator, solution, addition.part, estimate * addition.deviation)
-    ]
-    evidences[extended.parts] = max(one.evidence for one in tried) + extended.log_prior
-
-
-def _with(explanation: Explanation, addition: Addition) -> Explanation:
-    if isinstance(addition.part, Term):
-        return Explanation(explanation.forms, (*explanation.terms, addition.part))
-    return Explanation((*explanation.forms, (addition.name, addition.part)), explanation.terms)
+    scored, counts = dict[str, list[Gain]](), Counter(one.name for one in possible)
+    for addition, group in zip(possible, projected.groups, strict=True):
+        prior = addition.log_prior
+        if isinstance(addition.part, Term):
+            if addition.name == UNKNOWN or known[group].any():
+                continue
+            odds = 1.0 if linear.explanation.terms_of(FORM) else UNKNOWN_ODDS
+            prior = float(np.log(odds / counts[FORM]))
+        gain, estimate = projected.gain(group)
+        scored.setdefault(addition.name, []).append(Gain(gain + prior, addition, prior, estimate))
+    return scored

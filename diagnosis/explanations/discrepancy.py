@@ -8,50 +8,103 @@ Recht, Random features for large-scale kernel machines, 2007).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import uniform_filter1d
 
+from tirefmu.measurements.virtual_bench.bench_errors import half_waves
+
+from ..recording.disturbances import passed
 from ..recording.load_error import LAGS, load_error_responses
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
-from ..thresholds import LOAD_ERROR_PRIOR, MAX_SKEW
-from ..unexplained.structure import CORE_INPUTS
+from ..thresholds import BLOCK_LENGTH, DRIFT_WAVES, FAST_DRIFT_PRIOR, FAST_DRIFT_WAVES, LOAD_ERROR_PRIOR, MAX_SKEW
+from ..unexplained.features import CORE_INPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
 #: Features of each channel: of the model, and of an effect. Convention: computing time.
-MODEL_FEATURES, EFFECT_FEATURES = 30, 12
+MODEL_FEATURES, EFFECT_FEATURES = 30, 30
 #: Inputs of which the magnitude counts: a discrepancy is symmetric between left and right, driving and braking.
 SYMMETRIC = ("alpha", "kappa", "gamma", "phit")
+#: Lengths of the moving averages from which noise of the inputs differs, s. Convention.
+AVERAGED = (0.1, 0.4)
 #: Moments that follow the side force: their own sign changes within a sweep.
 OF_SIDE_FORCE = ("Mz", "Mx")
 
 
 def model_discrepancy(signals: Signals, forces: FloatArray) -> FloatArray:
-    """Return the features of each channel, N and N m, shape (n_channels, n, n_channels * MODEL_FEATURES).
+    """Return the features of each channel, N and N m, shape (n_channels, n, k).
+
+    A moment may also have an even part, which does not change its sign with the side force.
 
     `forces`, shape (n_channels, n): of the baseline model.
     """
     size = np.sqrt(np.mean(np.nan_to_num(forces) ** 2, axis=1))
-    proportional = forces.copy()
+    proportional, even = forces.copy(), np.zeros_like(forces)
     if "Fy" in signals.channels:
         side = signals.channels.index("Fy")
         for i, name in enumerate(signals.channels):
             if name in OF_SIDE_FORCE:
                 proportional[i] = forces[side] * size[i] / max(size[side], 1e-12)
-    return _by_channel(proportional, smooth_functions(signals, sorted(CORE_INPUTS), MODEL_FEATURES))
+                even[i] = np.abs(proportional[i])
+    named = signals.named()
+    functions = smooth_functions({name: named[name] for name in sorted(CORE_INPUTS)}, MODEL_FEATURES)
+    columns = np.concatenate([_by_channel(rows, functions) for rows in (proportional, even)], axis=-1)
+    return np.asarray(columns[:, :, np.any(columns, axis=(0, 1))])
 
 
-def effect_discrepancy(signals: Signals, response: FloatArray, requires: Sequence[str]) -> FloatArray:
-    """Return the features of an effect, N and N m, shape (n_channels, n, k), over the core inputs and its own.
+def fast_drift(signals: Signals, inverse_noise: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return drift of the zeros that is faster than the slow drift of the disturbances, and its prior deviations.
 
-    `response`, shape (n_channels, n): the change of the forces by the effect.
+    Shapes (n_channels, n, k) and (k,). The k-th half wave of a random walk has a deviation in proportion to 1 / k. The
+    waves remain slower than sweeps from side to side.
+
+    `inverse_noise`, shape (n_channels, n): reciprocal standard deviation of the noise, 1/N and 1/(N m).
     """
-    inputs = sorted(CORE_INPUTS | set(requires).intersection(signals.names))
-    return _by_channel(response, smooth_functions(signals, inputs, EFFECT_FEATURES))
+    waves = _fast_waves(signals)
+    columns, deviations = [], []
+    for i, row in enumerate(inverse_noise):
+        noise = 1.0 / float(np.median(row[row > 0.0])) if (row > 0.0).any() else 1.0
+        for k, wave in waves.items():
+            column = np.zeros(signals.measured.shape)
+            column[i] = wave
+            columns.append(column)
+            deviations.append(noise * FAST_DRIFT_PRIOR / k)
+    if not columns:
+        return np.zeros((*signals.measured.shape, 0)), np.zeros(0)
+    return np.stack(columns, axis=-1), np.array(deviations)
+
+
+def _fast_waves(signals: Signals) -> dict[int, FloatArray]:
+    if not signals.timed:
+        return {}
+    named, reversals = signals.named(), 0
+    for slip in (named["alpha"], named["kappa"]):
+        large = slip[np.abs(slip) > 0.5 * np.abs(slip).max()]
+        reversals += int(np.count_nonzero(np.diff(np.sign(large))))
+    waves = half_waves(passed(signals, signals.t[signals.rows]), min(FAST_DRIFT_WAVES, reversals // 2))
+    return dict(enumerate(waves[DRIFT_WAVES + 1 :], DRIFT_WAVES + 1))
+
+
+def effect_discrepancy(response: FloatArray, inputs: Mapping[str, FloatArray], seed: int = 0) -> FloatArray:
+    """Return the features of an effect, N and N m, shape (n_channels, n, k).
+
+    `response`, shape (n_channels, n): the change of the forces by the effect. `inputs`: those of which its error is a
+    function, at the compared rows. `seed`: of the random functions.
+    """
+    return _by_channel(response, smooth_functions(inputs, EFFECT_FEATURES, seed))
+
+
+def envelope(response: FloatArray, signals: Signals) -> FloatArray:
+    """Return the root mean square of a response over the length of a block around each row, shape (n_channels, n)."""
+    if not signals.timed:
+        return response
+    rows = round(BLOCK_LENGTH / float(np.median(np.diff(signals.t[signals.rows]))))
+    return np.asarray(np.sqrt(np.maximum(uniform_filter1d(response**2, max(rows, 1), axis=1, mode="nearest"), 0.0)))
 
 
 def _by_channel(rows: FloatArray, functions: FloatArray) -> FloatArray:
@@ -62,22 +115,21 @@ def _by_channel(rows: FloatArray, functions: FloatArray) -> FloatArray:
     return columns.reshape(*rows.shape, -1)
 
 
-def smooth_functions(signals: Signals, inputs: Sequence[str], number: int) -> FloatArray:
-    """Return random functions of inputs at the compared rows, shape (n, number).
+def smooth_functions(inputs: Mapping[str, FloatArray], number: int, seed: int = 0) -> FloatArray:
+    """Return random functions of inputs, each of shape (n,), shape (n, number).
 
     Combined with independent coefficients of variance 1 they are a Gaussian process of variance 1 whose length scale is
-    the standard deviation of each input. The same inputs always give the same functions.
+    the standard deviation of each input. The same inputs and the same seed always give the same functions.
     """
-    named, axes = signals.named(), []
-    for name in inputs:
-        if name in named:
-            values = np.abs(named[name]) if name in SYMMETRIC else named[name]
-            if (spread := float(np.std(values))) > 1e-9:
-                axes.append((values - values.mean()) / spread)
-    rng = np.random.default_rng(0)
+    axes, rows = [], len(next(iter(inputs.values())))
+    for name, column in inputs.items():
+        values = np.abs(column) if name in SYMMETRIC else column
+        if (spread := float(np.std(values))) > 1e-9:
+            axes.append((values - values.mean()) / spread)
+    rng = np.random.default_rng(seed)
     frequencies, phases = rng.standard_normal((len(axes), number)), rng.uniform(0.0, 2.0 * np.pi, number)
     arguments = np.tensordot(np.array(axes), frequencies, axes=(0, 0)) if axes else 0.0
-    return np.asarray(np.sqrt(2.0 / number) * np.cos(arguments + np.broadcast_to(phases, (len(signals.rows), number))))
+    return np.asarray(np.sqrt(2.0 / number) * np.cos(arguments + np.broadcast_to(phases, (rows, number))))
 
 
 def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -99,3 +151,24 @@ def bench_errors(simulator: Simulator, parameters: FloatArray) -> tuple[FloatArr
     # A line between two rows is wrong by an eighth of the squared step times the second derivative.
     deviations = [0.5 * MAX_SKEW, step**2 / 8.0, *(LOAD_ERROR_PRIOR for _ in LAGS)]
     return np.concatenate([columns, loads], axis=-1), np.array(deviations)
+
+
+def input_noise_responses(simulator: Simulator, parameters: FloatArray) -> FloatArray:
+    """Return the change of the forces if fast variations of an input are noise, shape (n_channels, n, k).
+
+    They are the differences from moving averages of the input, up to three deviations of the noise that was removed:
+    larger ones are movements of the bench. A coefficient of 1 says that all of the variation is noise.
+    """
+    signals, at = simulator.signals, simulator.forces(parameters)
+    if not signals.timed:
+        return np.zeros((*at.shape, 0))
+    step, responses = float(np.median(np.diff(signals.t))), []
+    for i, name in enumerate(signals.names):
+        limit = 3.0 * signals.input_noise.get(name, 0.0)
+        for seconds in AVERAGED if limit > 0.0 else ():
+            average = uniform_filter1d(signals.inputs[i], 2 * round(0.5 * seconds / step) + 1, mode="nearest")
+            inputs = signals.inputs.copy()
+            inputs[i] -= np.clip(inputs[i] - average, -limit, limit)
+            responses.append(simulator.with_signals(replace(signals, inputs=inputs)).forces(parameters) - at)
+    moved = [np.nan_to_num(one) for one in responses if np.any(np.nan_to_num(one))]
+    return np.stack(moved, axis=-1) if moved else np.zeros((*at.shape, 0))

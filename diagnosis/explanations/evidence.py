@@ -14,10 +14,21 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
+from ..thresholds import COARSENED_ROWS
+
 FloatArray = npt.NDArray[np.float64]
 
 #: Added to the diagonal of scaled matrices, whose diagonal is 1: columns may be equal.
 RIDGE = 1e-11
+
+
+def likelihood_power(rows: int) -> float:
+    """Return the power of the likelihood of a recording, as in a coarsened posterior.
+
+    >>> likelihood_power(0), likelihood_power(COARSENED_ROWS)
+    (1.0, 0.5)
+    """
+    return COARSENED_ROWS / (COARSENED_ROWS + rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,35 +10,43 @@ import numpy.typing as npt
 from tirefmu.symbolic.detection import Form
 
 from ..thresholds import EFFECT_ODDS
+from ..unexplained.features import Feature, Location
 
 FloatArray = npt.NDArray[np.float64]
 
-#: The name of the unknown component of an explanation.
-UNKNOWN = "UNKNOWN"
+#: The names of the unknown component of an explanation, and of errors of the functional form of the model.
+UNKNOWN, FORM = "UNKNOWN", "FORM"
 
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """A term of the unknown component.
+    """A term that no effect of the library explains: a feature at a location of the model.
 
-    - `name`: the quantity and the formula, which identify it.
+    - `part`: `UNKNOWN` or `FORM`.
     - `column`, shape (n_channels, n): change of the forces per unit of its coefficient, N and N m.
     - `deviation`: prior standard deviation of the coefficient.
-    - `tests`: number of terms of which it is one.
+    - `log_prior`: logarithm of its prior odds.
     """
 
-    name: str
+    part: str
+    location: Location
+    feature: Feature
     column: FloatArray
     deviation: float
-    tests: int
+    log_prior: float = 0.0
+
+    @property
+    def depends_on(self) -> frozenset[str]:
+        """The variables of the feature, and those that the location is proportional to."""
+        return self.feature.depends_on.union(self.location.proportional_to)
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """A set of effects with or without an unknown component.
+    """A set of effects with or without an unknown component, and errors of the functional form.
 
     - `forms`: the form of each effect by its name; coefficients of a grid are fitted from the point of the form.
-    - `terms`: of the unknown component.
+    - `terms`: of the unknown component and of errors of the functional form.
     """
 
     forms: tuple[tuple[str, Form], ...] = ()
@@ -51,26 +59,30 @@ class Explanation:
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The effects, then `UNKNOWN` if it has an unknown component: equal parts are the same explanation."""
-        return (*self.effects, UNKNOWN) if self.terms else self.effects
+        """The effects, then `FORM` and `UNKNOWN` if it has such terms: equal parts are the same explanation."""
+        return (*self.effects, *sorted({term.part for term in self.terms}))
+
+    def terms_of(self, part: str) -> tuple[Term, ...]:
+        """Return the terms of the unknown component, or of errors of the functional form."""
+        return tuple(term for term in self.terms if term.part == part)
 
     @property
     def log_prior(self) -> float:
-        """Logarithm of the prior odds: one number for all effects and the unknown component, shared by its terms.
+        """Logarithm of the prior odds."""
+        return len(self.forms) * float(np.log(EFFECT_ODDS)) + sum(term.log_prior for term in self.terms)
 
-        >>> odds = [Explanation((), (Term("", np.ones(1), 1.0, tests),)).log_prior for tests in (1, 100)]
-        >>> round(float(np.exp(odds[0] - odds[1])))
-        100
-        """
-        terms = sum(float(np.log(term.tests)) for term in self.terms)
-        return (len(self.forms) + bool(self.terms)) * float(np.log(EFFECT_ODDS)) - terms
+    def extended(self, name: str, part: Form | Term) -> Explanation:
+        """Return the explanation with an effect of a form, or with a term."""
+        if isinstance(part, Term):
+            return Explanation(self.forms, (*self.terms, part))
+        return Explanation((*self.forms, (name, part)), self.terms)
 
     def without(self, part: str) -> Explanation:
-        """Return the explanation without an effect, or without its unknown component.
+        """Return the explanation without an effect, or without the terms of a part.
 
         >>> one = Explanation((("conicity", Form((), ())), ("plysteer", Form((), ()))))
         >>> one.without("plysteer").parts
         ('conicity',)
         """
-        terms = () if part == UNKNOWN else self.terms
+        terms = tuple(term for term in self.terms if term.part != part)
         return Explanation(tuple(each for each in self.forms if each[0] != part), terms)

@@ -2,27 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from tirefmu.symbolic.detection import Form
+from tirefmu.symbolic.model import Model
 
 from ..least_squares import LeastSquares, Solution
-from ..probing.candidates import Candidate, is_testable, refinements_for
+from ..probing.candidates import CORE, Candidate, declared_candidate, is_testable, refinements_for
 from ..probing.effect_probing import probed, unfitted
+from ..recording.disturbances import CROSS_TALK
 from ..recording.simulation import Simulator
-from ..thresholds import EFFECT_ODDS, FORM_ERROR, UNKNOWN_SHARE
-from ..unexplained.features import determined, directions, features, locations_of
-from ..unexplained.structure import CORE_INPUTS
-from .discrepancy import bench_errors, effect_discrepancy
+from ..thresholds import EFFECT_ODDS, FORM_ERROR, PAST_ERROR, UNKNOWN_SHARE
+from ..unexplained.features import CORE_INPUTS, LOCATIONS, Location, determined, directions, features, locations_of
+from .discrepancy import bench_errors, effect_discrepancy, envelope
 from .evidence import NormalEquations
-from .explanation import UNKNOWN, Explanation, Term
+from .explanation import FORM, UNKNOWN, Explanation, Term
 
 FloatArray = npt.NDArray[np.float64]
+
+#: How the names of the terms in the disturbances begin; their numbers follow.
+TERM = "term_"
+#: Variables of the past.
+PAST = frozenset({"memory", "dalpha/dt", "dkappa/dt", "dFz/dt", "distance", "V"})
+#: Roles whose quantities act like a force, a lagged slip or a relaxation length on which an effect acts.
+ROLES_ACTED = {
+    "Fy": "offset_y", "Mz": "residual_moment", "alpha_star": "shift_y", "relaxation_y": "shift_y",
+    "relaxation_x": "shift_x",
+}  # fmt: skip
+#: Factor between the memories of an effect of the past. Convention.
+OTHER_MEMORY = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +45,7 @@ class Addition:
     - `columns`, shape (n_channels, n, k): change of the forces, N and N m.
     - `deviation`, shape (k,): of the priors of their coefficients.
     - `log_prior`: logarithm of the prior odds of the explanation with it.
+    - `rows`, shape (n_channels * n, k): the columns in noise standard deviations, if they are known.
     """
 
     name: str
@@ -39,6 +53,23 @@ class Addition:
     columns: FloatArray
     deviation: FloatArray
     log_prior: float
+    rows: FloatArray | None = None
+
+    @property
+    def form(self) -> Form:
+        """The form of an effect."""
+        assert isinstance(self.part, Form)
+        return self.part
+
+    @property
+    def term(self) -> Term:
+        """The term of an unknown component or of an error of form."""
+        assert isinstance(self.part, Term)
+        return self.part
+
+    def weighted(self, problem: LeastSquares) -> Addition:
+        """Return the addition with its columns in the noise standard deviations of a problem."""
+        return replace(self, rows=problem.weighted(self.columns).reshape(-1, self.columns.shape[-1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +99,14 @@ class Linearization:
         """The index of the skew among the columns of `equations`."""
         return len(self.problem.disturbances.names) + len(self._inside)
 
+    def error_of_skew(self, step: float) -> float:
+        """Return the error of the logarithm of the evidence if the forces are linear in a change of the skew, s.
+
+        The second derivative of the forces by time, which is neglected then, is the column after the skew.
+        """
+        bend = float(self._own_equations.matrix[self.skew_index + 1, self.skew_index + 1])
+        return 0.5 * bend * (0.5 * step**2) ** 2
+
     @cached_property
     def _inside(self) -> tuple[str, ...]:
         """The coefficients that are not at a bound; others are constants of the linear problem."""
@@ -76,22 +115,38 @@ class Linearization:
 
     def equations(self, additions: Sequence[Addition] = ()) -> NormalEquations:
         """Return the normal equations of everything that the explanation contains, and of additions."""
-        problem = self.problem
-        columns, deviation, distance = self._contained
-        added = [each.columns for each in additions]
-        misfit = problem.misfit(self.solution.parameters)[:, :, None]
-        weighted = problem.weighted(np.concatenate([columns, *added, misfit], axis=-1))
-        flat = weighted.reshape(-1, weighted.shape[-1])
-        first, products = problem.disturbance_products
-        cross = first.T @ flat
-        matrix = np.block([[products, cross], [cross.T, flat.T @ flat]])
-        deviations = np.concatenate(
-            [problem.disturbances.deviation, deviation, *(each.deviation for each in additions)]
-        )
-        distances = np.zeros(len(deviations))
-        distances[len(first.T) : len(first.T) + len(distance)] = distance
+        if not additions:
+            return self._own_equations
+        own, first = self._own_equations, np.concatenate([self.problem.disturbance_products[0], self._rows], axis=-1)
+        rows = [one.rows if one.rows is not None else self._weighted(one.columns) for one in additions]
+        added = np.concatenate(rows, axis=-1)
+        cross = first.T @ added  # the last row: with the misfit
+        matrix = np.block([[own.matrix, cross[:-1]], [cross[:-1].T, added.T @ added]])
+        precision = np.concatenate([own.precision, *(each.deviation**-2.0 for each in additions)])
+        return NormalEquations(
+            matrix, np.append(own.target, cross[-1]), own.power, precision,
+            np.append(own.gradient, np.zeros(added.shape[1])),
+        )  # fmt: skip
+
+    @cached_property
+    def _own_equations(self) -> NormalEquations:
+        _, deviation, distance = self._contained
+        first, products = self.problem.disturbance_products
+        cross = first.T @ self._rows
+        matrix = np.block([[products, cross], [cross.T, self._rows.T @ self._rows]])
+        deviations = np.concatenate([self.problem.disturbances.deviation, deviation])
+        distances = np.concatenate([np.zeros(len(deviations) - len(distance)), distance])
         power = float(matrix[-1, -1]) + float(np.sum(distances**2))
         return NormalEquations(matrix[:-1, :-1], matrix[:-1, -1], power, deviations**-2.0, -distances / deviations)
+
+    @cached_property
+    def _rows(self) -> FloatArray:
+        """The weighted columns beside the disturbances, and the misfit, shape (n_channels * n, k + 1)."""
+        misfit = self.problem.misfit(self.solution.parameters)[:, :, None]
+        return self._weighted(np.concatenate([self._contained[0], misfit], axis=-1))
+
+    def _weighted(self, columns: FloatArray) -> FloatArray:
+        return self.problem.weighted(columns).reshape(-1, columns.shape[-1])
 
     @property
     def contained(self) -> FloatArray:
@@ -109,14 +164,15 @@ class Linearization:
         center, deviation = (one[[name in free for name in solution.free]] for one in self.problem.prior(solution.free))
         values = solution.parameters[[simulator.index[name] for name in free]]
         bench, of_bench = bench_errors(simulator, solution.parameters)
-        refined = [self._probes(form) for form in self._refinements()]
-        forms = [
-            effect_discrepancy(simulator.signals, self._response(name), self.candidates[name].requires)
-            for name in self.explanation.effects
-        ]
+        refined = [self._probes(form) for _, form in self._refinements]
+        forms = [self._form_errors(name, form) for name, form in self.explanation.forms]
+        forms.append(self._baseline_errors())
+        if (unknown := self._unknown_response()).any():
+            depends_on = frozenset().union(*(one.depends_on for one in self.explanation.terms_of(UNKNOWN)))
+            forms.append(FORM_ERROR * effect_discrepancy(unknown, self._inputs(depends_on)))
         parts = [simulator.jacobian(solution.parameters, free), bench, *(columns for columns, _ in refined)]
         deviations = [deviation, of_bench, *(one for _, one in refined)]
-        deviations += [np.full(one.shape[-1], FORM_ERROR) for one in forms]
+        deviations += [np.ones(one.shape[-1]) for one in forms]
         whole = np.concatenate(deviations)
         distance = np.zeros(len(whole))
         distance[: len(values)] = (values - center) / deviation
@@ -124,20 +180,128 @@ class Linearization:
             distance[len(values)] = simulator.signals.skew / of_bench[0]
         return np.concatenate([*parts, *forms], axis=-1), whole, distance
 
+    def _form_errors(self, effect: str, form: Form) -> FloatArray:
+        """Return errors of the form of an effect, N and N m, shape (n_channels, n, k), each of deviation 1.
+
+        Those of an effect of the past are larger and depend on its states. A tire has more than one memory: the effect
+        with shorter and longer memories is an error, too. An effect of a path may turn elsewhere on it: its errors are
+        in proportion to its size there.
+        """
+        simulator, candidate = self.simulator, self.candidates[effect]
+        model = simulator.symbolic_model
+        response, inputs = self._response(effect), self._inputs(candidate.requires)
+        if not candidate.has_states and effect not in model.relaxing_effects:
+            return FORM_ERROR * effect_discrepancy(response, inputs)
+        states = [state for added in model.added if added.name == effect for state in added.states]
+        if candidate.has_states:
+            rows = simulator.effective_inputs(self.solution.parameters)
+            acting = dict(zip(simulator.signals.names, rows, strict=True))
+            inputs |= {state.name: acting[state.name] for state in states}
+            inputs |= {f"lagged {name}": np.abs(acting[name]) for name in ("alpha", "kappa") if name in acting}
+        if any(state.follows_a_path for state in states):
+            response = envelope(response, simulator.signals)
+        smooth = effect_discrepancy(response, inputs)
+        return PAST_ERROR * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
+
+    def _baseline_errors(self) -> FloatArray:
+        """Return errors of the forms of the baseline model's effects, N and N m, shape (n_channels, n, k).
+
+        Those of effects of the core inputs alone are in the discrepancy of the model. Each column is the sum of the
+        errors of all effects, by independent random functions: the covariance is that of a sum of independent Gaussian
+        processes.
+        """
+        model, index = self.simulator.symbolic_model, self.simulator.index
+        errors = np.zeros((*self.forces.shape, 0))
+        for number, effect in enumerate(sorted(self.simulator.tire.has)):
+            absent, declared = self.solution.parameters.copy(), declared_candidate(effect, model)
+            if declared is None or CORE_INPUTS.issuperset(declared.requires):
+                continue
+            for name in model.owned(effect) & index.keys():
+                if (neutral := model.coefficients[name].neutral) is not None:
+                    absent[index[name]] = neutral
+            response = np.nan_to_num(self.forces - self.simulator.forces(absent))
+            of_effect = effect_discrepancy(response, self._inputs(declared.requires), seed=number + 1)
+            errors = of_effect + errors if errors.size else of_effect
+        return FORM_ERROR * errors
+
+    def _inputs(self, others: Collection[str]) -> dict[str, FloatArray]:
+        """Return the inputs of the core and others, of which an error of form is a function, at the compared rows."""
+        named = self.simulator.signals.named()
+        return {name: named[name] for name in sorted(CORE_INPUTS.union(others).intersection(named))}
+
+    def _other_pasts(self, effect: str, form: Form) -> FloatArray:
+        """Return the change of the forces by an effect with shorter and longer memories, N and N m."""
+        simulator, solution, absent = self.simulator, self.solution, self._without(effect)
+        memories, pasts = form.grid or (() if form.scalable else form.free), []
+        for name in memories:
+            for times in (1.0 / OTHER_MEMORY, OTHER_MEMORY):
+                parameters = solution.parameters.copy()
+                parameters[simulator.index[name]] *= times
+                pasts.append(np.nan_to_num(simulator.forces(parameters) - absent))
+        return np.stack(pasts, axis=-1) if pasts else np.zeros((*self.forces.shape, 0))
+
     def _response(self, effect: str) -> FloatArray:
         """Return the change of the forces by an effect of the explanation, shape (n_channels, n)."""
-        simulator, absent = self.simulator, self.solution.parameters.copy()
-        free = [name for effect_name, form in self.explanation.forms if effect_name == effect for name in form.free]
-        owned = [
-            simulator.index[name] for name in {*free, *simulator.symbolic_model.owned(effect)} & simulator.index.keys()
-        ]
-        absent[owned] = simulator.tire.parameters()[owned]
-        return np.asarray(np.nan_to_num(self.forces - simulator.forces(absent)))
+        return np.asarray(np.nan_to_num(self.forces - self._without(effect)))
 
-    def _refinements(self) -> list[Form]:
-        found = refinements_for(self.simulator.tire, frozenset(self.explanation.effects))
-        forms = [unfitted(form, self.simulator, self.solution.free) for _, form in found]
-        return [form for form in forms if form is not None]
+    def _without(self, effect: str) -> FloatArray:
+        """Return the forces without an effect of the explanation, shape (n_channels, n)."""
+        simulator, absent = self.simulator, self.solution.parameters.copy()
+        freed = [name for effect_name, form in self.explanation.forms if effect_name == effect for name in form.free]
+        owned = {*freed, *simulator.symbolic_model.owned(effect)} & simulator.index.keys()
+        indices = [simulator.index[name] for name in owned]
+        absent[indices] = simulator.tire.parameters()[indices]
+        return simulator.forces(absent)
+
+    def _unknown_response(self) -> FloatArray:
+        """Return the change of the forces by the unknown component, shape (n_channels, n)."""
+        response, named = np.zeros_like(self.forces), self.problem.disturbances.names
+        for i, term in enumerate(self.explanation.terms):
+            if term.part == UNKNOWN:
+                response += term.column * self.solution.disturbance[named.index(f"{TERM}{i}")]
+        return response
+
+    @cached_property
+    def _refinements(self) -> list[tuple[str, Form]]:
+        """What is not fitted of the core and of each effect: its refinements and its other forms."""
+        declared = refinements_for(self.simulator.tire, frozenset(self.explanation.effects))
+        declared += [(name, form) for name in self.explanation.effects for form in self.candidates[name].forms]
+        forms = [(name, unfitted(form, self.simulator, self.solution.free)) for name, form in declared]
+        return [(name, form) for name, form in forms if form is not None and form.scalable]
+
+    def needed_refinements(self) -> tuple[tuple[str, Form], ...]:
+        """Return the refinements of the effects without which there would be less evidence, with odds as of an effect.
+
+        They are among the columns of every explanation. Errors of the core are no effects: its refinements would
+        extrapolate what is left of them. The ratio of the evidences with and without a column is that of
+        Savage and Dickey.
+        """
+        first = self.skew_index + len(bench_errors(self.simulator, self.solution.parameters)[1])
+        needed = []
+        for name, form in self._refinements:
+            end = first + len(form.probes)
+            if name != CORE and self._gain_of(range(first, end)) + np.log(EFFECT_ODDS) > 0.0:
+                needed.append((name, form))
+            first = end
+        return tuple(needed)
+
+    def unneeded_cross_talk(self) -> tuple[str, ...]:
+        """Return the names of the cross-talk without which the evidence is not smaller.
+
+        It would take a part of the tire's own forces.
+        """
+        names = enumerate(self.problem.disturbances.names)
+        return tuple(name for i, name in names if name.startswith(CROSS_TALK) and self._gain_of([i]) <= 0.0)
+
+    def _gain_of(self, columns: Collection[int]) -> float:
+        """Return the increase of the logarithm of the evidence by columns that the explanation contains."""
+        own = self._own_equations
+        others = np.delete(np.arange(len(own.target)), list(columns))
+        reduced = NormalEquations(
+            own.matrix[np.ix_(others, others)], own.target[others], own.power, own.precision[others],
+            own.gradient[others],
+        )  # fmt: skip
+        return own.solved()[1] - reduced.solved()[1]
 
     def _probes(self, form: Form) -> tuple[FloatArray, FloatArray]:
         """Return the responses of the forces to the probes of a form, and the prior deviations of their multiples."""
@@ -150,21 +314,55 @@ class Linearization:
             deviations.append(float(np.min(spread)) if form.scalable else 1.0)
         return np.stack(columns, axis=-1), np.array(deviations)
 
-    def additions(self) -> list[Addition]:
-        """Return what could be added to the explanation: effects that it lacks, and terms of the unknown component."""
-        added = []
-        signals, tire = self.simulator.signals, self.simulator.tire
-        for name, candidate in self.candidates.items():
-            if name not in self.explanation.effects and is_testable(signals, tire, candidate):
-                added += self._of_effect(name, candidate)
-        if not self.explanation.terms:
-            for one in unknown_terms(self.problem, self.solution):
-                prior = Explanation((), (one,)).log_prior
-                added.append(Addition(UNKNOWN, one, one.column[:, :, None], np.array([one.deviation]), prior))
-        return added
+    def additions(self) -> dict[str, list[Addition]]:
+        """Return what could be added to the explanation: effects that it lacks by name, and first terms."""
+        added = {name: self.of_effect(name) for name in self.candidates if name not in self.explanation.effects}
+        return added | {"": self.terms()}
 
-    def _of_effect(self, name: str, candidate: Candidate) -> list[Addition]:
-        """Return an addition for each form and point of a grid, which share the prior odds of the effect."""
+    def terms(self) -> list[Addition]:
+        """Return the terms that an explanation could have."""
+        terms = unknown_terms(self.problem, self.solution)
+        return [Addition("", one, one.column[:, :, None], np.array([one.deviation]), 0.0) for one in terms]
+
+    def named(self, addition: Addition) -> Addition:
+        """Return an addition with its name: terms in the inputs of the core and of the effects are errors of form.
+
+        An error of the form of an effect is small where the effect is.
+        """
+        part = addition.part
+        if not isinstance(part, Term):
+            return addition
+        if not self.form_errors.contain(part.location, part.depends_on):
+            return replace(addition, name=UNKNOWN, part=replace(part, part=UNKNOWN))
+        share = 1.0 if part.depends_on <= CORE_INPUTS else self._share_of_effects
+        return replace(
+            addition, name=FORM, deviation=share * addition.deviation,
+            part=replace(part, part=FORM, deviation=share * part.deviation),
+        )  # fmt: skip
+
+    @cached_property
+    def _share_of_effects(self) -> float:
+        """The size of the responses of all effects of the explanation, as a share of the measured forces."""
+        responses = sum((self._response(name) for name in self.explanation.effects), np.zeros_like(self.forces))
+        norms = [
+            float(np.linalg.norm(self.problem.inverse_noise * one))
+            for one in (responses, self.simulator.signals.measured)
+        ]
+        return max(norms[0] / norms[1], 1e-6)
+
+    @cached_property
+    def form_errors(self) -> FormErrors:
+        """Which terms are errors of the form of the explanation."""
+        return form_errors(self.explanation, self.candidates, self.simulator.symbolic_model)
+
+    def of_effect(self, name: str) -> list[Addition]:
+        """Return an addition for each form and point of a grid, which share the prior odds of the effect.
+
+        There are none if the recording cannot show the effect.
+        """
+        candidate = self.candidates[name]
+        if not is_testable(self.simulator.signals, self.simulator.tire, candidate):
+            return []
         forms = [unfitted(declared, self.simulator, self.solution.free) for declared in candidate.forms]
         points = [point for form in forms if form is not None for point in form.points()]
         added = []
@@ -176,28 +374,57 @@ class Linearization:
         return added
 
 
-def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
-    """Return the terms that the unknown component may have: features at locations of the model.
+@dataclass(frozen=True)
+class FormErrors:
+    """Which terms are errors of the form of an explanation, not unknown effects.
 
-    A function of the core inputs alone is none: it is an error of the functional form.
+    - `inputs`: of the core, and of the effects of the explanation.
+    - `roles`: of the quantities on which its effects of the past act: there, errors may depend on the past.
     """
+
+    inputs: frozenset[str]
+    roles: frozenset[str]
+
+    def contain(self, location: Location, depends_on: frozenset[str]) -> bool:
+        """Return whether a term at a location with these variables is an error of form."""
+        of_past = self.roles.issuperset(LOCATIONS[location.name][1])
+        return depends_on <= (self.inputs | PAST if of_past else self.inputs)
+
+
+def form_errors(explanation: Explanation, candidates: Mapping[str, Candidate], model: Model) -> FormErrors:
+    """Return which terms are errors of the form of an explanation."""
+    inputs = CORE_INPUTS.union(*(candidates[name].requires for name in explanation.effects))
+    acted = {
+        act.on
+        for effect in model.added
+        if effect.name in explanation.effects and (effect.states or effect.name in model.relaxing_effects)
+        for act in effect.acts
+    }
+    if set(explanation.effects) & set(model.relaxing_effects):
+        acted |= {"relaxation_x", "relaxation_y"}
+    roles = frozenset(ROLES_ACTED.get(name, name) for name in acted)
+    return FormErrors(inputs | {"T", "distance"} if {"T", "distance"} & inputs else inputs, roles)
+
+
+def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
+    """Return the terms that an explanation may have: features at locations of the model."""
     simulator = problem.simulator
     signals, tire = simulator.signals, simulator.tire
     even, odd = features(signals, tire)
     acting = directions(simulator, solution.parameters)
-    named = {
-        f"{location.name}, {location.how}: {feature.text}": acting[location.name] * feature.values
+    return [
+        Term("", location, feature, column, UNKNOWN_SHARE * size)
         for location in locations_of(simulator.symbolic_model)
         for feature in (even if location.how == "factor" else [*odd, *even])
-        if not feature.depends_on.union(location.proportional_to) <= CORE_INPUTS
-        and determined(location, feature, signals, tire)
-    }
-    return [term for name, column in named.items() for term in term_of(problem, name, column, len(named))]
+        if determined(location, feature, signals, tire)
+        for column in [acting[location.name] * feature.values]
+        if np.isfinite(size := relative_size(problem, column))
+    ]
 
 
-def term_of(problem: LeastSquares, name: str, column: FloatArray, tests: int) -> list[Term]:
-    """Return a column as a term, of a number of terms that were tested; none if it changes no force."""
-    size, norm = (
+def relative_size(problem: LeastSquares, column: FloatArray) -> float:
+    """Return the size of the measured forces as a multiple of a column; infinite if the column is zero."""
+    measured, own = (
         float(np.linalg.norm(problem.inverse_noise * one)) for one in (problem.simulator.signals.measured, column)
     )
-    return [Term(name, column, UNKNOWN_SHARE * size / norm, tests)] if norm > 0.0 else []
+    return measured / own if own > 0.0 else np.inf

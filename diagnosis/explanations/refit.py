@@ -7,23 +7,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import cho_solve, solve_triangular
 
 from tirefmu.estimation.noise_model import Whitening, noise_parts
 
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
+from ..recording.disturbances import Disturbances
 from ..recording.simulation import Simulator
-from ..thresholds import DISCREPANCIES, LIKELIHOOD_POWER, MAX_SKEW, SEARCH_ROWS
-from .discrepancy import model_discrepancy
-from .explanation import Explanation
-from .linearization import Addition, Linearization
+from ..thresholds import DISCREPANCIES, MAX_SKEW, SEARCH_ROWS
+from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
+from .evidence import NormalEquations, likelihood_power
+from .explanation import Explanation, Term
+from .linearization import TERM, Addition, Linearization
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Names of the columns of the discrepancy and of the unknown component in the disturbances begin so.
-DISCREPANCY, TERM = "discrepancy_", "term_"
-#: Iterations of a refit, from all and from some rows; corrections of the skew, and the smallest one, s.
-ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS, SKEW_STEP = 3, 8, 3, 2e-4
+#: How the names of the columns of the discrepancy, and of fast drift and noise of the inputs, begin.
+DISCREPANCY, BENCH = "discrepancy_", "bench_"
+#: Iterations of a refit, from all and from some rows; corrections of the skew.
+ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 3, 8, 3
+#: A smaller change of the evidence is none: a factor of 1.1 between two explanations.
+SAME_EVIDENCE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,25 +59,31 @@ class Refitted:
         """The explanation."""
         return self.linear.explanation
 
+    def term_sizes(self, part: str) -> tuple[float, ...]:
+        """Return the fitted coefficients of the terms of a part."""
+        named = dict(
+            zip(self.linear.problem.disturbances.names, self.linear.solution.disturbance.tolist(), strict=True)
+        )
+        terms = enumerate(self.explanation.terms)
+        return tuple(named[f"{TERM}{i}"] for i, term in terms if term.part == part)
 
-def refitted(shared: Shared, explanation: Explanation, start: FloatArray, simulator: Simulator) -> Refitted:
-    """Fit an explanation from initial values, shape (n_parameters,), with the skew of a simulator as the first one."""
-    problem = shared.problem
-    if explanation.terms:
-        names = tuple(f"{TERM}{i}" for i in range(len(explanation.terms)))
-        columns = np.stack([term.column for term in explanation.terms], axis=-1)
-        deviation = np.array([term.deviation for term in explanation.terms])
-        problem = replace(problem, disturbances=problem.disturbances.extended(names, columns, deviation))
-    problem = problem.over(simulator)
+
+def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArray], simulator: Simulator) -> Refitted:
+    """Fit an explanation from the best of several initial values, each of shape (n_parameters,).
+
+    The skew begins with that of the simulator.
+    """
+    problem = with_terms(shared.problem, explanation).over(simulator)
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
-    thin = slice(None, None, max(1, len(simulator.signals.rows) // SEARCH_ROWS))
-    coarse = problem.solve(start, free, rows=thin, iterations=COARSE_ITERATIONS)
-    best, estimate = _evaluated(shared, explanation, problem, coarse.parameters, free)
+    some = some_rows(simulator)
+    tried = [problem.solve(start, free, rows=some, iterations=COARSE_ITERATIONS) for start in starts]
+    start = min(tried, key=lambda one: one.cost).parameters
+    best, estimate = _evaluated(shared, explanation, problem, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
         signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
         step = float(np.clip(signals.skew + skew, -MAX_SKEW, MAX_SKEW)) - signals.skew
-        if abs(step) < SKEW_STEP:
+        if best.linear.error_of_skew(step) < SAME_EVIDENCE:
             break
         delayed = problem.over(simulator.with_signals(signals.delayed(step)))
         other, estimate = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
@@ -80,6 +91,21 @@ def refitted(shared: Shared, explanation: Explanation, start: FloatArray, simula
             break
         best = other
     return best
+
+
+def some_rows(simulator: Simulator) -> slice:
+    """Return every n-th compared row, at most `SEARCH_ROWS`."""
+    return slice(None, None, -(-len(simulator.signals.rows) // SEARCH_ROWS))
+
+
+def with_terms(problem: LeastSquares, explanation: Explanation) -> LeastSquares:
+    """Return a problem with the terms of the unknown component as disturbances."""
+    if not explanation.terms:
+        return problem
+    names = tuple(f"{TERM}{i}" for i in range(len(explanation.terms)))
+    columns = np.stack([term.column for term in explanation.terms], axis=-1)
+    deviation = np.array([term.deviation for term in explanation.terms])
+    return replace(problem, disturbances=problem.disturbances.extended(names, columns, deviation))
 
 
 def _evaluated(
@@ -96,52 +122,90 @@ def shared_problem(linear: Linearization, baseline: Solution, additions: Sequenc
     """Return the common noise and discrepancy.
 
     The noise is what no combination of all columns explains, so that no explanation has an advantage by it. The
-    deviation of the discrepancy is that of the largest evidence.
+    deviation of each channel's discrepancy is that of the largest evidence.
 
     `linear`: at the leading explanation, with rows of independent noise. `baseline`: solution of the baseline model.
     `additions`: to the leading explanation.
     """
-    problem = linear.problem
-    columns = model_discrepancy(problem.simulator.signals, problem.simulator.forces(baseline.parameters))
-    names, known = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1])), problem.disturbances.deviation
+    problem, signals = linear.problem, linear.simulator.signals
+    drift, of_drift = fast_drift(signals, problem.inverse_noise)
+    noise = input_noise_responses(problem.simulator, linear.solution.parameters)
+    names = tuple(f"{BENCH}{i}" for i in range(len(of_drift) + noise.shape[-1]))
+    deviation = np.concatenate([of_drift, np.ones(noise.shape[-1])])
+    known = problem.disturbances.extended(names, np.concatenate([drift, noise], axis=-1), deviation)
+    columns = model_discrepancy(signals, problem.simulator.forces(baseline.parameters))
+    names = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1]))
     widest = np.full(len(names), max(DISCREPANCIES))
-    extended = replace(problem, disturbances=problem.disturbances.extended(names, columns, widest))
+    extended = replace(problem, disturbances=known.extended(names, columns, widest))
+    size = _sizes(extended, saturated_residual(replace(linear, problem=extended), additions))
+    extended = replace(extended, inverse_noise=extended.inverse_noise / size[:, None])
     noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions))
-    tried = [noisy.with_deviation(np.append(known, np.full(len(names), deviation))) for deviation in DISCREPANCIES]
-    evidences = [replace(linear, problem=one).equations().solved()[1] for one in tried]
-    return Shared(tried[int(np.argmax(evidences))], baseline.free, linear.candidates)
+    effects = [one for one in additions if not isinstance(one.part, Term)]
+    normal = replace(linear, problem=noisy).equations(effects)
+    chosen = noisy.with_deviation(_best_deviation(normal, noisy.disturbances))
+    of_terms = {name for name in chosen.disturbances.names if name.startswith(TERM)}  # of the leading explanation only
+    return Shared(replace(chosen, disturbances=chosen.disturbances.without(of_terms)), baseline.free, linear.candidates)
+
+
+def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
+    """Return the deviations of the disturbances, shape (k,), with those of the discrepancy of the largest evidence.
+
+    One deviation is that of all columns of a channel. `normal`: with all effects, so that the discrepancy does not take
+    their part.
+    """
+    columns = [i for i, name in enumerate(disturbances.names) if name.startswith(DISCREPANCY)]
+    channels = np.argmax(np.any(disturbances.columns[:, :, columns], axis=1), axis=0)
+    deviation = disturbances.deviation.copy()
+
+    def evidence(tried: FloatArray) -> float:
+        precision = normal.precision.copy()
+        precision[: len(tried)] = tried**-2.0
+        return replace(normal, precision=precision).solved()[1]
+
+    for channel in np.unique(channels):
+        tried = np.tile(deviation, (len(DISCREPANCIES), 1))
+        tried[:, np.array(columns)[channels == channel]] = np.array(DISCREPANCIES)[:, None]
+        deviation = tried[int(np.argmax([evidence(one) for one in tried]))]
+    return deviation
 
 
 def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> FloatArray:
     """Return what all columns together do not explain, in units of the weights of rows, shape (n_channels, n).
 
-    It is enlarged by the share of the rows that the columns follow.
+    The columns also follow noise, most of it slow. The residual is therefore that of a draw from the posterior of their
+    coefficients: its spectrum is that of the noise in the mean, as in a step of the algorithm of Dempster, Laird and
+    Rubin (1977) for a variance.
     """
     problem = linear.problem
     normal = linear.equations(additions)
     scale = 1.0 / np.sqrt(np.diag(normal.matrix) + normal.precision)
     whole = scale[:, None] * normal.matrix * scale + np.diag(normal.precision * scale**2 + 1e-10)
-    inverse = np.linalg.inv(whole)
-    estimate = scale * (inverse @ (scale * (normal.target + normal.gradient)))
+    factor = np.linalg.cholesky(whole)
+    estimate = scale * cho_solve((factor, True), scale * (normal.target + normal.gradient))
+    drawn = scale * solve_triangular(factor, np.random.default_rng(0).standard_normal(len(scale)), trans=1, lower=True)
     columns = [problem.disturbances.columns, linear.contained, *(one.columns for one in additions)]
-    fitted = np.concatenate(columns, axis=-1) @ estimate
-    rest = problem.weighted(problem.misfit(linear.solution.parameters) - fitted)
-    rows = int((problem.inverse_noise > 0.0).sum())
-    followed = len(scale) - float(np.sum(np.diag(inverse) * scale**2 * normal.precision))
-    return np.asarray(rest / np.sqrt(max(1.0 - followed / rows, 0.1)))
+    fitted = np.concatenate(columns, axis=-1) @ np.stack([estimate, drawn], axis=-1)
+    rest = problem.weighted(problem.misfit(linear.solution.parameters) - fitted[:, :, 0])
+    return np.asarray(rest - problem.weighted(fitted[:, :, 1]))
+
+
+def _sizes(problem: LeastSquares, residual: FloatArray) -> FloatArray:
+    """Return the root mean square of a weighted residual in each channel, shape (n_channels,); 1 in unused ones."""
+    rows = np.maximum((problem.inverse_noise > 0.0).sum(axis=1), 1)
+    size = np.sqrt(np.sum(residual**2, axis=1) / rows)
+    return np.where(size > 0.0, size, 1.0)
 
 
 def _with_noise(problem: LeastSquares, residual: FloatArray) -> LeastSquares:
     """Return a problem with the noise of a residual in units of its weights, the likelihood raised to its power."""
     signals, used = problem.simulator.signals, problem.inverse_noise > 0.0
+    power = likelihood_power(int(used.any(axis=0).sum()))
     if not signals.timed:
-        rows = zip(residual, used, strict=True)
-        size = np.array([float(np.sqrt(np.mean(row[one] ** 2))) if one.any() else 1.0 for row, one in rows])
-        return replace(problem, inverse_noise=np.sqrt(LIKELIHOOD_POWER) * problem.inverse_noise / size[:, None])
+        size = _sizes(problem, residual)[:, None]
+        return replace(problem, inverse_noise=np.sqrt(power) * problem.inverse_noise / size)
     t = signals.t[signals.rows]
     parts = [noise_parts(*rows, float(np.median(np.diff(t)))) for rows in zip(residual, used, strict=True)]
     noise = tuple(
-        replace(one, **{name: getattr(one, name) / LIKELIHOOD_POWER for name in ("white", "short", "drift")})
-        for one in parts
+        replace(one, **{name: getattr(one, name) / power for name in ("white", "short", "drift")}) for one in parts
     )
     return replace(problem, whitening=Whitening(noise, t, problem.inverse_noise))

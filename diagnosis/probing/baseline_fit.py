@@ -19,6 +19,7 @@ from ..recording.disturbances import disturbances_of
 from ..recording.outliers import short_range
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
+from ..recording.skew import between_rows
 from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]
@@ -206,9 +207,11 @@ def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
     Returns
     -------
     LeastSquares
-        The noise of a channel has a constant and a proportional part, estimated from the short-range scatter.
+        The noise of a channel has a constant and a proportional part, estimated from the short-range scatter, and what
+        the rows do not determine between them (`between_rows`).
     """
     signals = problem.simulator.signals
+    between = between_rows(problem.simulator, solution.parameters)
     simulated = signals.measured - solution.residual
     present = signals.present.copy()
     inverse_noise = np.zeros_like(problem.inverse_noise)
@@ -216,7 +219,7 @@ def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
     for i, residual in enumerate(solution.residual):
         scatter, present[i] = short_range(residual, signals.present[i])
         constant, proportional = _two_parts(scatter[present[i]], simulated[i][present[i]])
-        deviation = np.sqrt(constant**2 + (proportional * simulated[i]) ** 2)
+        deviation = np.sqrt(constant**2 + (proportional * simulated[i]) ** 2 + between[i] ** 2)
         level[i] = float(np.sqrt(np.mean(deviation**2)))
         inverse_noise[i] = np.where(present[i] & ~signals.holdout, 1.0 / deviation, 0.0)
     simulator = problem.simulator.with_signals(replace(signals, present=present))

@@ -19,6 +19,8 @@ from ..thresholds import MIN_JOINT_SHARE, MIN_VARIATION, MIN_VARIATION_IN_NOISE
 SLIPS = ("kappa", "alpha", "gamma", "phit")
 #: The steps of a recording may be longer by this factor than the declared rate requires.
 RATE_TOLERANCE = 1.02
+#: The name of the baseline model without effects, of which refinements are errors.
+CORE = "core"
 #: The outputs of an effect that declares none.
 CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
 
@@ -140,7 +142,7 @@ def counts_from_neutral(declaration: Coefficient) -> bool:
 
 
 def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]:
-    """Return the refinements of the baseline and of the effects that a model has, each with its effect or 'core'.
+    """Return the refinements of the baseline and of the effects that a model has, each with its effect or `CORE`.
 
     Parameters
     ----------
@@ -148,7 +150,7 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
     found : frozenset of str
         The identified effects.
     """
-    forms = [("core", Form.each(sizes)) for sizes in tire.symbolic_model.baseline.refinements]
+    forms = [(CORE, Form.each(sizes)) for sizes in tire.symbolic_model.baseline.refinements]
     return forms + [
         (name, form)
         for name, detection in sorted(tire.symbolic_model.detections.items())

@@ -24,7 +24,7 @@ from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
 from ..thresholds import MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK, PROBE_PRIOR
 from .baseline_fit import readable
-from .candidates import counts_from_neutral
+from .candidates import Candidate, counts_from_neutral, is_testable
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -194,6 +194,31 @@ class Screen:
         """The rows of all channels of each block, one after another."""
         q, starts = self.tangent.shape[-1], self.edges.tolist()
         return [self.tangent[:, first:last].reshape(-1, q) for first, last in pairwise(starts)]
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A form of a candidate at a point of its grid, with its response in a residual."""
+
+    name: str
+    form: Form
+    response: Response
+
+
+def tried(screen: Screen, candidates: Mapping[str, Candidate]) -> list[Tried]:
+    """Estimate the noise, and return each form of the candidates that a recording can show, with its response."""
+    simulator, free = screen.problem.simulator, screen.solution.free
+    forms = [
+        (name, form)
+        for name, candidate in candidates.items()
+        if is_testable(screen.signals, simulator.tire, candidate)
+        for declared in candidate.forms
+        for point in declared.points()
+        if (form := unfitted(point, simulator, free)) is not None
+    ]
+    columns = {i: screen.columns(form) for i, (_, form) in enumerate(forms)}
+    screen.learn_noise(columns)
+    return [Tried(name, form, screen.response(columns[i])) for i, (name, form) in enumerate(forms)]
 
 
 def probed(simulator: Simulator, solution: Solution, form: Form, probe: Probe) -> FloatArray:

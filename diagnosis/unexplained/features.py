@@ -21,6 +21,9 @@ from .past import Past, add_rates_and_memory
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Inputs of the steady-state core. Structure in these alone is an error of the functional form, not a missing effect.
+CORE_INPUTS = frozenset({"alpha", "kappa", "Fz"})
+
 
 @dataclass(frozen=True, eq=False)
 class Feature:
@@ -229,7 +232,6 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     load = named["Fz"] / nominal["FNOMIN"]
     has_speed = "V" in named and varies(signals, tire, "V") and "LONGVL" in nominal
     speed = np.abs(named["V"]) / nominal["LONGVL"] if has_speed else np.ones_like(load)
-    times_speed, of_speed = ("*absolute(V)/LONGVL", " V") if has_speed else ("", "")
     add("Fz/FNOMIN - 1", "Fz", load - 1.0)
     if "p" in named and "p" in signals.recorded and "NOMPRES" in nominal:
         add("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
@@ -248,10 +250,12 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     add("5*absolute(tan(alpha))", "alpha", 5.0 * np.abs(np.tan(named["alpha"])))
     add("5*absolute(kappa)", "kappa", 5.0 * np.abs(named["kappa"]))
     add("5*sqrt(tan(alpha)**2 + kappa**2)", "alpha kappa", 5.0 * slip)
-    add(f"5*sqrt(tan(alpha)**2 + kappa**2){times_speed}*Fz/FNOMIN", f"alpha kappa Fz{of_speed}",
-        5.0 * slip * speed * load)  # fmt: skip
-    add(f"5*absolute(tan(alpha)){times_speed}*Fz/FNOMIN", f"alpha Fz{of_speed}",
-        5.0 * np.abs(np.tan(named["alpha"])) * speed * load)  # fmt: skip
+    sliding = {"5*sqrt(tan(alpha)**2 + kappa**2)": ("alpha kappa", slip),
+               "5*absolute(tan(alpha))": ("alpha", np.abs(np.tan(named["alpha"])))}  # fmt: skip
+    for text, (depends, values) in sliding.items():  # with and without speed, which would stand for the load otherwise
+        add(f"{text}*Fz/FNOMIN", f"{depends} Fz", 5.0 * values * load)
+        if has_speed:
+            add(f"{text}*absolute(V)/LONGVL*Fz/FNOMIN", f"{depends} Fz V", 5.0 * values * speed * load)
     if "gamma" in named:
         add("10*gamma", "gamma", 10.0 * named["gamma"], odd=True)
     add("5*tan(alpha)", "alpha", 5.0 * np.tan(named["alpha"]), odd=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,17 +16,15 @@ from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
 
 from ..explanations.answer import Answer
+from ..explanations.effect_evidence import Evidence
 from ..explanations.explanation import UNKNOWN
+from ..explanations.final import Final
 from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
-from ..probing.effect_probing import Response, Screen
+from ..probing.effect_probing import Screen, Tried, tried
 from ..recording.disturbances import reported_disturbances
 from ..recording.measurement_artefacts import recording_errors
 from ..recording.signals import FORMULA_SIGNS, Signals
-from ..search.effect_search import Search
-from ..search.proposals import FormCorrection
-from ..search.refits import REFINEMENT, Refit
-from ..search.settling import Settled
 from ..thresholds import CHANNEL_SHARE, REPORTED, REPORTED_EVIDENCE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy, adequacies
@@ -36,7 +34,6 @@ from .extrapolation import extrapolations
 from .findings import Finding, Interval
 from .fit_error import FitErrors, Residuals, delivered_residuals, fit_errors, floors_of, preprocessed, without_skew
 from .improved_tire import tire_of
-from .operating_range import undetermined_change
 from .residual_location import residual_maps, time_course
 from .result import Diagnosis
 from .verdict import verdict_text
@@ -48,39 +45,29 @@ NOT_DELIVERED = "the improved tire is not delivered"
 
 
 @dataclass(frozen=True, eq=False)
-class SearchOutcome:
-    """The outcome of a search for missing effects.
+class Outcome:
+    """What a comparison of explanations found.
 
     Attributes
     ----------
     recording : Recording
-    start : Tire
-        The baseline model, with the proposed formulas that were added to it.
-    tried : mapping of str to Candidate
-    settled : Settled
+    candidates : mapping of str to Candidate
+        All that were compared.
+    final : Final
         The final fits.
-    search : Search
-        Completed, after `settle`.
-    unknown : tuple of Unknown
     answer : Answer
-        How probable the identified effects and their rivals are.
-    correction : FormCorrection, optional
-        Of the functional form, in `start`.
+        The probabilities.
     """
 
     recording: Recording
-    start: Tire
-    tried: Mapping[str, Candidate]
-    settled: Settled
-    search: Search
-    unknown: tuple[Unknown, ...]
+    candidates: Mapping[str, Candidate]
+    final: Final
     answer: Answer
-    correction: FormCorrection | None = None
 
     @property
     def signals(self) -> Signals:
         """The preprocessed recording."""
-        return self.search.problem.simulator.signals
+        return self.final.after.signals
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +75,7 @@ class _Delivery:
     """Which tire is delivered, and its fit error.
 
     - `against`: reasons why it is not the improved tire.
-    - `final`: the solution of the delivered tire.
+    - `final`: the fit of the delivered tire.
     """
 
     base_tire: Tire
@@ -100,42 +87,38 @@ class _Delivery:
     floors: dict[str, NoiseFloor]
 
 
-def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
+def composed(outcome: Outcome, began: float) -> Diagnosis:
     """Return the diagnosis, in the sign convention of the formula.
 
     Parameters
     ----------
-    outcome : SearchOutcome
+    outcome : Outcome
     began : float
         Start time of the diagnosis by `time.perf_counter`, s.
     """
-    search, settled, signals = outcome.search, outcome.settled, outcome.signals
-    added = _added(outcome)
+    fits, signals, added = outcome.final, outcome.signals, _added(outcome.final)
     delivery = _delivery(outcome, added)
     against, final = delivery.against, delivery.final
     where_after = residual_maps(final)
-    after = {name: one["after"] for name, one in delivery.errors["train"].items()}
+    after = {name: errors["after"] for name, errors in delivery.errors["train"].items()}
     adequacy = adequacies(after, delivery.floors, where_after)
-    unknown = outcome.unknown or _unidentified(adequacy, search)
+    unknown = fits.unknown or _unidentified(adequacy, fits)
     if against:
         unknown = tuple(
-            replace(one, added=False, not_added_because=NOT_DELIVERED) if one.added else one for one in unknown
+            replace(part, added=False, not_added_because=NOT_DELIVERED) if part.added else part for part in unknown
         )
-    findings = _in_order(outcome, unknown, adequacy, settled.whitened.standard_errors())
-    confounded = confounded_with(outcome)
-    correction = None if against else outcome.correction
-    refined = tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements)
-    refined += correction.formulas if correction else ()
-    tested = {name: one for name, one in outcome.tried.items() if name in search.candidates}
-    detectable, not_identifiable = detectable_sizes(search, tested, outcome.start)
+    lacking = {name: candidate for name, candidate in outcome.candidates.items() if name not in fits.effects}
+    tested = tried(fits.after, lacking)
+    findings = _in_order(outcome, unknown, adequacy)
+    confounded = confounded_with(outcome, tested)
+    refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
+    detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
     outliers = delivery.residuals.outlier_rows(signals.channels)
-    found_errors = _recording_errors(outcome, final) | {
+    of_recording = _recording_errors(outcome, final) | {
         "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
     }  # fmt: skip
     return Diagnosis(
-        verdict=verdict_text(
-            findings, unknown, confounded, refined, adequacy, detectable, against, found_errors, stopped=search.stopped
-        ),
+        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording),
         found=findings,
         answer=outcome.answer,
         confounded_with=confounded,
@@ -143,20 +126,18 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         unknown=unknown,
         not_identifiable=not_identifiable,
         refined=refined,
-        correction=correction,
         gap=delivery.errors,
         adequacy=adequacy,
         delivered=not against,
         not_delivered_because=against,
-        confirmed=settled.confirmed,
-        rejected=settled.rejected,
+        evidence=fits.evidence,
         detectable=detectable,
-        where=residual_maps(settled.before),
+        where=residual_maps(fits.before),
         where_after=where_after,
-        time_course=time_course(settled.before, final),
-        recording=found_errors,
+        time_course=time_course(fits.before, final),
+        recording=of_recording,
         extrapolation=extrapolations(
-            search.problem, search.solution, added, {name: _inputs_of(outcome, name) for name in added}
+            fits.after.problem, fits.after.solution, added, {name: _inputs_of(outcome, name) for name in added}
         ),
         holdout_rows=tuple(
             (int(signals.table_rows[first]), int(signals.table_rows[last]))
@@ -171,23 +152,22 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     )
 
 
-def _added(outcome: SearchOutcome) -> dict[str, tuple[str, ...]]:
+def _added(fits: Final) -> dict[str, tuple[str, ...]]:
     """Return the effects of the improved tire that the baseline tire lacks, with their free coefficients."""
-    effects = [one.effect for one in outcome.unknown if one.added and one.effect]
-    effects += [outcome.correction.effect] if outcome.correction else []
-    return {refit.name: refit.form.free for refit in outcome.search.found} | {
-        effect.name: tuple(declaration.name for declaration in effect.declarations) for effect in effects
+    formulas = [part.effect for part in fits.unknown if part.added and part.effect]
+    return dict(fits.effects) | {
+        formula.name: tuple(declaration.name for declaration in formula.declarations) for formula in formulas
     }
 
 
-def _delivery(outcome: SearchOutcome, added: Mapping[str, tuple[str, ...]]) -> _Delivery:
+def _delivery(outcome: Outcome, added: Mapping[str, tuple[str, ...]]) -> _Delivery:
     """Return the improved tire with its fit error, or the baseline tire if there are reasons against it."""
-    search, settled = outcome.search, outcome.settled
-    before, after = settled.before, settled.after
+    fits = outcome.final
+    before, after = fits.before, fits.after
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
-    tire = tire_of(outcome.start, search.problem, search.solution, added)
+    tire = tire_of(fits.start, after.problem, after.solution, added)
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
-    complete = tuple(replace(one, added=outcome.start.added) for one in (base_tire, tire))
+    complete = tuple(replace(either, added=fits.start.added) for either in (base_tire, tire))
     screens, rows = (before, after), outcome.signals.table_rows
     recording = without_skew(outcome.recording, outcome.signals)
     residuals = judged = delivered_residuals(complete, recording, screens, rows)
@@ -197,9 +177,9 @@ def _delivery(outcome: SearchOutcome, added: Mapping[str, tuple[str, ...]]) -> _
         without_noise = preprocessed(outcome.recording, outcome.signals)
         judged = delivered_residuals(complete, without_noise, screens, rows)
         compared = fit_errors(*screens, judged, floors)
-    if not added and not search.refinements:
-        return _Delivery(base_tire, tire, (), after, residuals, errors, floors)
-    against = reasons_against(compared, judged, undetermined_change(settled.whitened, added))
+    against: tuple[str, ...] = ()
+    if added or fits.refinements:
+        against = reasons_against(compared, judged)
     if not against:
         return _Delivery(base_tire, tire, (), after, residuals, errors, floors)
     errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)
@@ -207,115 +187,101 @@ def _delivery(outcome: SearchOutcome, added: Mapping[str, tuple[str, ...]]) -> _
 
 
 def _next_measurements(
-    outcome: SearchOutcome, confounded: Mapping[str, Mapping[str, float]], unknown: tuple[Unknown, ...]
+    outcome: Outcome, confounded: Mapping[str, Mapping[str, float]], unknown: tuple[Unknown, ...]
 ) -> tuple[str, ...]:
     """Return the measurements that separate confounded explanations, and that determine unexplained structure."""
-    detections = outcome.start.symbolic_model.detections
+    detections = outcome.final.start.symbolic_model.detections
     separating = [
-        separating_measurement(name, one, detections) for name, others in confounded.items() for one in others
+        separating_measurement(name, other, detections) for name, others in confounded.items() for other in others
     ]
-    return tuple(dict.fromkeys([*separating, *(one.next_measurement for one in unknown if one.next_measurement)]))
+    return tuple(dict.fromkeys([*separating, *(part.next_measurement for part in unknown if part.next_measurement)]))
 
 
-def _recording_errors(outcome: SearchOutcome, final: Screen) -> dict[str, Any]:
+def _recording_errors(outcome: Outcome, final: Screen) -> dict[str, Any]:
     """Return the errors of the recording as estimated with the delivered tire, and what the baseline tire removes."""
-    before = outcome.settled.before
+    before = outcome.final.before
     problem, solution = final.problem, final.solution
     errors = recording_errors(
-        outcome.recording, final.signals, problem.disturbances, solution.disturbance, solution.residual, outcome.start
-    )
+        outcome.recording, final.signals, problem.disturbances, solution.disturbance, solution.residual,
+        outcome.final.start,
+    )  # fmt: skip
     base = reported_disturbances(before.problem.disturbances, before.solution.disturbance, before.signals)
     return errors | {f"{key}_base": base[key] for key in ("removed", "cross_talk", "periodic")}
 
 
-def _unidentified(adequacy: tuple[Adequacy, ...], search: Search) -> tuple[Unknown, ...]:
+def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown, ...]:
     """Return the structure in channels far above their noise floor, if no effect was identified."""
     worst = max(adequacy, key=lambda one: one.ratio if one.rating == "red" else 0.0)
-    if worst.rating != "red" or search.found:
+    if worst.rating != "red" or fits.effects:
         return ()
     depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
     reason = "no effect and no formula explains it"
     return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
 
 
-def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
+def _inputs_of(outcome: Outcome, effect: str) -> tuple[str, ...]:
     """Return the inputs that an effect depends on."""
-    added = [one for one in outcome.start.added if one.name == effect]
+    added = [one for one in outcome.final.start.added if one.name == effect]
     read = {symbol.name for one in added for act in one.acts for symbol in act.expression.free_symbols}
-    known = outcome.tried[effect].requires if effect in outcome.tried else ()
+    known = outcome.candidates[effect].requires if effect in outcome.candidates else ()
     return tuple(name for name in outcome.signals.names if name in read or name in known)
 
 
-def _in_order(
-    outcome: SearchOutcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...], errors: FloatArray
-) -> tuple[Finding, ...]:
+def _in_order(outcome: Outcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...]) -> tuple[Finding, ...]:
     """Return identified effects and unexplained structure in order of probability."""
-    probabilities = outcome.answer.probabilities
-    identified = [_finding(outcome, refit, errors) for refit in outcome.search.found]
-    structures = [
-        Finding(
-            UNKNOWN, _shown(one.response, outcome.signals), {}, one.p, one.gain, one.gain_error, probabilities[UNKNOWN]
-        )
-        for one in outcome.search.structures
-    ]
-    if unknown and not structures:  # nothing but a residual far above the noise floor
+    fits, probability = outcome.final, outcome.answer.probabilities[UNKNOWN]
+    findings = [_finding(outcome, name, evidence) for name, evidence in fits.evidence.items()]
+    if fits.unknown_evidence is not None:
+        own = fits.unknown_evidence
+        channels = _shown(own, fits.after)
+        findings.append(Finding(UNKNOWN, channels, {}, own.p, own.gain, own.gain_error, probability))
+    elif unknown:  # a formula that is not added, or nothing but a residual far above the noise floor
         channels = tuple(one.channel for one in adequacy if one.rating == "red")
-        structures = [Finding(UNKNOWN, channels, {}, float("nan"), 0.0, float("nan"), probabilities[UNKNOWN])]
-    return tuple(sorted([*identified, *structures], key=lambda finding: (-finding.probability, -finding.cv_gain)))
+        findings.append(Finding(UNKNOWN, channels, {}, float("nan"), 0.0, float("nan"), probability))
+    return tuple(sorted(findings, key=lambda finding: (-finding.probability, -finding.cv_gain)))
 
 
-def _shown(response: Response, signals: Signals) -> tuple[str, ...]:
-    """Return the channels with a significant share of a response."""
-    power = np.mean((response.columns @ response.estimate) ** 2, axis=1)
-    return tuple(name for name, size in zip(signals.channels, power, strict=True) if size > CHANNEL_SHARE * power.max())
+def _shown(evidence: Evidence, screen: Screen) -> tuple[str, ...]:
+    """Return the channels with a significant share of an effect."""
+    power = np.mean((screen.problem.inverse_noise * evidence.change) ** 2, axis=1)
+    channels = zip(screen.signals.channels, power, strict=True)
+    return tuple(name for name, size in channels if size > CHANNEL_SHARE * power.max())
 
 
-def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Finding:
-    solution = outcome.search.solution
-    quantile = float(stdtrit(outcome.search.screen.n_blocks - 1, 0.975))
-    declarations, coefficients = outcome.start.symbolic_model.coefficients, {}
-    for name in refit.form.free:
-        i = solution.free.index(name)
-        value = float(solution.parameters[outcome.search.problem.simulator.index[name]])
-        error = float(errors[i]) * quantile
-        coefficients[name] = Interval(value, value - error, value + error)
+def _finding(outcome: Outcome, name: str, evidence: Evidence) -> Finding:
+    fits = outcome.final
+    problem, solution, names = fits.after.problem, fits.after.solution, fits.effects[name]
+    errors = fits.whitened.standard_errors()
+    quantile = float(stdtrit(fits.after.n_blocks - 1, 0.975))
+    declarations, coefficients = fits.start.symbolic_model.coefficients, {}
+    for one in names:
+        value = float(solution.parameters[problem.simulator.index[one]])
+        error = float(errors[solution.free.index(one)]) * quantile
+        coefficients[one] = Interval(value, value - error, value + error)
+    sizes = zip(outcome.signals.channels, evidence.change, strict=True)
     return Finding(
-        refit.name,
-        _shown(refit.response, outcome.signals),
+        name,
+        _shown(evidence, fits.after),
         coefficients,
-        refit.p,
-        refit.gain,
-        refit.gain_error,
-        outcome.answer.probabilities[refit.name],
-        _stretches(refit, outcome.signals),
-        _size(outcome, refit),
-        frozenset(name for name in refit.form.free if declarations[name].flips),
-        outcome.search.problem.at_bounds(solution.parameters, refit.form.free),
+        evidence.p,
+        evidence.gain,
+        evidence.gain_error,
+        outcome.answer.probabilities[name],
+        _stretches(evidence, outcome.signals),
+        {each: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for each, row in sizes if np.any(row)},
+        frozenset(one for one in names if declarations[one].flips),
+        problem.at_bounds(solution.parameters, names),
     )
 
 
-def _size(outcome: SearchOutcome, refit: Refit) -> dict[str, tuple[float, float]]:
-    """Return root mean square and largest change of each force by an effect."""
-    simulator, solution = outcome.search.problem.simulator, outcome.search.solution
-    absent, parameters = simulator.tire.parameters(), solution.parameters.copy()
-    indices = [simulator.index[name] for name in refit.form.free]
-    parameters[indices] = absent[indices]
-    change = np.nan_to_num(simulator.forces(solution.parameters) - simulator.forces(parameters))
-    return {
-        name: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max()))
-        for name, row in zip(outcome.signals.channels, change, strict=True)
-        if np.any(row)
-    }
-
-
-def _stretches(refit: Refit, signals: Signals) -> tuple[tuple[float, float], ...]:
+def _stretches(evidence: Evidence, signals: Signals) -> tuple[tuple[float, float], ...]:
     """Return the stretches of time with two thirds of the evidence."""
-    order = np.argsort(-refit.gains)
-    cumulative = np.cumsum(np.maximum(refit.gains[order], 0.0))
+    order = np.argsort(-evidence.gains)
+    cumulative = np.cumsum(np.maximum(evidence.gains[order], 0.0))
     if cumulative[-1] <= 0.0:
         return ()
     chosen = sorted(order[: int(np.searchsorted(cumulative, REPORTED_EVIDENCE * cumulative[-1])) + 1].tolist())
-    t, edges = signals.t[signals.rows], refit.screen.edges
+    t, edges = signals.t[signals.rows], evidence.edges
     spans: list[tuple[float, float]] = []
     for g in chosen:
         first, last = float(t[edges[g]]), float(t[min(edges[g + 1], len(t)) - 1])
@@ -326,42 +292,36 @@ def _stretches(refit: Refit, signals: Signals) -> tuple[tuple[float, float], ...
     return tuple(spans)
 
 
-def confounded_with(outcome: SearchOutcome) -> dict[str, dict[str, float]]:
+def confounded_with(outcome: Outcome, tested: Sequence[Tried]) -> dict[str, dict[str, float]]:
     """Return the confounded explanations of each identified effect, with their correlation."""
-    search, screen = outcome.search, outcome.search.screen
-    names = {refit.name for refit in search.found}
-    others = _alternatives(search, outcome.tried.keys() - names)
-    confounded = {}
-    for refit in search.found:
+    fits, screen = outcome.final, outcome.final.after
+    others, confounded = _alternatives(tested), {}
+    for name, coefficients in fits.effects.items():
         found = {
-            other.name: screen.tangent[:, :, [search.solution.free.index(name) for name in other.form.free]]
-            for other in search.found if other is not refit
+            other: screen.tangent[:, :, [screen.solution.free.index(one) for one in own]]
+            for other, own in fits.effects.items() if other != name
         }  # fmt: skip
-        correlated = correlations(screen, refit.form.free, {**others, **alias_columns(screen)}, found)
+        correlated = correlations(screen, coefficients, {**others, **alias_columns(screen)}, found)
         size: dict[str, float] = {}
         for key, value in correlated.items():
-            name = key.partition(" ")[0]
-            size[name] = max(value, size.get(name, 0.0))
-        confounded[refit.name] = {
-            name: value
-            for name, value in size.items()
-            if value > REPORTED and name != outcome.tried[refit.name].contains
-        }
-        if "distance" in outcome.tried[refit.name].requires and "T" not in outcome.signals.recorded:
-            confounded[refit.name][UNRECORDED_TEMPERATURE] = 1.0
+            other = key.partition(" ")[0]
+            size[other] = max(value, size.get(other, 0.0))
+        contained = outcome.candidates[name].contains
+        confounded[name] = {one: value for one, value in size.items() if value > REPORTED and one != contained}
+        if "distance" in outcome.candidates[name].requires and "T" not in outcome.signals.recorded:
+            confounded[name][UNRECORDED_TEMPERATURE] = 1.0
     return {name: others for name, others in confounded.items() if others}
 
 
-def _alternatives(search: Search, names: Collection[str]) -> dict[str, FloatArray]:
+def _alternatives(tested: Sequence[Tried]) -> dict[str, FloatArray]:
     """Return the weighted responses of effects that were not identified, by name.
 
     Each point of a grid is an explanation of its own, since only one value of a time constant is right: its key is the
     name, a space and a number.
     """
     columns: dict[str, FloatArray] = {}
-    for i, tried in enumerate(search.last):
-        if tried.name in names:
-            key = f"{tried.name} {i}" if tried.form.grid else tried.name
-            parts = [columns[key]] if key in columns else []
-            columns[key] = np.concatenate([*parts, tried.response.columns], axis=-1)
+    for i, one in enumerate(tested):
+        key = f"{one.name} {i}" if one.form.grid else one.name
+        parts = [columns[key]] if key in columns else []
+        columns[key] = np.concatenate([*parts, one.response.columns], axis=-1)
     return columns

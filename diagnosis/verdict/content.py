@@ -8,11 +8,10 @@ from typing import Annotated, Any, NotRequired, TypedDict
 from tirefmu.boundary.json_schema import document, schema_of
 
 from ..explanations.answer import RankedExplanation
-from ..search.confirmation import Confirmation
 from .findings import Interval
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "3.1"
+VERSION = "4.0"
 
 
 class Size(TypedDict):
@@ -34,6 +33,15 @@ class FoundContent(TypedDict):
     cv_gain_se: float
     when: Annotated[Sequence[Sequence[float]], "stretches of time with most of the evidence, s"]
     size: Mapping[str, Size]
+
+
+class EvidenceContent(TypedDict):
+    """Evidence for an effect in the final fit; see `Evidence`."""
+
+    z: float
+    stretches: int
+    holdout_gain: float
+    holdout_error: float
 
 
 class UnknownContent(TypedDict):
@@ -84,13 +92,11 @@ class DiagnosisContent(TypedDict):
     not_identifiable: Sequence[str]
     not_identifiable_because: Mapping[str, str]
     refined: Sequence[str]
-    correction: Annotated[str | None, "effect file with corrections of the functional form"]
     gap: Annotated[Mapping[str, Mapping[str, Mapping[str, float]]], "train, cv, holdout, then channels: N and N m"]
     adequacy: Mapping[str, AdequacyContent]
     delivered: Annotated[bool, "whether the improved tire differs from the baseline"]
     not_delivered_because: Sequence[str]
-    confirmed: Mapping[str, Confirmation]
-    rejected: Mapping[str, Confirmation]
+    confirmed: Mapping[str, EvidenceContent]
     detectable: Mapping[str, Mapping[str, float]]
     where: Sequence[dict[str, Any]]
     where_after: Sequence[dict[str, Any]]

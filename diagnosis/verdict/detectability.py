@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.special import chdtri
@@ -11,20 +11,23 @@ from tirefmu.symbolic.detection import LARGEST_IN_SIZES
 from tirefmu.tires.tire import Tire
 
 from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies
-from ..search.effect_search import Search
+from ..probing.effect_probing import Screen, Tried
 from ..thresholds import EFFECT_P, NOT_IDENTIFIABLE
 
 
 def detectable_sizes(
-    search: Search, tried: Mapping[str, Candidate], start: Tire
+    screen: Screen, candidates: Mapping[str, Candidate], tested: Sequence[Tried], start: Tire
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
     """Return the smallest identifiable change of the forces by effect, and the effects that are not identifiable.
 
     Parameters
     ----------
-    search : Search
-        Completed, after `settle`.
-    tried : mapping of str to Candidate
+    screen : Screen
+        Of the improved model.
+    candidates : mapping of str to Candidate
+        Those that the improved model lacks.
+    tested : sequence of Tried
+        Their responses in the residual of the improved model.
     start : Tire
         The baseline model.
 
@@ -35,18 +38,14 @@ def detectable_sizes(
     dict of str to str
         By effect: the reason why this recording cannot identify it.
     """
-    signals = search.problem.simulator.signals
-    found = {refit.name for refit in search.found}
-    inverse_noise = search.screen.problem.inverse_noise
-    threshold = float(np.sqrt(chdtri(1, EFFECT_P / max(search.tests, 1))))
+    signals, inverse_noise = screen.signals, screen.problem.inverse_noise
+    threshold = float(np.sqrt(chdtri(1, EFFECT_P / max(len(tested), 1))))
     detectable: dict[str, dict[str, float]] = {}
     not_identifiable: dict[str, str] = {}
-    for name, candidate in tried.items():
-        if name in found:
-            continue
+    for name, candidate in candidates.items():
         lacking = [needed for needed in candidate.requires if not varies(signals, start, needed)]
         unmeasured = [needed for needed in lacking if needed in CHANNELS]
-        responses = [one.response for one in search.last if one.name == name]
+        responses = [one.response for one in tested if one.name == name]
         if unmeasured:
             not_identifiable[name] = f"cross-talk of {' and '.join(unmeasured)}, which was not recorded, resembles it"
         elif lacking:

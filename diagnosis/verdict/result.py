@@ -19,8 +19,7 @@ from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
 from ..explanations.answer import Answer
-from ..search.confirmation import Confirmation
-from ..search.proposals import FormCorrection
+from ..explanations.effect_evidence import Evidence
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .content import VERSION, DiagnosisContent
@@ -49,9 +48,7 @@ class Diagnosis:
     not_identifiable : mapping of str to str
         Effects that this recording cannot identify, and the reason.
     refined : tuple of str
-        Refinements of effects that the baseline model already had, and formulas that correct its functional form.
-    correction : FormCorrection or None
-        The effect with these formulas, which `tire` has.
+        Finer forms that the recording needs, of effects that the baseline model already had.
     gap : mapping
         train, cv, holdout -> channel -> before, after, floor, floor_with_history: root mean square residuals of the
         fitted tires over the compared rows, N and N m, with all errors of the recording removed (``recording``), and
@@ -61,8 +58,8 @@ class Diagnosis:
     delivered : bool
         Whether `tire` is the improved tire; otherwise it is the baseline tire.
     not_delivered_because : tuple of str
-    confirmed, rejected : mapping of str to Confirmation
-        Evidence in the final fit, for effects and refinements that it confirms and for those that it rejects.
+    evidence : mapping of str to Evidence
+        For each identified effect, in the final fit.
     detectable : mapping of str to mapping of str to float
         By effect and channel: the smallest change of the force, root mean square, that would have been identified.
     where, where_after : list of dict
@@ -96,13 +93,11 @@ class Diagnosis:
     unknown: tuple[Unknown, ...]
     not_identifiable: Mapping[str, str]
     refined: tuple[str, ...]
-    correction: FormCorrection | None
     gap: Mapping[str, Mapping[str, Mapping[str, float]]]
     adequacy: tuple[Adequacy, ...]
     delivered: bool
     not_delivered_because: tuple[str, ...]
-    confirmed: Mapping[str, Confirmation]
-    rejected: Mapping[str, Confirmation]
+    evidence: Mapping[str, Evidence]
     detectable: Mapping[str, Mapping[str, float]]
     where: list[dict[str, Any]]
     where_after: list[dict[str, Any]]
@@ -178,9 +173,8 @@ class Diagnosis:
 
     @property
     def proposed(self) -> tuple[AddedEffect, ...]:
-        """The effects that the diagnosis wrote itself: a correction of the form, and unexplained effects."""
-        written = [self.correction, *self.unknown]
-        return tuple(one.effect for one in written if one is not None and one.effect is not None)
+        """The effects that the diagnosis wrote itself."""
+        return tuple(one.effect for one in self.unknown if one.effect is not None)
 
     @property
     def _summarized(self) -> tuple[str, tuple[Finding, ...], Mapping[str, Mapping[str, float]], int, str]:
@@ -256,7 +250,6 @@ class Diagnosis:
             "not_identifiable": sorted(self.not_identifiable),
             "not_identifiable_because": self.not_identifiable,
             "refined": self.refined,
-            "correction": f"{self.correction.effect.name}.toml" if self.correction else None,
             "gap": self.gap,
             "adequacy": {
                 one.channel: {
@@ -271,8 +264,15 @@ class Diagnosis:
             },
             "delivered": self.delivered,
             "not_delivered_because": self.not_delivered_because,
-            "confirmed": self.confirmed,
-            "rejected": self.rejected,
+            "confirmed": {
+                name: {
+                    "z": one.z,
+                    "stretches": one.stretches,
+                    "holdout_gain": one.holdout_gain,
+                    "holdout_error": one.holdout_error,
+                }
+                for name, one in self.evidence.items()
+            },
             "detectable": self.detectable,
             "where": self.where,
             "where_after": self.where_after,

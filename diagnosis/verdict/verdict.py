@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import hypot
 from typing import Any
 
-from ..thresholds import CHANNEL_SHARE, ROUNDS
+from ..thresholds import CHANNEL_SHARE
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
 from .findings import Finding
@@ -15,7 +15,7 @@ from .findings import Finding
 def verdict_text(
     findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
     refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
-    against: Sequence[str], recording: Mapping[str, Any], *, stopped: bool = False,
+    against: Sequence[str], recording: Mapping[str, Any],
 ) -> str:  # fmt: skip
     """Return the verdict: missing effects, finer forms, what was not identified, what was removed, and reservations.
 
@@ -34,8 +34,6 @@ def verdict_text(
         Reasons why the improved tire is not delivered.
     recording : mapping
         Errors of the recording.
-    stopped : bool
-        Whether the search ended because of its number of rounds.
     """
     parts = [_missing(findings, unknown, confounded)]
     if refined:
@@ -44,8 +42,6 @@ def verdict_text(
     if red:
         what = "is missing in the delivered tire" if against else "is missing and was not identified"
         parts.append(f"something {what} in {', '.join(red)}")
-    if stopped:
-        parts.append(f"the search ended after {ROUNDS} rounds; further effects may be missing")
     parts = [part for part in parts if part] or [_nothing(adequacy, detectable)]
     if against:
         parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")

@@ -20,7 +20,7 @@ from ..added.checks import check_effects
 from ..added.effect import sections_of
 from ..added.state import LINES, State, couplings
 from ..declarations import Coefficient, Effect, Option
-from ..detection import Detection
+from ..detection import LARGEST_IN_SIZES, Detection
 from ..effects import EFFECTS
 from ..options import OPTIONS, signs
 from .declaration import ModelDeclaration
@@ -168,7 +168,9 @@ class Model(ModelDeclaration):
         spread = {
             name: value for detection in self.detections.values() for name, value in detection.prior_spread.items()
         }
-        return {**spread, **self.baseline.spread}
+        probes = (probe for sizes in self.baseline.refinements for probe in sizes.items())
+        refined = {name: LARGEST_IN_SIZES * abs(size) for name, size in probes}
+        return {**spread, **refined, **self.baseline.spread}
 
     def quantity(self, role: str) -> str:
         """Return the name of the quantity that has a role, or '' if the model lacks it."""

@@ -1,27 +1,24 @@
 """What a diagnosis delivers is what it reports."""
 
 import sys
-from copy import copy
-from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.stats import norm
 
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
+from tirefmu.diagnosis.explanations.effect_evidence import _stretches, effect_evidence, joint_z
+from tirefmu.diagnosis.explanations.final import final_fits
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.search import settling
-from tirefmu.diagnosis.search.confirmation import Confirmation, _stretches, confirmation, joint_z
-from tirefmu.diagnosis.search.settling import _undetermined_refinements, settle
-from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES, WORSE_P
+from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.diagnosis.thresholds import STRETCHES
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
-from tirefmu.diagnosis.verdict.delivery import reasons_against
+from tirefmu.diagnosis.verdict.delivery import density_gain, reasons_against
 from tirefmu.diagnosis.verdict.findings import Finding
 from tirefmu.diagnosis.verdict.fit_error import Residuals
-from tirefmu.diagnosis.verdict.operating_range import operating_points, undetermined_change
 from tirefmu.diagnosis.verdict.verdict import verdict_text
 from tirefmu.estimation.noise_floor import NoiseFloor
 
@@ -70,15 +67,15 @@ def test_a_channel_has_one_residual(worn):
 def test_the_reported_error_of_a_tire_that_is_not_delivered_is_that_of_the_baseline_tire(worn, monkeypatch):
     """Both tires are fitted with the same weights of the channels."""
     case, _ = worn
-    settled = []
+    fits = []
     monkeypatch.setattr(composition, "reasons_against", lambda *_: ("a reason",))
     module = sys.modules["tirefmu.diagnosis.diagnose"]  # as an attribute of the package it is the function
-    monkeypatch.setattr(module, "settle", lambda *each: settled.append(settle(*each)) or settled[0])
+    monkeypatch.setattr(module, "final_fits", lambda *each, **how: fits.append(final_fits(*each, **how)) or fits[0])
     diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
     assert not diagnosis.delivered
     assert diagnosis.tire == diagnosis.base_tire
     assert "The improved tire is not delivered, because a reason" in diagnosis.verdict
-    weights = [screen.problem.inverse_noise for screen in (settled[0].before, settled[0].after)]
+    weights = [screen.problem.inverse_noise for screen in (fits[0].before, fits[0].after)]
     np.testing.assert_array_equal(*weights)
     errors = reported_error(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
@@ -120,44 +117,40 @@ def compared(seed=0, fx=0.0, fy=0.0, of_fy=1.0):
     return Residuals(np.arange(6000), before, after, known, block % 8 == 5, np.arange(6000), block)
 
 
-def judged(residuals, undetermined=None):
-    parts = {"train": ~residuals.holdout, "holdout": residuals.holdout}
+def judged(residuals):
     errors = {
-        part: {
-            name: {"before": np.sqrt(np.mean(before[rows] ** 2)), "after": np.sqrt(np.mean(after[rows] ** 2))}
+        "holdout": {
+            name: {
+                "before": np.sqrt(np.mean(before[residuals.holdout] ** 2)),
+                "after": np.sqrt(np.mean(after[residuals.holdout] ** 2)),
+            }
             for name, before, after in zip(("Fx", "Fy"), residuals.before, residuals.after, strict=True)
         }
-        for part, rows in parts.items()
     }
-    return reasons_against(errors, residuals, undetermined or {})
+    return reasons_against(errors, residuals)
 
 
-def test_a_worse_tire_is_not_delivered():
+def test_a_tire_that_predicts_the_holdout_set_worse_is_not_delivered():
     wave, block = np.cos(np.arange(6000) / 23.0), compared().block
+    held = block % 8 == 5
     assert judged(compared()) == ()
-    assert judged(compared(), {"combined_Gxa": 1.9})[0].startswith("over the operating range combined_Gxa")
-    in_all, in_holdout = (judged(compared(fx=2.0 * wave * part)) for part in (1.0, block % 8 == 5))
-    assert "fitted rows" in in_all[0]
-    assert "hold-out set" in in_all[1]
-    assert ["hold-out set" in one for one in in_holdout] == [True]
-    assert "(Fx: " in in_all[0]
-    # Where the other channel becomes much better, too, and where one block alone is worse: this is no scatter.
-    assert judged(compared(fx=0.5 * wave, of_fy=20.0))
-    assert judged(compared(fx=4.0 * wave * (block == 17)))
-    assert "nan" in judged(compared(fx=np.where(block == 17, np.nan, 0.0)))[0]
+    assert "(Fx: " in judged(compared(fx=2.0 * wave, of_fy=0.0))[0]
+    # Better on the fitted rows, worse on the others: it is more certain where it is wrong.
+    assert "(Fx: " in judged(compared(fx=4.0 * wave * held))[0]
+    assert "nan" in judged(compared(fx=np.where(held, np.nan, 0.0)))[0]
+    # One channel gives way for a larger gain of another one; what happens on the fitted rows alone does not count.
+    assert judged(compared(fx=0.5 * wave, of_fy=5.0)) == ()
 
 
-def test_a_tire_that_is_worse_within_the_noise_is_delivered():
-    """Coefficients that are fitted to the noise make another channel worse on the hold-out set, but insignificantly."""
-    shapes, refused, worse = np.sin(np.outer(np.arange(1, 6), np.arange(6000) / 31.0)), 0, 0
-    for seed in range(60):
-        one = compared(seed)
-        fitted = np.linalg.lstsq(shapes[:, ~one.holdout].T, one.before[0, ~one.holdout], rcond=None)[0]
-        one = compared(seed, fx=-fitted @ shapes)
-        refused += bool(judged(one))
-        worse += np.mean(one.after[0, one.holdout] ** 2) > np.mean(one.before[0, one.holdout] ** 2)
-    assert worse > 20
-    assert refused <= 60 * 2 * WORSE_P
+def test_the_density_is_that_of_the_residual_of_the_fitted_rows():
+    """The gain is the logarithm of the ratio of normal densities, as SciPy has it."""
+    residuals = compared(fx=0.3, fy=0.2)
+    gain = 0.0
+    for before, after in zip(residuals.before, residuals.after, strict=True):
+        for sign, rows in ((-1.0, before), (1.0, after)):
+            deviation = np.sqrt(np.mean(rows[~residuals.holdout] ** 2))
+            gain += sign * norm.logpdf(rows[residuals.holdout], scale=deviation).sum()
+    assert density_gain(residuals).sum() == pytest.approx(gain, rel=1e-9)
 
 
 def test_a_residual_far_above_the_floor_is_inadequate():
@@ -181,75 +174,26 @@ def test_a_coefficient_at_its_bound_is_in_the_verdict():
     assert text == "Missing: load_lag (probability 87 %; at its bound: LLEN)"
 
 
-# ------------------------------------------------------------------ confirmation
+# ------------------------------------------------------------------ evidence for an effect
 
 
-def test_a_true_effect_is_confirmed_and_an_absent_one_is_not(at_true_values, tire):
+def test_a_true_effect_has_evidence_and_an_absent_one_has_not(at_true_values, tire):
     problem = at_true_values.problem
-    absent = tire.parameters()
-    absent[problem.simulator.index["PHY1"]] = 0.0
-    solution = problem.solve(tire.parameters(), (*at_true_values.solution.free, "PVY3"))
-    true = confirmation(problem, solution, ("PHY1",), absent)
-    assert true.z > 3.0 * CONFIRMED_Z
+    lacking = problem.over(Simulator(tire.with_values(PHY1=0.0), problem.simulator.signals))
+    after = Screen(lacking, lacking.solve(tire.parameters(), (*at_true_values.solution.free, "PVY3")))
+    true = effect_evidence(after, ("PHY1",))
+    assert true.z > 12.0
     assert true.stretches == STRETCHES
-    assert true.holdout_gain > 0.0
-    assert true.passes
-    false = confirmation(problem, solution, ("PVY3",), absent)
-    assert false.z < CONFIRMED_Z
-    assert not false.passes
-    assert not true.compensated
-    crossed = solution.disturbance.copy()
-    crossed[problem.disturbances.names.index("cross_talk_Fx_in_Fy")] = 1.5 * MAX_CROSS_TALK["Fx_in_Fy"]
-    doubtful = confirmation(problem, replace(solution, disturbance=crossed), ("PHY1",), absent)
-    assert doubtful.compensated  # without the effect, the cross-talk is that of a bench
-    assert not doubtful.passes
-
-
-def test_cross_talk_beyond_the_limit_with_and_without_an_effect_is_no_reason_against_it(problem, tire, at_true_values):
-    signals = problem.simulator.signals
-    index = {name: i for i, name in enumerate(signals.channels)}
-    measured = signals.measured.copy()
-    measured[index["Fy"]] += 2.0 * MAX_CROSS_TALK["Fx_in_Fy"] * signals.measured[index["Fx"]]
-    crossed = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
-    absent = tire.parameters()
-    absent[problem.simulator.index["PHY1"]] = 0.0
-    solution = crossed.solve(tire.parameters(), at_true_values.solution.free)
-    assert crossed.disturbances.implausible(solution.disturbance) == ("cross_talk_Fx_in_Fy",)
-    assert not confirmation(crossed, solution, ("PHY1",), absent).compensated
-
-
-@pytest.mark.parametrize(("load_noise", "expected"), [(0.01, False), (500.0, True)])
-def test_an_effect_with_states_that_is_smaller_than_the_noise_of_the_inputs_is_a_filter(
-    problem, tire, at_true_values, load_noise, expected
-):
-    noisy = replace(problem.simulator.signals, input_noise={"Fz": load_noise})
-    other = replace(problem, simulator=problem.simulator.with_signals(noisy))
-    absent = tire.parameters()
-    absent[problem.simulator.index["PHY1"]] = 0.0
-    free = at_true_values.solution.free
-    judged = [
-        confirmation(other, other.at(tire.parameters(), free), ("PHY1",), absent, has_states=states)
-        for states in (True, False)
-    ]
-    assert [one.within_noise for one in judged] == [expected, False]
-    assert [one.passes for one in judged] == [not expected, True]
-
-
-def test_the_reason_against_an_effect_is_the_criterion_that_it_misses():
-    good = Confirmation(10.0, STRETCHES, 0.1, 0.05, compensated=False, within_noise=False)
-    assert good.passes
-    changes = {
-        "2.0 standard deviations": {"z": 2.0},
-        "it predicts 3 of 8 stretches better": {"stretches": 3},
-        "it worsens the hold-out set": {"holdout_gain": -0.5},
-        "cross-talk would compensate it": {"compensated": True},
-        "noise of the inputs explains it": {"within_noise": True},
-    }
-    for reason, change in changes.items():
-        bad = replace(good, **change)
-        assert (bad.passes, bad.reason_against) == (False, reason)
-    assert replace(good, holdout_gain=-0.04).passes  # within one standard error
-    assert not replace(good, holdout_gain=-0.06).passes
+    assert true.holdout_gain > 3.0 * true.holdout_error > 0.0
+    assert true.gain > 3.0 * true.gain_error
+    assert true.p < 1e-12
+    false = effect_evidence(after, ("PVY3",))
+    assert false.z < 4.0
+    assert abs(false.gain) < 0.01
+    moved = tire.parameters()
+    moved[lacking.simulator.index["PHY1"]] = 0.0
+    expected = lacking.simulator.forces(tire.parameters()) - lacking.simulator.forces(moved)
+    np.testing.assert_allclose(true.change, expected, atol=0.1 * np.abs(expected).max())
 
 
 def test_gains_of_the_blocks_of_the_holdout_set_sum_to_its_gain(at_true_values, tire):
@@ -267,31 +211,8 @@ def test_gains_of_the_blocks_of_the_holdout_set_sum_to_its_gain(at_true_values, 
         )
         for each in (solution, worse)
     ]
-    assert problem.holdout_gain(solution, worse) == pytest.approx(1.0 - squares[1] / squares[0], rel=1e-9)
+    assert problem.holdout_gains(solution, worse).sum() == pytest.approx(1.0 - squares[1] / squares[0], rel=1e-9)
     assert gains.sum() < -0.01
-
-
-def test_the_search_goes_on_without_an_effect_that_is_not_confirmed(monkeypatch):
-    """The effect with the largest gain may fail, and the next one explain the same residual."""
-
-    def confirmed(search):
-        failing = [name for name in search.found if name == "first"]
-        search.found = [name for name in search.found if name != "first"]
-        return dict.fromkeys(search.found, "passes"), dict.fromkeys(failing, "fails")
-
-    def extended():
-        new = [name for name in search.candidates if name not in search.found][:1]
-        search.found += new
-        return bool(new)
-
-    search = SimpleNamespace(
-        candidates={"first": 1, "second": 2}, found=["first"], extended=extended,
-        problem=SimpleNamespace(solve=lambda parameters, free, iterations: solution),
-        solution=(solution := SimpleNamespace(parameters=None, free=())),
-    )  # fmt: skip
-    monkeypatch.setattr(settling, "_confirmed", confirmed)
-    assert settling._confirmed_or_replaced(search) == ({"second": "passes"}, {"first": "fails"})
-    assert search.candidates == {"first": 1, "second": 2}
 
 
 def test_an_effect_that_ends_soon_is_judged_where_it_acts(at_true_values):
@@ -306,56 +227,11 @@ def test_an_effect_that_ends_soon_is_judged_where_it_acts(at_true_values):
     np.testing.assert_allclose(shares, shares.mean(), rtol=0.1)
 
 
-def test_a_refinement_that_the_recording_leaves_open_remains_neutral(at_true_values):
-    problem, solution = at_true_values.problem, at_true_values.solution
-    refit = SimpleNamespace(name="refinement of core", form=SimpleNamespace(free=("PDY2", "PHY1")))
-    search = SimpleNamespace(refinements=[refit], progress=lambda text: None)
-    assert _undetermined_refinements(search, at_true_values) == []
-    noisy = replace(problem, inverse_noise=1e-4 * problem.inverse_noise)
-    assert _undetermined_refinements(search, Screen(noisy, noisy.at(solution.parameters, solution.free))) == [refit]
-
-
 def test_more_coefficients_need_a_larger_estimate():
     assert joint_z(5.0, 1) == pytest.approx(5.0)
     assert joint_z(5.0, 1) > joint_z(5.0, 2) > joint_z(5.0, 5)
     assert joint_z(-1.0, 1) == 0.0
     assert joint_z(60.0, 3) > 50.0
-
-
-# ------------------------------------------------------------------ operating range
-
-
-def test_the_operating_points_include_combined_slip_that_was_not_measured(problem):
-    named = problem.simulator.signals.named()
-    signals = replace(
-        problem.simulator.signals,
-        inputs=np.where(
-            np.array(problem.simulator.signals.names)[:, None] == "kappa", 0.0, problem.simulator.signals.inputs
-        ),
-    )
-    points = dict(zip(signals.names, operating_points(problem.simulator.signals), strict=True))
-    assert points["Fz"].min() == pytest.approx(np.quantile(named["Fz"], 0.005))
-    assert np.any((np.abs(points["kappa"]) > 0.05) & (np.abs(points["alpha"]) > 0.05))
-    pure = dict(zip(signals.names, operating_points(signals), strict=True))
-    assert not pure["kappa"].any()
-
-
-def test_what_the_recording_determines_may_be_large(at_true_values):
-    assert undetermined_change(at_true_values, {"plysteer": ("PHY1",)}) == {}
-
-
-def test_what_the_recording_does_not_determine_is_compared_with_the_spread_among_tires(at_true_values):
-    blind = replace(at_true_values.problem, inverse_noise=1e-6 * at_true_values.problem.inverse_noise)
-    index, parameters = blind.simulator.index["PHY1"], at_true_values.solution.parameters.copy()
-    sizes = []
-    for value in (0.003, 0.05):
-        parameters[index] = value
-        absent = replace(blind.simulator.tire, values={**blind.simulator.tire.values, "PHY1": 0.0})
-        simulator = copy(blind.simulator)
-        simulator.tire = absent
-        screen = Screen(replace(blind, simulator=simulator), blind.at(parameters, at_true_values.solution.free))
-        sizes.append(undetermined_change(screen, {"plysteer": ("PHY1",)})["plysteer"])
-    assert sizes[0] < 1.0 < sizes[1]
 
 
 # ------------------------------------------------------------------ recordings that mislead
@@ -416,18 +292,16 @@ def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
 def test_few_rows_have_an_answer(rate, sweeps):
     case = make_case(1, ("camber_thrust",), rate=rate, sweeps=sweeps)
     diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
-    for one in diagnosis.gap["train"].values():
-        assert 0.0 < one["after"] <= 1.05 * one["before"]
+    ratios = [error["after"] / error["before"] for error in diagnosis.gap["train"].values()]
+    assert 0.0 < np.prod(ratios) <= 1.0  # all channels together: one may give way within its scatter
     assert diagnosis.delivered or diagnosis.not_delivered_because
     errors = reported_error(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
 
 
-def test_a_tire_without_identified_effects_is_the_baseline_tire(monkeypatch):
-    """The search found an effect, and the final fit did not confirm it: there is one tire, not two in a flat valley."""
-    monkeypatch.setattr("tirefmu.diagnosis.search.confirmation.Confirmation.passes", False)
-    case = make_case(21, ("plysteer",))
+def test_a_tire_without_a_missing_effect_is_the_baseline_tire():
+    """There is one tire, not two in a flat valley."""
+    case = make_case(21)
     diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
-    assert diagnosis.rejected
-    assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]  # the rejected effect is not identified, but missing
+    assert not diagnosis.found
     assert diagnosis.tire.values == diagnosis.base_tire.values

@@ -6,13 +6,22 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.explanations.answer import answer_of
+from tirefmu.diagnosis.explanations.compare import compared
 from tirefmu.diagnosis.explanations.discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
 from tirefmu.diagnosis.explanations.evidence import NormalEquations, Projected
-from tirefmu.diagnosis.explanations.explanation import UNKNOWN, Explanation
-from tirefmu.diagnosis.explanations.linearization import Linearization, unknown_terms
+from tirefmu.diagnosis.explanations.explanation import FORM, UNKNOWN, Explanation, Term
+from tirefmu.diagnosis.explanations.linearization import Linearization
+from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.probing.candidates import candidates_for
+from tirefmu.diagnosis.recording.signals import signals_of
+from tirefmu.diagnosis.recording.skew import between_rows
+from tirefmu.diagnosis.thresholds import EFFECT_ODDS
 from tirefmu.diagnosis.verdict.verdict import percent
+from tirefmu.symbolic.detection import Form
+
+from .suite import make_case
 
 
 def equations(columns, residual, deviations):
@@ -114,10 +123,11 @@ def test_a_probability_is_never_certainty_in_words():
 
 
 def test_smooth_functions_are_a_process_of_variance_one(at_true_values):
-    signals = at_true_values.problem.simulator.signals
-    many = smooth_functions(signals, ["alpha", "Fz"], 4000)
+    named = at_true_values.problem.simulator.signals.named()
+    inputs = {name: named[name] for name in ("alpha", "Fz")}
+    many = smooth_functions(inputs, 4000)
     assert np.sum(many**2, axis=1) == pytest.approx(1.0, abs=0.1)
-    np.testing.assert_array_equal(many, smooth_functions(signals, ["alpha", "Fz"], 4000))
+    np.testing.assert_array_equal(many, smooth_functions(inputs, 4000))
 
 
 def test_discrepancies_are_proportional_to_what_they_belong_to(at_true_values):
@@ -127,7 +137,7 @@ def test_discrepancies_are_proportional_to_what_they_belong_to(at_true_values):
     np.testing.assert_allclose(model_discrepancy(simulator.signals, 2.0 * forces), 2.0 * columns)
     response = np.zeros_like(forces)
     response[1] = forces[1]
-    of_effect = effect_discrepancy(simulator.signals, response, ("p",))
+    of_effect = effect_discrepancy(response, {"Fz": simulator.signals.named()["Fz"]})
     assert not of_effect[[0, 2]].any()
     assert of_effect[1].any()
 
@@ -145,11 +155,72 @@ def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
     assert len(outside.target) == len(inside.target) - 1
 
 
-def test_unknown_terms_are_no_errors_of_the_functional_form(at_true_values):
-    terms = unknown_terms(at_true_values.problem, at_true_values.solution)
-    texts = {term.name.partition(": ")[2] for term in terms}
-    assert "10*absolute(gamma)" in texts
-    assert texts.isdisjoint({"Fz/FNOMIN - 1", "5*absolute(tan(alpha))", "5*absolute(kappa)", "5*tan(alpha)"})
-    for term in terms:
-        assert np.isfinite(term.column).all()
-        assert term.deviation > 0.0
+def test_terms_in_the_inputs_of_the_explanation_are_errors_of_form(at_true_values, tire):
+    problem, solution = at_true_values.problem, at_true_values.solution
+    candidates = candidates_for(replace(tire, effects=tuple(tire.has - {"camber_thrust"})))
+    parts = []
+    for forms in ((), (("camber_thrust", candidates["camber_thrust"].forms[0]),)):
+        linear = Linearization(Explanation(forms), problem, solution, candidates)
+        terms = [linear.named(one) for one in linear.terms()]
+        assert all(np.isfinite(one.columns).all() and one.deviation[0] > 0.0 for one in terms)
+        parts.append({(one.part.location.name, one.part.feature.text): one.name for one in terms})
+    nothing, leaning = parts
+    assert nothing["friction", "Fz/FNOMIN - 1"] == nothing["side force", "5*tan(alpha)"] == FORM
+    assert nothing["friction", "10*absolute(gamma)"] == nothing["side force", "10*gamma"] == UNKNOWN
+    assert leaning["friction", "10*absolute(gamma)"] == leaning["side force", "10*gamma"] == FORM
+    assert leaning["friction", "slip of the last 1 s"] == UNKNOWN
+
+
+def test_an_explanation_without_an_effect_has_no_terms_of_a_part_that_is_gone():
+    place, feature = (None, None)
+    terms = tuple(Term(part, place, feature, np.zeros((1, 1)), 1.0, -2.0) for part in (FORM, UNKNOWN, UNKNOWN))
+    one = Explanation((("conicity", Form((), ())),), terms)
+    assert one.parts == ("conicity", FORM, UNKNOWN)
+    assert one.without(UNKNOWN).parts == ("conicity", FORM)
+    assert one.without("conicity").terms == terms
+    assert one.log_prior == pytest.approx(np.log(EFFECT_ODDS) - 6.0)
+    assert one.extended("plysteer", Form((), ())).effects == ("conicity", "plysteer")
+
+
+# ------------------------------------------------------------------ the comparison
+
+
+@pytest.fixture(scope="module")
+def sideways():
+    """Return the baseline problem of a made recording whose tire has a conicity, its solution, and the candidates."""
+    case = make_case(13, ("conicity",))
+    start = _start_model("mf96", case.effects, case.nominal, None, ())
+    problem, solution = fit_baseline(start, signals_of(case.table, start, case.signs), known=False)
+    names = ("conicity", "plysteer", "camber_thrust", "pressure_friction", "load_lag")
+    return problem, solution, {name: one for name, one in candidates_for(start).items() if name in names}
+
+
+def test_the_best_explanation_is_the_true_one(sideways):
+    comparison = compared(*sideways, lambda sentence: None)
+    assert comparison.leader.explanation.effects == ("conicity",)
+    assert comparison.answer.probabilities["conicity"] > 0.9
+    assert comparison.answer.explanations[0].effects == ("conicity",)
+
+
+def test_what_is_compared_does_not_depend_on_the_order_of_the_candidates(sideways):
+    problem, solution, candidates = sideways
+    reverse = dict(reversed(candidates.items()))
+    both = [compared(problem, solution, one, lambda sentence: None).answer for one in (candidates, reverse)]
+    assert both[0].probabilities == pytest.approx(both[1].probabilities, abs=1e-6)
+
+
+def test_a_step_between_two_rows_is_not_a_measurement(at_true_values, problem):
+    """The polynomial through the neighbors of a row misses half of a step, and nothing of most rows of a slow sweep."""
+    simulator, parameters = problem.simulator, at_true_values.solution.parameters
+    slow = between_rows(simulator, parameters)
+    inputs = simulator.signals.inputs.copy()
+    load = simulator.signals.names.index("Fz")
+    inputs[load, 1000:] *= 1.5
+    stepped = simulator.with_signals(replace(simulator.signals, inputs=inputs))
+    wide = between_rows(stepped, parameters)
+    jump = np.abs(stepped.forces(parameters) - simulator.forces(parameters))[:, 1000]
+    at_step, far = wide[:, 998:1002].max(axis=1), np.r_[0:950, 1050:2300]
+    assert at_step == pytest.approx(0.5 * jump / np.sqrt(3.0), rel=0.1)
+    largest = 1e-3 * np.abs(simulator.forces(parameters)).max(axis=1)
+    assert np.all(np.median(slow, axis=1) < largest)  # Mz of this model has a kink at alpha = 0 in combined slip
+    assert np.all(np.median(wide[:, far], axis=1) < largest)

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tirefmu.diagnosis.explanations.final import balanced
 from tirefmu.diagnosis.least_squares import LeastSquares
 from tirefmu.diagnosis.recording.disturbances import reported_disturbances
-from tirefmu.diagnosis.search.settling import _balanced
 from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import model_named
@@ -131,11 +131,11 @@ def test_the_final_fit_weights_each_channel_by_its_residual(problem, at_true_val
     """A channel whose noise is taken to be too small has the weight of the others afterwards."""
     factor = np.array([1.0, 4.0, 0.5])[:, None]
     solution = at_true_values.solution
-    balanced = _balanced(replace(problem, inverse_noise=factor * problem.inverse_noise), solution)
-    used = balanced.inverse_noise > 0.0
-    sizes = np.sqrt(np.mean((balanced.inverse_noise * solution.residual) ** 2, axis=1, where=used))
+    other = balanced(replace(problem, inverse_noise=factor * problem.inverse_noise), solution)
+    used = other.inverse_noise > 0.0
+    sizes = np.sqrt(np.mean((other.inverse_noise * solution.residual) ** 2, axis=1, where=used))
     np.testing.assert_allclose(sizes, sizes[0], rtol=1e-12)
-    ratio = balanced.inverse_noise[used] / problem.inverse_noise[used]
+    ratio = other.inverse_noise[used] / problem.inverse_noise[used]
     assert np.ptp(ratio.reshape(3, -1), axis=1) == pytest.approx(0.0, abs=1e-9)  # within a channel, nothing changes
 
 

@@ -10,12 +10,10 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis import diagnose, write_report
-from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.probing.candidates import candidates_for, is_testable
 from tirefmu.diagnosis.recording.load_error import load_error_responses
 from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
 from tirefmu.diagnosis.recording.simulation import Simulator
-from tirefmu.diagnosis.search.memory import LOAD_ERRORS, _disturbed
 from tirefmu.diagnosis.unexplained.features import features
 from tirefmu.estimation.turn_slip import with_turn_slip
 from tirefmu.measurements import Recording
@@ -186,18 +184,6 @@ def test_a_load_error_in_the_direction_of_slip_is_no_effect():
         table.assign(Fz=table["Fz"] * (1.0 + 0.004 * direction)), signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL
     )
     assert result.found == ()
-
-
-def test_a_load_error_that_no_bench_has_is_no_explanation():
-    """A difference between growing and falling slip of 3 % belongs to the tire, one of 0.4 % may be one of the load."""
-    table = recorded(tire_with())
-    direction = np.tanh(np.gradient(np.abs(table["alpha"]), table["t"]) / 0.05)
-    start = tire_with()
-    for size, explained in ((0.004, True), (0.03, False)):
-        forces = table.assign(Fz=table["Fz"] * (1.0 + size * direction))
-        problem, solution = fit_baseline(start, signals_of(forces, start, FORMULA_SIGNS), known=True)
-        disturbed, _ = _disturbed(problem, solution)
-        assert set(LOAD_ERRORS).issubset(disturbed.disturbances.names) == explained
 
 
 def test_a_constant_speed_is_no_variable_of_a_formula():

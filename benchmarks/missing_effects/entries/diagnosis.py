@@ -13,8 +13,8 @@ import pandas as pd
 
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations.answer import answer_of
-from tirefmu.diagnosis.explanations.evidence import NormalEquations
-from tirefmu.diagnosis.thresholds import EFFECT_ODDS, FORM_ERROR, LIKELIHOOD_POWER, UNKNOWN_SHARE
+from tirefmu.diagnosis.explanations.evidence import NormalEquations, likelihood_power
+from tirefmu.diagnosis.thresholds import EFFECT_ODDS, FORM_ERROR, UNKNOWN_SHARE
 
 from ..answers import UNKNOWN, Answer, Case, FloatArray
 from .problem import Channel, channels_of, inputs_of, scaled
@@ -95,5 +95,6 @@ class _Comparison:
 
     def _estimate(self, columns: FloatArray, y: FloatArray, deviation: FloatArray) -> tuple[FloatArray, float]:
         x, none = columns[: self.n], np.zeros(len(deviation))
-        products = LIKELIHOOD_POWER * x.T @ x, LIKELIHOOD_POWER * x.T @ y, LIKELIHOOD_POWER * float(y @ y)
+        power = likelihood_power(self.n)
+        products = power * x.T @ x, power * x.T @ y, power * float(y @ y)
         return NormalEquations(*products, deviation**-2.0, none).solved()

@@ -1,0 +1,144 @@
+"""Evidence for an effect in the final fit: the fit with it compared with the fit of the same model without it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import chdtrc, ndtri
+
+from tirefmu.estimation.block_regression import error_of_sum
+
+from ..probing.effect_probing import Screen
+from ..thresholds import STRETCHES
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+#: Probability below which the estimate over its standard error is used as it is: quantiles end at 1e-308.
+MIN_P = 1e-260
+#: Iterations of the fit without an effect.
+ITERATIONS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Evidence for an effect. It is reported; the probability of the effect decides whether it is named.
+
+    Attributes
+    ----------
+    z : float
+        Joint significance of all coefficients of the effect under coloured noise and over blocks of time, as the number
+        of standard deviations of a normal distribution with the same p-value.
+    stretches : int
+        Number of stretches of the recording (of `STRETCHES`) that the effect predicts better, estimated from the other
+        stretches. They are equally long, or contain equal shares of the effect if it acts in few of these.
+    holdout_gain, holdout_error : float
+        Share of the squared misfit on the hold-out set that the effect removes, and its standard error over blocks.
+    p : float
+        p-value of its response under coloured noise.
+    gains : ndarray, shape (n_blocks,)
+        Cross-validated gain of each block of time, as a share of the squared misfit without the effect.
+    edges : ndarray, shape (n_blocks + 1,)
+        The first row of each block.
+    change : ndarray, shape (n_channels, n)
+        Of the forces by the effect alone, N and N m.
+    """
+
+    z: float
+    stretches: int
+    holdout_gain: float
+    holdout_error: float
+    p: float
+    gains: FloatArray
+    edges: IntArray
+    change: FloatArray
+
+    @property
+    def gain(self) -> float:
+        """The cross-validated gain of all blocks."""
+        return float(self.gains.sum())
+
+    @property
+    def gain_error(self) -> float:
+        """The standard error of `gain`."""
+        return error_of_sum(self.gains)
+
+
+def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
+    """Compare a fit with the fit without an effect.
+
+    Parameters
+    ----------
+    after : Screen
+        Of the model with all effects.
+    coefficients : collection of str
+        Free coefficients of the effect.
+
+    Returns
+    -------
+    Evidence
+    """
+    problem, solution = after.problem, after.solution
+    simulator = problem.simulator
+    indices = [simulator.index[name] for name in coefficients]
+    removed = solution.parameters.copy()
+    removed[indices] = simulator.tire.parameters()[indices]
+    without = problem.solve_without(solution, coefficients, iterations=ITERATIONS)
+    screen = Screen(problem, without)
+    # In the linear case the change by the effect alone, but right, too, if the other coefficients follow nonlinearly.
+    columns = problem.weighted(without.residual - solution.residual)[:, :, None]
+    screen.learn_noise({0: columns})
+    response = screen.response(columns)
+    size = float(response.estimate[0] / response.error[0]) if np.isfinite(response.error[0]) else 0.0
+    z = joint_z(size, len(indices))
+    edges = _stretches(screen, columns[:, :, 0], z)
+    holdout = problem.holdout_gains(without, solution)
+    total = float(screen.baseline.loss.sum())
+    return Evidence(
+        z,
+        int(np.sum(screen.stretch_losses(edges) > after.stretch_losses(edges))),
+        float(holdout.sum()),
+        error_of_sum(holdout) if len(holdout) > 1 else 0.0,
+        response.p_coloured,
+        (screen.baseline.loss - after.baseline.loss) / total,
+        screen.edges,
+        np.nan_to_num(simulator.forces(solution.parameters) - simulator.forces(removed)),
+    )
+
+
+def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:
+    """Return the edges of the stretches in which an effect with a change of the weighted forces is judged.
+
+    A stretch in which the significance of the effect would be less than one standard deviation says nothing about it.
+    If more than a quarter are of that kind, as for an effect that ends soon, they contain equal shares of the effect.
+    """
+    edges = screen.stretches(STRETCHES)
+    evidence = np.cumsum(np.sum(change**2, axis=0))
+    shares = np.diff(np.concatenate([[0.0], evidence])[edges]) / max(float(evidence[-1]), 1e-300)
+    if np.sum(z**2 * shares > 1.0) >= 0.75 * STRETCHES:
+        return edges
+    inner = np.searchsorted(evidence, np.linspace(0.0, evidence[-1], STRETCHES + 1)[1:-1]) + 1
+    return np.unique(np.concatenate([edges[:1], inner, edges[-1:]]))
+
+
+def joint_z(size: float, coefficients: int) -> float:
+    """Return the significance of several coefficients as standard deviations of a normal distribution.
+
+    Parameters
+    ----------
+    size : float
+        Estimate over standard error of the fitted combination of the coefficients.
+    coefficients : int
+
+    Examples
+    --------
+    >>> round(joint_z(5.0, 1), 6), round(joint_z(5.0, 3), 2)
+    (5.0, 4.32)
+    """
+    if size <= 0.0:
+        return 0.0
+    p = float(chdtrc(coefficients, size**2))
+    return float(-ndtri(p / 2.0)) if p > MIN_P else size
