@@ -157,7 +157,7 @@ def with_steering(grid: Grid, log: Log, car: Car, estimated: Mapping[str, float]
     def at(delay: float, lag: float) -> FloatArray:
         behind = _lagged(t, angle, lag)
         line = _windowed(t, behind, ends - delay, STEERING_WINDOW)
-        return line - line.mean(axis=0) + _windowed(t, behind, grid.t - delay, grid.step)
+        return np.asarray(line - line.mean(axis=0) + _windowed(t, behind, grid.t - delay, grid.step))
 
     change = grid.step / 4
     by_delay = (at(delay + change, lag) - at(delay - change, lag)) / (2 * change)
