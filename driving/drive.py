@@ -12,6 +12,7 @@ from tirefmu.boundary.errors import DataError
 from tirefmu.tires import Tire, tire_from
 from tirefmu.tires.tire_argument import TireLike
 
+from .disagreement import disagreement
 from .effects import factor_values, motion_of, scaled
 from .estimate import Estimate, Forces, estimated
 from .factors import factors_of, scaled_tires
@@ -21,7 +22,7 @@ from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
 from .interval import BALANCE, POSE, interval_of
 from .result import Drive
-from .rivals import Explanation, answer_of, explanations
+from .rivals import Explanation, answer_of, explanations, probabilities_of
 from .simulation import simulated
 from .unknowns import Unknowns, check_factors, unknowns_of
 from .verdict import verdict_on
@@ -114,13 +115,15 @@ def _answer(
     ranked = explanations(Explanation(None, grid, estimate), unknowns, car, tires, refit)
     best = answer_of(ranked, unknowns)
     delivered = best.missing.delivered(best.estimate.z[len(unknowns) :]) if best.missing else tires
-    factors = factors_of(best.estimate, unknowns, delivered, best.grid.step)
+    probable = probabilities_of(best.grid, best.estimate, unknowns)
+    factors = factors_of(best.estimate, unknowns, delivered, best.grid.step, probable.factors)
     new = scaled_tires(delivered, factors)
     common = best.grid, best.estimate, unknowns, car
     before = simulated(*common, tires, known_car=False, fmus=fmus)
     after = simulated(*common, new, known_car=True, fmus=fmus)
     gap = _lacking(best, unknowns, car, tires, (tires, new))
-    verdict = verdict_on(best, ranked, unknowns, car, factors)
+    where = disagreement(best.grid, best.estimate, gap[0], car)
+    verdict = verdict_on(best, ranked, unknowns, car, factors, probable.car, where)
     wheels = wheel_table(best.grid, best.estimate)
     return Drive(log, car, best.grid, unknowns, best.estimate, tires, new, factors, wheels, before, after, gap, verdict)
 

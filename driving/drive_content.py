@@ -11,7 +11,7 @@ from .factors import Factor
 from .verdict import CarFinding, EffectFinding, TireDifference
 
 #: Version of drive.json. New keys increment the second number, changed meanings the first.
-VERSION = "1.3"
+VERSION = "2.0"
 
 
 class CarEntry(TypedDict):

@@ -12,7 +12,7 @@ from tirefmu.tires import Tire
 
 from .estimate import Estimate
 from .interval import OUTPUTS
-from .unknowns import AXLES, FACTORS, Unknowns
+from .unknowns import AXLES, CHANGED, FACTORS, LATERAL, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -30,20 +30,25 @@ class Factor:
     """A factor of an axle, relative to the tire of the file.
 
     `value`, `low`, `high`: estimate and 95 % interval. `determined`: whether the drive determines it; `reason`: why
-    not.
+    not. `changed`: the probability that it differs from 1.
     """
 
     value: float
     low: float
     high: float
     determined: bool
-    reason: str = ""
+    reason: str
+    changed: float
 
 
 def factors_of(
-    estimate: Estimate, unknowns: Unknowns, tires: Mapping[str, Tire], step: float
-) -> dict[str, dict[str, Factor]]:
-    """Return the factors by axle and name. `step`: length of an interval, s."""
+    estimate: Estimate, unknowns: Unknowns, tires: Mapping[str, Tire], step: float,
+    changed: Mapping[tuple[str, str], float],
+) -> dict[str, dict[str, Factor]]:  # fmt: skip
+    """Return the factors by axle and name.
+
+    `step`: length of an interval, s. `changed`: probabilities of changes, by default `CHANGED`.
+    """
     deviation = np.sqrt(np.diag(estimate.covariance))
     result: dict[str, dict[str, Factor]] = {axle: {} for axle in AXLES}
     for axle in AXLES:
@@ -52,10 +57,12 @@ def factors_of(
             center, spread = unknowns.spread[i] * estimate.z[i], unknowns.spread[i] * deviation[i]
             low, value, high = (float(np.exp(center + k * WIDTH * spread)) for k in (-1, 0, 1))
             reason = "" if spread <= MAX_SPREAD else "the drive has too little information on it"
+            if name not in LATERAL:
+                reason = "the log has no longitudinal force of a wheel"
             if not reason and name == "LMUY":
                 time = step * np.sum(used_share(estimate, axle, tires[axle], high) > PEAK_SHARE)
                 reason = "" if time >= PEAK_TIME else "the side force never comes near its peak"
-            result[axle][name] = Factor(value, low, high, not reason, reason)
+            result[axle][name] = Factor(value, low, high, not reason, reason, changed.get((axle, name), CHANGED))
     return result
 
 

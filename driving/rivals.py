@@ -20,19 +20,18 @@ import numpy.typing as npt
 from tirefmu.estimation.correlation import correlation_length
 from tirefmu.tires import Tire
 
-from .effects import Missing, effect_columns, factor_values, motion_of
+from .effects import Missing, effect_columns, factor_values, motion_of, scaled
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .interval import BALANCE, Added
-from .unknowns import Unknowns
+from .unknowns import CHANGED, LATERAL, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Prior probability that a factor changed; odds that an entry of the car is wrong, and that the tires lack an effect;
-#: how many times its uncertainty a wrong entry has. Judgement: who compares a drive expects other tires as likely as
-#: not, and most numbers of a car right.
-CHANGED, ODDS, WRONG_SPREAD = 0.5, 0.05, 10.0
+#: Odds that an entry of the car is wrong, and that the tires lack an effect; how many times its uncertainty a wrong
+#: entry has. Judgement: most numbers of a car are right.
+ODDS, WRONG_SPREAD = 0.05, 10.0
 #: Factor of the prior odds of an effect for each coefficient after the first. Judgement: of effects that a drive does
 #: not separate, the simpler one is the more likely.
 FURTHER = 0.5
@@ -40,6 +39,9 @@ FURTHER = 0.5
 CERTAIN = 0.95
 #: Effects that are compared by an estimate of their own. Convention: computing time.
 COMPARED = 4
+#: Error of the form of a tire over its side force. Judgement: a Magic Formula differs from bench data by about 1 %, of
+#: which its factors and the car take the larger part.
+FORM_ERROR = 0.003
 #: Gives the grid and the estimate with the forces of an effect.
 Refit = Callable[[Forces], tuple[Grid, Estimate]]
 
@@ -58,7 +60,7 @@ class Probabilities:
 
 def probabilities_of(grid: Grid, estimate: Estimate, unknowns: Unknowns) -> Probabilities:
     """Return the probabilities over all explanations."""
-    lateral = [pair for pair in unknowns.factors if pair[1] in ("LMUY", "LKY")]
+    lateral = [pair for pair in unknowns.factors if pair[1] in LATERAL]
     places = [unknowns.factor(*pair) for pair in lateral]
     information, score = estimate.information(grid, np.zeros((len(grid.t), 2, 0)))
     changed = np.array(list(itertools.product((False, True), repeat=len(places))))
@@ -108,18 +110,20 @@ def explanations(
     """
     if not base.estimate.converged:
         return [replace(base, probability=1.0)]
-    compared = [base]
-    for missing in _shortlist(base, unknowns, car, tires):
+    compared, powers = [base], [1.0]
+    for missing, power in _shortlist(base, unknowns, car, tires):
         try:
             explanation = Explanation(missing, *refit(_forces(missing, unknowns, car, base)))
         except np.linalg.LinAlgError:
             continue
-        compared += [explanation] if explanation.estimate.converged else []
+        if explanation.estimate.converged:
+            compared.append(explanation)
+            powers.append(power)
     logs = np.array([_evidence(explanation, unknowns) for explanation in compared])
     best = compared[int(np.argmax(logs))]
     residuals = best.estimate.residuals.values[:, -len(BALANCE) :].T
     length = np.mean([correlation_length(row, best.grid.segment) for row in residuals])
-    logs = (logs - logs.max()) / length + [_log_prior(explanation.missing) for explanation in compared]
+    logs = (logs - logs[0]) * powers / length + [_log_prior(explanation.missing) for explanation in compared]
     share = np.exp(logs - logs.max())
     ranked = zip(compared, share / share.sum(), strict=True)
     return sorted(
@@ -165,18 +169,32 @@ def _forces(missing: Missing, unknowns: Unknowns, car: Car, base: Explanation) -
     return forces
 
 
-def _shortlist(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]) -> list[Missing]:
-    """Return the effects that raise the evidence of the linearized estimate most, if any do, in their best form."""
+def _shortlist(base: Explanation, unknowns: Unknowns, car: Car, tires: dict[str, Tire]) -> list[tuple[Missing, float]]:
+    """Return the effects that raise the evidence of the linearized estimate most, if any do, in their best form.
+
+    With each the power of its likelihood: no formula is exact, and the information of a log on an error of the form
+    grows with its length (Miller and Dunson, Robust Bayesian inference via coarsening, JASA 114, 2019). The error has
+    the shape of the effect; what the car and the factors explain of it does not count.
+    """
+    factors = factor_values(unknowns, base.estimate.z)
     motion = motion_of(base.grid, base.estimate, unknowns, car)
-    columns = effect_columns(motion, tires, factor_values(unknowns, base.estimate.z))
+    columns = effect_columns(motion, tires, factors)
     if not columns:
         return []
-    information, score = base.estimate.information(base.grid, np.stack([column for _, column in columns], axis=2))
-    without = evidence_of(information, score, np.repeat([1.0, 0.0], [len(base.estimate.z), len(columns)]))
-    n, gains = len(base.estimate.z), dict[str, tuple[float, Missing]]()
+    forces = np.stack([column for _, column in columns], axis=2)
+    information, score = base.estimate.information(base.grid, forces)
+    n = len(base.estimate.z)
+    without = evidence_of(information, score, np.repeat([1.0, 0.0], [n, len(columns)]))
+    by_car = np.linalg.solve(information[:n, :n] + np.eye(n), information[:n, n:])
+    alone = np.diag(information[n:, n:]) - np.sum(information[:n, n:] * by_car, axis=0)
+    of_tires = motion.side_forces({axle: scaled(tire, factors[axle]) for axle, tire in tires.items()})
+    errors = FORM_ERROR**2 * np.mean(of_tires**2) / np.mean(forces**2, axis=(0, 1))
+    powers = 1.0 / (1.0 + errors * alone / 2)
+    gains = dict[str, tuple[float, Missing, float]]()
     for i, (missing, _) in enumerate(columns):
         spread = np.concatenate([np.ones(n), np.arange(len(columns)) == i])
-        gain = evidence_of(information, score, spread) - without
-        if gain > gains.get(missing.name, (0.0, missing))[0]:
-            gains[missing.name] = gain, missing
-    return [missing for _, missing in sorted(gains.values(), key=lambda pair: -pair[0])[:COMPARED]]
+        gain = powers[i] * (evidence_of(information, score, spread) - without)
+        if gain > gains.get(missing.name, (0.0,))[0]:
+            gains[missing.name] = gain, missing, powers[i]
+    ranked = sorted(gains.values(), key=lambda entry: -entry[0])[:COMPARED]
+    return [(missing, power) for _, missing, power in ranked]

@@ -32,8 +32,8 @@ from .unknowns import AXLES, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Length of a piece, s; Heun steps of an interval of the grid.
-HORIZON, SUBSTEPS = 2.0, 4
+#: Length of a piece, s; longest Heun step, s.
+HORIZON, MAX_STEP = 2.0, 0.01
 #: kappa, alpha, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with these
 #: inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
 TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
@@ -80,7 +80,8 @@ def simulated(
     kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
     acceleration = np.zeros((2, len(rows)))
-    h = grid.step / SUBSTEPS
+    substeps = int(np.ceil(grid.step / MAX_STEP - 1e-9))
+    h = grid.step / substeps
     past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
     with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires)) as forces:
         for k in range(length):
@@ -89,8 +90,8 @@ def simulated(
             held = {name: values[:, at] for name, values in past.items()}
             given = kappa[:, k].T, held, (ends[1] - ends[0]) / grid.step, body, forces
             before = state
-            for i in range(SUBSTEPS):
-                share = (i + 0.5) / SUBSTEPS
+            for i in range(substeps):
+                share = (i + 0.5) / substeps
                 vx = ends[0] + share * (ends[1] - ends[0])
                 angle = steer[0, :, k] + share * (steer[1, :, k] - steer[0, :, k])
                 first = acceleration = _rates(vx, state, angle, acceleration, 0.0, *given)

@@ -21,6 +21,9 @@ FloatArray = npt.NDArray[np.float64]
 AXLES = ("front", "rear")
 #: Scaling factors of a tire: friction and slip stiffness, longitudinal and lateral.
 FACTORS = ("LMUX", "LMUY", "LKX", "LKY")
+LATERAL = ("LMUY", "LKY")
+#: Prior probability that a factor changed. Judgement: who compares a drive expects other tires as likely as not.
+CHANGED = 0.5
 #: Prior standard deviation of the logarithm of a factor: it hardly matters for what a drive determines.
 FACTOR_SPREAD = 0.5
 #: What has no influence without these channels.

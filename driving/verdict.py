@@ -12,7 +12,7 @@ from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
-from .rivals import CERTAIN, Explanation, lacking, probabilities_of
+from .rivals import CERTAIN, Explanation, lacking
 from .unknowns import AXLES, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
@@ -22,22 +22,18 @@ LIKELY = 0.05
 #: Deviation of the balance of forces, per load, beyond which the tires do not explain the drive. The lateral force of a
 #: repeated bench measurement scatters by 1 to 2 %.
 UNEXPLAINED = 0.03
-#: What a factor is.
-MEANING = {
-    "LMUX": "longitudinal friction", "LMUY": "friction",
-    "LKX": "longitudinal slip stiffness", "LKY": "cornering stiffness",
-}  # fmt: skip
+#: What a factor that a drive determines is.
+MEANING = {"LMUY": "friction", "LKY": "cornering stiffness"}
 
 
 @dataclass(frozen=True)
 class TireDifference:
-    """A difference of a tire: `axle`, `name` of the factor, `effect` ("friction is lower"), factor, its probability."""
+    """A difference of a tire: `axle`, `name` of the factor, `effect` ("friction is lower"), factor."""
 
     axle: str
     name: str
     effect: str
     factor: Factor
-    probability: float
 
 
 @dataclass(frozen=True)
@@ -85,22 +81,26 @@ def verdict_on(
     unknowns: Unknowns,
     car: Car,
     factors: Mapping[str, Mapping[str, Factor]],
+    wrong: Mapping[str, float],
+    where: str,
 ) -> DriveVerdict:
-    """Return the verdict on a drive. `ranked`: `explanations`; `best`: `answer_of` them."""
+    """Return the verdict on a drive.
+
+    `ranked`: `explanations`; `best`: `answer_of` them. `wrong`: probability of each entry of the car to be wrong.
+    `where`: sentence of `disagreement`.
+    """
     estimate = best.estimate
-    probabilities = probabilities_of(best.grid, estimate, unknowns)
     findings = tuple(
-        TireDifference(
-            axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor, probability
-        )
-        for (axle, name), probability in probabilities.factors.items()
-        if (factor := factors[axle][name]).determined and probability > CERTAIN
+        TireDifference(axle, name, f"{MEANING[name]} is {'lower' if factor.value < 1.0 else 'higher'}", factor)
+        for axle in AXLES
+        for name, factor in factors[axle].items()
+        if factor.determined and factor.changed > CERTAIN
     )
     values = unknowns.car_values(estimate.z)
     of_car = tuple(
-        CarFinding(name, values[name], car.values[name], float(z), probabilities.car[name])
+        CarFinding(name, values[name], car.values[name], float(z), wrong[name])
         for name, z in zip(unknowns.car, estimate.z, strict=False)
-        if probabilities.car[name] > CERTAIN
+        if wrong[name] > CERTAIN
     )
     likely = tuple(
         EffectFinding(
@@ -112,7 +112,7 @@ def verdict_on(
         if explanation.missing and explanation.probability > LIKELY
     )
     unknown = tuple(axle for i, axle in enumerate(AXLES) if estimate.unexplained[i] > UNEXPLAINED)
-    lines = _lines(findings, of_car, unknown, factors, estimate)
+    lines = [*_factor_lines(findings, factors), where, *_car_lines(of_car, unknown, estimate)]
     if best.missing:
         lines.insert(0, _effects_line(likely))
     effect = best.missing.name if best.missing else None
@@ -127,23 +127,29 @@ def _effects_line(likely: tuple[EffectFinding, ...]) -> str:
     return f"{line}, or {names}: the drive does not separate them" if others else line
 
 
-def _lines(
-    findings: tuple[TireDifference, ...], of_car: tuple[CarFinding, ...], unknown: tuple[str, ...],
-    factors: Mapping[str, Mapping[str, Factor]], estimate: Estimate,
-) -> list[str]:  # fmt: skip
+def _factor_lines(findings: tuple[TireDifference, ...], factors: Mapping[str, Mapping[str, Factor]]) -> list[str]:
+    """Return a line for each difference, then one for the other factors of each axle."""
     lines = [
         f"{d.axle} axle: {d.effect} than in the tire file: {d.name} {d.factor.value:.3g} "
         f"({d.factor.low:.3g} to {d.factor.high:.3g})"
         for d in findings
     ]
     if not findings:
-        lines.append("no difference of the tires from their files is determined")
+        lines.append("no difference of the tires from their files is certain")
     for axle in AXLES:
-        open_factors = [name for name, factor in factors[axle].items() if not factor.determined]
-        if open_factors:
-            reason = factors[axle][open_factors[-1]].reason
-            lines.append(f"{axle} axle: not determined: {', '.join(open_factors)}: {reason}")
-    lines += [
+        by_reason: dict[str, list[str]] = {}
+        for name, factor in factors[axle].items():
+            if not factor.determined:
+                by_reason.setdefault(f"not determined ({factor.reason})", []).append(name)
+            elif factor.changed <= CERTAIN:
+                text = f"{name} {factor.value:.3g} ({factor.low:.3g} to {factor.high:.3g})"
+                by_reason.setdefault("not certain to differ from the tire file", []).append(text)
+        lines += [f"{axle} axle: {', '.join(names)}: {reason}" for reason, names in by_reason.items()]
+    return lines
+
+
+def _car_lines(of_car: tuple[CarFinding, ...], unknown: tuple[str, ...], estimate: Estimate) -> list[str]:
+    lines = [
         f"car: {ENTRIES[entry.name].meaning} contradicts its file: {entry.value:.4g} instead of {entry.given:.4g} "
         f"{ENTRIES[entry.name].unit}, {abs(entry.deviation):.1f} standard deviations"
         for entry in of_car

@@ -46,6 +46,20 @@ def test_without_an_accelerometer_the_factors_are_those_of_the_truth(missing, lo
             assert answer.factors[axle][name].value == pytest.approx(value, rel=0.05)
 
 
+def test_verdict_and_table_have_the_same_factors(answer):
+    text = " ".join(answer.verdict.lines)
+    for axle in ("front", "rear"):
+        for name, factor in answer.factors[axle].items():
+            assert factor.determined == (f"{name} {factor.value:.3g} ({factor.low:.3g} to {factor.high:.3g})" in text)
+    found = {(finding.axle, finding.name): finding.factor for finding in answer.verdict.tires}
+    assert found == {
+        (axle, name): factor
+        for axle, factors in answer.factors.items()
+        for name, factor in factors.items()
+        if factor.determined and factor.changed > 0.95
+    }
+
+
 def test_longitudinal_factors_are_not_determined(answer):
     assert not any(answer.factors[axle][name].determined for axle in ("front", "rear") for name in ("LMUX", "LKX"))
     assert answer.scaled["front"].values["LMUX"] == answer.tires["front"].values["LMUX"]
@@ -110,11 +124,12 @@ def test_the_forces_are_a_recording(answer, tmp_path):
 
 
 def test_an_effect_that_the_tires_lack_is_named_and_delivered(car, tmp_path):
-    (log,), *_ = hidden.made(["relaxation"], seed=7, seconds=14.0)
+    (log,), _, _, (_, (length,)) = hidden.made(["relaxation"], seed=7, seconds=14.0)
     answer = tirefmu.drive(log, vehicle=car, tire=hidden.file_tire("relaxation"))
     assert answer.verdict.effect == "relax_lat"
     assert "the tires lack relax_lat" in answer.verdict.lines[0]
-    assert answer.verdict.effects[0].coefficients["SIGY"] == pytest.approx(0.5, abs=0.25)  # 0.3 to 0.7 m in the program
+    assert answer.verdict.effects[0].coefficients["SIGY"] == pytest.approx(length, abs=0.1)
+    assert "axle: the drive disagrees most with its tire file" in " ".join(answer.verdict.lines)
     content = answer.to_json()["axle_forces"]
     assert content["after"]["front"] < 0.6 * content["before"]["front"]
     answer.save(tmp_path)
