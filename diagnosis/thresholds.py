@@ -1,9 +1,11 @@
 """The settings of the diagnosis: unit, meaning, and reason for the value.
 
-There are three kinds of reasons:
+There are four kinds of reasons:
 
 - *Derived*: the value follows from the method or from physics, as stated.
 - *Convention*: other values are equally suitable.
+- *Benchmark*: the value was selected by results on the first suite of docs/discovery.md, whose rates are optimistic in
+  this respect. Only values of the proposal of an unknown component are.
 - *Not recorded*: the value is that of the first version; no study of it is recorded.
 
 Settings of one effect are in its file
@@ -106,8 +108,17 @@ SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
 
 # ------------------------------------------------------------------ the proposal of an unknown component
 
+#: p-values of a formula, under coloured noise with Bonferroni correction and of the jackknife over blocks. Not
+#: recorded.
+STRUCTURE_P, STRUCTURE_P_OF_BLOCKS = 1e-4, 1e-3
+#: Minimum gain in standard errors (benchmark: increased from 1), and as a share of the squared misfit (not recorded).
+STRUCTURE_ERRORS, STRUCTURE_GAIN = 1.2, 0.03
 #: Number of features whose evidence is computed. Convention: computing time.
 SHORTLIST = 60
+#: Minimum number of stretches with a positive gain, and share of the gain that must remain. By chance 6 or more of 8
+#: are positive in 14 %: the criterion rejects proxies, not noise. Benchmark.
+MIN_STRETCHES, MIN_RETAINED_GAIN = 6, 0.5
+
 #: Bounds of a formula's coefficient as multiples of its estimate. Convention.
 COEFFICIENT_BOUND_FACTOR = 10.0
 

@@ -17,7 +17,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
 from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS, UNKNOWN_ODDS, UNKNOWN_SHARE
-from ..unexplained.proposal import Dictionary
+from ..unexplained.proposal import Dictionary, generalizes
 from .answer import Answer, answer_of
 from .evidence import Projected
 from .explanation import FORM, UNKNOWN, Explanation, Term
@@ -146,25 +146,29 @@ class _Table:
         return self.refits[max(self.refits, key=lambda parts: self.scores[parts])]
 
     def climb(self, linear: Linearization) -> None:
-        """Extend and reduce the leading explanation, from a given one on, while another one leads then."""
+        """Extend the leading explanation, from a given one on, while another one leads then; reduce it at the end."""
         if linear.explanation.parts not in self.refits:
             self._add(refitted(self.shared, linear.explanation, [linear.solution.parameters], linear.simulator))
         if not linear.explanation.parts:
             self._propose(self.refits[()])
-        self._expand(lambda: [self.leader.explanation.parts])
+        best = None
+        while best is not self.leader and len(self.expanded) < COMPARED:
+            best = self.leader
+            self._extend(best)
+            if best is self.leader:
+                self._reduce(best)
+                self.expanded.add(best.explanation.parts)
 
     def compare(self) -> None:
-        """Extend and reduce the best explanations until none of the leading ones is left."""
-        self._expand(self._near)
-
-    def _expand(self, chosen: Callable[[], list[tuple[str, ...]]]) -> None:
-        """Extend and reduce chosen explanations until there are no others."""
+        """Extend the best explanations, and reduce those that nearly lead, until none of them is left."""
         while len(self.expanded) < COMPARED:
-            remaining = [parts for parts in chosen() if parts not in self.expanded]
+            remaining = [parts for parts in self._near() if parts not in self.expanded]
             if not remaining:
                 return
-            self._reduce(self.refits[remaining[0]])
-            self._extend(self.refits[remaining[0]])
+            refit = self.refits[remaining[0]]
+            self._extend(refit)
+            if self.scores[remaining[0]] > max(self.scores.values()) + REFIT_MARGIN:
+                self._reduce(refit)
             self.expanded.add(remaining[0])
 
     def propose(self, baseline: Solution) -> None:
@@ -180,7 +184,7 @@ class _Table:
         self.compare()
 
     def _propose(self, refit: Refitted) -> None:
-        """Refit an explanation with the formula that explains most of what it does not.
+        """Refit an explanation with the formula that explains most of what it does not, if a formula generalizes.
 
         Terms at one location are added while the evidence grows; each is one of all that were tested.
         """
@@ -189,7 +193,8 @@ class _Table:
             return
         self.proposed.add(parts)
         self.progress(f"searching for a formula in addition to {', '.join(parts[:-1]) or 'the baseline model'}")
-        errors, dictionary, best = refit.linear.form_errors, Dictionary(_screen(refit)), refit
+        screen, errors = _screen(refit), refit.linear.form_errors
+        dictionary, best = Dictionary(screen), refit
         possible = [
             i
             for i, (location, feature) in enumerate(dictionary.terms)
@@ -215,7 +220,7 @@ class _Table:
             return
         formula = np.stack([dictionary.column(i) for i in chosen], axis=-1)
         size = formula @ np.array(best.term_sizes(UNKNOWN))
-        if not self._reproduced(refit.linear, size):
+        if not self._reproduced(refit.linear, size) and generalizes(screen, formula, len(dictionary.terms)):
             self._add(best)
 
     def _reproduced(self, linear: Linearization, change: FloatArray) -> bool:

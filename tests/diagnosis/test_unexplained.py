@@ -16,7 +16,7 @@ from tirefmu.diagnosis.unexplained.features import (
 )
 from tirefmu.diagnosis.unexplained.formula_proposal import effect_of
 from tirefmu.diagnosis.unexplained.past import STATES, _low_pass
-from tirefmu.diagnosis.unexplained.proposal import Dictionary
+from tirefmu.diagnosis.unexplained.proposal import Dictionary, generalizes
 from tirefmu.diagnosis.unexplained.structure import Structure
 from tirefmu.symbolic.added import library
 
@@ -37,12 +37,16 @@ def friction_by_slip(at_true_values):
     return made
 
 
-def test_the_shortlist_has_the_term_that_is_in_a_recording(friction_by_slip):
+def test_a_formula_generalizes_if_it_is_everywhere_in_a_recording(friction_by_slip, at_true_values):
     screen = friction_by_slip()
     dictionary = Dictionary(screen)
     shortlist = dictionary.shortlisted(screen, range(len(dictionary.terms)))
     named = [(dictionary.terms[i][0].name, dictionary.terms[i][1].text) for i in shortlist]
-    assert ("friction", "5*absolute(tan(alpha))") in named
+    formula = dictionary.column(shortlist[named.index(("friction", "5*absolute(tan(alpha))"))])[:, :, None]
+    tests = len(dictionary.terms)
+    assert generalizes(screen, formula, tests)
+    assert not generalizes(friction_by_slip(0.3), formula, tests)  # in one part of the recording
+    assert not generalizes(Screen(at_true_values.problem, at_true_values.solution), formula, tests)  # noise alone
 
 
 def test_a_product_is_odd_if_one_of_its_factors_is():
