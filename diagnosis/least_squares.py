@@ -97,7 +97,7 @@ class LeastSquares:
         """Return the coefficients that are at a bound; at a neutral value, where the effect is absent, on request."""
         declarations, ends = self.simulator.symbolic_model.coefficients, np.stack(self.bounds(free))
         values = parameters[[self.simulator.index[name] for name in free]]
-        absent = np.array([np.nan if (neutral := declarations[name].neutral) is None else neutral for name in free])
+        absent = np.array([np.nan if (value := declarations[name].neutral) is None else value for name in free])
         close = np.isclose(values, ends, rtol=0.0, atol=AT_BOUND * np.ptp(ends, axis=0)).any(axis=0)
         chosen = close & (neutral | ~np.isclose(values, absent))
         return tuple(name for name, at in zip(free, chosen, strict=True) if at)
