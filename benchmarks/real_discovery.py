@@ -179,7 +179,7 @@ def print_carried_over(diagnosis: Diagnosis, file: Path, not_used: tuple[str, ..
     base = fit([recording], "mf61", nominal=NOMINAL).tire
     start = with_library(base)
     signals = signals_of(recording.table, start, recording.signs)
-    problem, without = fit_baseline(start, signals, known=True)
+    problem, without = fit_baseline(start, signals, fitted=True)
     print(f"  {file.name}, without: {errors_text(problem, without)}")
     found = diagnosis.in_signs(FORMULA_SIGNS).found
     for one in (one for one in found if one.effect in start.symbolic_model.effects):

@@ -102,8 +102,8 @@ def diagnose(
     began = time.perf_counter()
     report = progress or (lambda sentence: None)
     no_single_text("candidates", candidates)
-    user_defined = tuple(one for one in candidates or () if isinstance(one, AddedEffect))
-    selected = tuple(one for one in candidates or () if isinstance(one, str))
+    user_defined = tuple(candidate for candidate in candidates or () if isinstance(candidate, AddedEffect))
+    selected = tuple(candidate for candidate in candidates or () if isinstance(candidate, str))
     start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), user_defined)
     candidates_tried = _chosen(candidates_for(start), selected)
     turning = _with_derived_turn_slip(recording, start, candidates_tried)
@@ -113,10 +113,10 @@ def diagnose(
     signals = signals_of(turning.table, start, recording.signs, derived=derived)
     with one_blas_thread():
         report(BASELINE)
-        problem, solution = fit_baseline(start, signals, known=tire is not None)
+        problem, solution = fit_baseline(start, signals, fitted=tire is not None)
         recorded = signals_of(turning.table, start, recording.signs, smooth=False, derived=derived)
         if worse_by_smoothing(problem, solution, recorded):
-            problem, solution = fit_baseline(start, recorded, known=tire is not None)
+            problem, solution = fit_baseline(start, recorded, fitted=tire is not None)
         complete = with_predicted_temperature(turning, tire_of(start, problem, solution, ()))
         if complete is not turning:
             problem = _over(problem, complete, start, {*derived, TEMPERATURE})
@@ -161,10 +161,10 @@ def _with_source_of_temperature(
     """
     if TEMPERATURE in result.recording["derived_columns"] and result.delivered:
         result = replace(result, tire=predicting(result.tire, recording))
-    found = [one.effect for one in result.found if one.effect in candidates]
-    reading = [name for name in found if TEMPERATURE in candidates[name].requires]
+    effects = [finding.effect for finding in result.found if finding.effect in candidates]
+    reading = [name for name in effects if TEMPERATURE in candidates[name].requires]
     recorded = TEMPERATURE in recording.table and not start.values.get("THACT")
-    source = source_of_temperature(reading, found, start, recorded)
+    source = source_of_temperature(reading, effects, start, recorded)
     return replace(result, verdict=f"{result.verdict}. {source}") if source else result
 
 
@@ -208,8 +208,8 @@ def with_library(tire: Tire, user_defined: tuple[AddedEffect, ...] = ()) -> Tire
     return replace(tire.in_signs(FORMULA_SIGNS), added=tuple(added.values()), effects=tire.has)
 
 
-def _chosen(known: dict[str, Candidate], selected: tuple[str, ...]) -> dict[str, Candidate]:
+def _chosen(candidates: dict[str, Candidate], selected: tuple[str, ...]) -> dict[str, Candidate]:
     for name in selected:
-        if name not in known:
-            raise UnknownName("effect that the model can lack", name, known)
-    return {name: known[name] for name in selected} if selected else known
+        if name not in candidates:
+            raise UnknownName("effect that the model can lack", name, candidates)
+    return {name: candidates[name] for name in selected} if selected else candidates

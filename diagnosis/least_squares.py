@@ -97,7 +97,7 @@ class LeastSquares:
         """Return the coefficients that are at a bound; at a neutral value, where the effect is absent, on request."""
         declarations, ends = self.simulator.symbolic_model.coefficients, np.stack(self.bounds(free))
         values = parameters[[self.simulator.index[name] for name in free]]
-        absent = np.array([np.nan if (one := declarations[name].neutral) is None else one for name in free])
+        absent = np.array([np.nan if (value := declarations[name].neutral) is None else value for name in free])
         close = np.isclose(values, ends, rtol=0.0, atol=AT_BOUND * np.ptp(ends, axis=0)).any(axis=0)
         chosen = close & (neutral | ~np.isclose(values, absent))
         return tuple(name for name, at in zip(free, chosen, strict=True) if at)
@@ -107,8 +107,8 @@ class LeastSquares:
         declarations, factors = self.simulator.symbolic_model.coefficients, self._factors(free)
         lower, upper = self.bounds(free)
         center = np.array([self.center.get(name, declarations[name].default) for name in free]) * factors
-        known = self.simulator.symbolic_model.prior_spread
-        spread = np.array([known.get(name, np.inf) for name in free]) * np.abs(factors)
+        declared = self.simulator.symbolic_model.prior_spread
+        spread = np.array([declared.get(name, np.inf) for name in free]) * np.abs(factors)
         return center, np.minimum((upper - lower) / RANGE_IN_DEVIATIONS, spread)
 
     def _factors(self, free: Sequence[str]) -> FloatArray:
@@ -176,7 +176,9 @@ class LeastSquares:
         for i in range(len(signals.channels)):
             if training[i].any():
                 scale = float(np.mean(before.residual[i][training[i]] ** 2))
-                squares += [np.where(holdout[i], each.residual[i], 0.0) ** 2 / scale for each in (before, after)]
+                squares += [
+                    np.where(holdout[i], solution.residual[i], 0.0) ** 2 / scale for solution in (before, after)
+                ]
         total = float(squares[0].sum())
         blocks = signals.block[signals.holdout]
         gains = [float(np.subtract(*squares[:, signals.block == block].sum(axis=1))) for block in np.unique(blocks)]

@@ -58,16 +58,17 @@ class Answer:
         {'conicity': 0.5, 'plysteer': 0.5, 'UNKNOWN': 0.0}
         """
         sums = dict.fromkeys((*self.candidates, UNKNOWN), 0.0)
-        for one in self.explanations:
-            for name in one.parts:
-                sums[name] += one.probability
+        for explanation in self.explanations:
+            for name in explanation.parts:
+                sums[name] += explanation.probability
         return {name: min(value, 1.0) for name, value in sums.items()}  # sums are rounded
 
     @property
     def reported(self) -> tuple[RankedExplanation, ...]:
         """The leading explanations that have at least 99 % together."""
-        before = np.cumsum([0.0, *(one.probability for one in self.explanations)])[:-1]
-        return tuple(one for one, sum_before in zip(self.explanations, before, strict=True) if sum_before < 0.99)
+        before = np.cumsum([0.0, *(explanation.probability for explanation in self.explanations)])[:-1]
+        leading = zip(self.explanations, before, strict=True)
+        return tuple(explanation for explanation, sum_before in leading if sum_before < 0.99)
 
 
 def answer_of(evidences: Mapping[tuple[str, ...], float], candidates: Iterable[str]) -> Answer:
@@ -78,7 +79,7 @@ def answer_of(evidences: Mapping[tuple[str, ...], float], candidates: Iterable[s
     values = np.array(list(evidences.values()))
     weights, sums = np.exp(values - values.max()), dict[tuple[tuple[str, ...], bool], float]()
     for parts, weight in zip(evidences, weights / weights.sum(), strict=True):
-        key = tuple(one for one in parts if one not in (UNKNOWN, FORM)), UNKNOWN in parts
+        key = tuple(part for part in parts if part not in (UNKNOWN, FORM)), UNKNOWN in parts
         sums[key] = sums.get(key, 0.0) + float(weight)
     ranked = [RankedExplanation(effects, unknown, probability) for (effects, unknown), probability in sums.items()]
-    return Answer(tuple(sorted(ranked, key=lambda one: -one.probability)), tuple(candidates))
+    return Answer(tuple(sorted(ranked, key=lambda explanation: -explanation.probability)), tuple(candidates))

@@ -97,8 +97,8 @@ def _begun(
 def _table(linear: Linearization, baseline: Solution, progress: Callable[[str], None]) -> _Table:
     """Return an empty table under the noise of a linearization."""
     additions = linear.additions()
-    shared = shared_problem(linear, baseline, [one for forms in additions.values() for one in forms])
-    weighted = {name: [one.weighted(shared.problem) for one in forms] for name, forms in additions.items()}
+    shared = shared_problem(linear, baseline, [addition for forms in additions.values() for addition in forms])
+    weighted = {name: [addition.weighted(shared.problem) for addition in forms] for name, forms in additions.items()}
     return _Table(shared, baseline.parameters, weighted, progress)
 
 
@@ -135,10 +135,14 @@ class _Table:
         lacking = [name for name in linear.candidates if name not in linear.explanation.effects]
         for name in lacking:
             if name not in self.additions:
-                self.additions[name] = [one.weighted(self.shared.problem) for one in linear.of_effect(name)]
-        own = {(term.location.name, term.feature.text) for term in linear.explanation.terms}
-        terms = [one for one in self.additions[""] if (one.term.location.name, one.term.feature.text) not in own]
-        return [*(one for name in lacking for one in self.additions[name]), *terms]
+                self.additions[name] = [addition.weighted(self.shared.problem) for addition in linear.of_effect(name)]
+        contained = {(term.location.name, term.feature.text) for term in linear.explanation.terms}
+        terms = [
+            addition
+            for addition in self.additions[""]
+            if (addition.term.location.name, addition.term.feature.text) not in contained
+        ]
+        return [*(addition for name in lacking for addition in self.additions[name]), *terms]
 
     @property
     def leader(self) -> Refitted:
@@ -225,16 +229,18 @@ class _Table:
 
     def _reproduced(self, linear: Linearization, change: FloatArray) -> bool:
         """Return whether an effect of the library reproduces a change of the forces, shape (n_channels, n)."""
-        effects = [one for one in self._possible(linear) if not isinstance(one.part, Term)]
+        effects = [addition for addition in self._possible(linear) if not isinstance(addition.part, Term)]
         alone = Addition(UNKNOWN, effects[0].part, change[:, :, None], np.ones(1), 0.0)
-        sizes = [1, *(len(one.deviation) for one in effects)]
+        sizes = [1, *(len(addition.deviation) for addition in effects)]
         projected = Projected.of(linear.equations([alone, *effects]), sizes)
         return any(projected.correlations(group)[0] > CONFOUNDED for group in projected.groups[1:])
 
     def _best_term(self, refit: Refitted, dictionary: Dictionary, tried: Sequence[int]) -> tuple[int, float]:
         """Return the term with the largest gain in the linear problem, and this gain."""
         terms = [self._term(dictionary, i, 0.0) for i in tried]
-        additions = [Addition(UNKNOWN, one, one.column[:, :, None], np.array([one.deviation]), 0.0) for one in terms]
+        additions = [
+            Addition(UNKNOWN, term, term.column[:, :, None], np.array([term.deviation]), 0.0) for term in terms
+        ]
         projected = Projected.of(refit.linear.equations(additions), [1] * len(additions))
         gained = [projected.gain(group)[0] for group in projected.groups]
         return tried[int(np.argmax(gained))], max(gained)
@@ -247,9 +253,9 @@ class _Table:
     def _near(self) -> list[tuple[str, ...]]:
         """Return the leading explanation, those with one part less, and those with nearly its score."""
         parts = self.leader.explanation.parts
-        less = [one for one in self.refits if len(one) == len(parts) - 1 and set(one) < set(parts)]
-        near = [one for one in self.refits if self.scores[one] > self.scores[parts] + REFIT_MARGIN]
-        return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda one: -self.scores[one])]))
+        less = [other for other in self.refits if len(other) == len(parts) - 1 and set(other) < set(parts)]
+        near = [other for other in self.refits if self.scores[other] > self.scores[parts] + REFIT_MARGIN]
+        return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda other: -self.scores[other])]))
 
     def _add(self, refit: Refitted) -> None:
         parts, score = refit.explanation.parts, refit.evidence + refit.explanation.log_prior
@@ -263,7 +269,8 @@ class _Table:
             less = self._without(explanation, part)
             if less.parts not in self.refits:
                 start = refit.linear.solution.parameters.copy()
-                freed = [simulator.index[name] for one, form in explanation.forms if one == part for name in form.free]
+                forms = [form for effect, form in explanation.forms if effect == part]
+                freed = [simulator.index[name] for form in forms for name in form.free]
                 start[freed] = self.absent[freed]
                 self.progress(f"comparing {part} with other explanations")
                 self._add(refitted(self.shared, less, [start], simulator))
@@ -285,9 +292,9 @@ class _Table:
         always = RIVALS if len(refit.explanation.parts) <= max(len(self.leader.explanation.parts) - 1, 0) else 0
         base = self.scores[refit.explanation.parts]
         scored = gains(refit.linear, self._possible(refit.linear))
-        totals = {name: float(np.logaddexp.reduce([one.gain for one in forms])) for name, forms in scored.items()}
-        for number, name in enumerate(sorted(totals, key=lambda one: -totals[one])):
-            best = max(scored[name], key=lambda one: one.gain)
+        totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
+        for number, name in enumerate(sorted(totals, key=lambda part: -totals[part])):
+            best = max(scored[name], key=lambda form: form.gain)
             parts, score = self._extended(refit, best).parts, base + totals[name]
             if parts in self.refits:
                 continue
@@ -331,7 +338,7 @@ class _Table:
                 return more
             refit, others = more, 0.0
             further = gains(refit.linear, self._possible(refit.linear)).get(FORM, [])
-            best = max(further, key=lambda one: one.gain, default=best)
+            best = max(further, key=lambda form: form.gain, default=best)
             if not further or best.gain <= 0.0:
                 return refit
 
@@ -358,19 +365,19 @@ def gains(linear: Linearization, additions: Sequence[Addition]) -> dict[str, lis
     Terms are errors of form: others are unknown, and those that an effect of the library reproduces are neither. All
     terms share the prior odds of an error of form; an explanation with one has them already.
     """
-    possible = [linear.named(one) for one in additions]
+    possible = [linear.named(addition) for addition in additions]
     if not possible:
         return {}
-    projected = Projected.of(linear.equations(possible), [len(one.deviation) for one in possible])
-    known = np.zeros(len(projected.target), dtype=bool)
+    projected = Projected.of(linear.equations(possible), [len(addition.deviation) for addition in possible])
+    reproduced = np.zeros(len(projected.target), dtype=bool)
     for addition, group in zip(possible, projected.groups, strict=True):
         if not isinstance(addition.part, Term):
-            known |= projected.correlations(group) > CONFOUNDED
-    scored, counts = dict[str, list[Gain]](), Counter(one.name for one in possible)
+            reproduced |= projected.correlations(group) > CONFOUNDED
+    scored, counts = dict[str, list[Gain]](), Counter(addition.name for addition in possible)
     for addition, group in zip(possible, projected.groups, strict=True):
         prior = addition.log_prior
         if isinstance(addition.part, Term):
-            if addition.name == UNKNOWN or known[group].any():
+            if addition.name == UNKNOWN or reproduced[group].any():
                 continue
             odds = 1.0 if linear.explanation.terms_of(FORM) else UNKNOWN_ODDS
             prior = float(np.log(odds / counts[FORM]))

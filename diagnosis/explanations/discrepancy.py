@@ -170,5 +170,5 @@ def input_noise_responses(simulator: Simulator, parameters: FloatArray) -> Float
             inputs = signals.inputs.copy()
             inputs[i] -= np.clip(inputs[i] - average, -limit, limit)
             responses.append(simulator.with_signals(replace(signals, inputs=inputs)).forces(parameters) - at)
-    moved = [np.nan_to_num(one) for one in responses if np.any(np.nan_to_num(one))]
+    moved = [np.nan_to_num(response) for response in responses if np.any(np.nan_to_num(response))]
     return np.stack(moved, axis=-1) if moved else np.zeros((*at.shape, 0))

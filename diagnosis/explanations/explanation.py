@@ -85,4 +85,4 @@ class Explanation:
         ('conicity',)
         """
         terms = tuple(term for term in self.terms if term.part != part)
-        return Explanation(tuple(each for each in self.forms if each[0] != part), terms)
+        return Explanation(tuple((name, form) for name, form in self.forms if name != part), terms)

@@ -91,26 +91,27 @@ def final_fits(
     problem = replace(problem, disturbances=disturbances).over(linear.simulator)
     base = problem.solve(baseline.parameters, baseline.free, iterations=FINAL_ITERATIONS)
     refinements = linear.needed_refinements()
-    extended, found = problem, base
+    extended, solution = problem, base
     freed = {*linear.solution.free, *(name for _, form in refinements for name in form.free)}
     if freed > set(base.free):
         free = tuple(sorted(freed, key=linear.simulator.names.index))
-        found = problem.solve(linear.solution.parameters, free, iterations=FINAL_ITERATIONS)
-    unknown, added = _unknown(comparison, start, problem, found, report, no_formula)
+        solution = problem.solve(linear.solution.parameters, free, iterations=FINAL_ITERATIONS)
+    unknown, added = _unknown(comparison, start, problem, solution, report, no_formula)
     if added is not None:
-        extended, found, start = added.problem, added.solution, added.tire
+        extended, solution, start = added.problem, added.solution, added.tire
     for _ in range(BALANCING):
-        extended = balanced(extended, found)
-        found = extended.solve(found.parameters, found.free, iterations=FINAL_ITERATIONS)
-    before = Screen(extended, found)
-    if found.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
+        extended = balanced(extended, solution)
+        solution = extended.solve(solution.parameters, solution.free, iterations=FINAL_ITERATIONS)
+    before = Screen(extended, solution)
+    if solution.free != base.free:  # with the same weights: a channel could give way to another one in one fit only
         problem = replace(problem, inverse_noise=extended.inverse_noise)
         before = Screen(problem, problem.solve(base.parameters, base.free, iterations=FINAL_ITERATIONS))
-    before, found, whitened = _whitened(extended, found, before)
-    after, explanation = Screen(extended, found), linear.explanation
+    before, solution, whitened = _whitened(extended, solution, before)
+    after, explanation = Screen(extended, solution), linear.explanation
     effects = {name: _coefficients(name, explanation, after) for name in explanation.effects}
     evidence = {name: effect_evidence(after, coefficients) for name, coefficients in effects.items()}
-    of_formula = effect_evidence(after, [one.name for one in added.effect.declarations]) if added else None
+    formula = [declaration.name for declaration in added.effect.declarations] if added else []
+    of_formula = effect_evidence(after, formula) if added else None
     return Final(before, after, whitened, start, effects, evidence, refinements, unknown, of_formula)
 
 
@@ -134,7 +135,7 @@ def _coefficients(effect: str, explanation: Explanation, after: Screen) -> tuple
     """Return the free coefficients that belong to an effect, also those of its refinements."""
     model = after.problem.simulator.symbolic_model
     owned = model.owned(effect) if effect in model.effects else frozenset()
-    freed = {name for one, form in explanation.forms if one == effect for name in form.free}
+    freed = {name for owner, form in explanation.forms if owner == effect for name in form.free}
     return tuple(name for name in after.solution.free if name in freed or name in owned)
 
 

@@ -117,15 +117,17 @@ class Linearization:
         """Return the normal equations of everything that the explanation contains, and of additions."""
         if not additions:
             return self._own_equations
-        own, first = self._own_equations, np.concatenate([self.problem.disturbance_products[0], self._rows], axis=-1)
-        rows = [one.rows if one.rows is not None else self._weighted(one.columns) for one in additions]
+        base, first = self._own_equations, np.concatenate([self.problem.disturbance_products[0], self._rows], axis=-1)
+        rows = [
+            addition.rows if addition.rows is not None else self._weighted(addition.columns) for addition in additions
+        ]
         added = np.concatenate(rows, axis=-1)
         cross = first.T @ added  # the last row: with the misfit
-        matrix = np.block([[own.matrix, cross[:-1]], [cross[:-1].T, added.T @ added]])
-        precision = np.concatenate([own.precision, *(each.deviation**-2.0 for each in additions)])
+        matrix = np.block([[base.matrix, cross[:-1]], [cross[:-1].T, added.T @ added]])
+        precision = np.concatenate([base.precision, *(addition.deviation**-2.0 for addition in additions)])
         return NormalEquations(
-            matrix, np.append(own.target, cross[-1]), own.power, precision,
-            np.append(own.gradient, np.zeros(added.shape[1])),
+            matrix, np.append(base.target, cross[-1]), base.power, precision,
+            np.append(base.gradient, np.zeros(added.shape[1])),
         )  # fmt: skip
 
     @cached_property
@@ -161,18 +163,19 @@ class Linearization:
         effects.
         """
         simulator, solution, free = self.simulator, self.solution, self._inside
-        center, deviation = (one[[name in free for name in solution.free]] for one in self.problem.prior(solution.free))
+        inside = [name in free for name in solution.free]
+        center, deviation = (moment[inside] for moment in self.problem.prior(solution.free))
         values = solution.parameters[[simulator.index[name] for name in free]]
         bench, of_bench = bench_errors(simulator, solution.parameters)
         refined = [self._probes(form) for _, form in self._refinements]
         forms = [self._form_errors(name, form) for name, form in self.explanation.forms]
         forms.append(self._baseline_errors())
         if (unknown := self._unknown_response()).any():
-            depends_on = frozenset().union(*(one.depends_on for one in self.explanation.terms_of(UNKNOWN)))
+            depends_on = frozenset().union(*(term.depends_on for term in self.explanation.terms_of(UNKNOWN)))
             forms.append(FORM_ERROR * effect_discrepancy(unknown, self._inputs(depends_on)))
         parts = [simulator.jacobian(solution.parameters, free), bench, *(columns for columns, _ in refined)]
-        deviations = [deviation, of_bench, *(one for _, one in refined)]
-        deviations += [np.ones(one.shape[-1]) for one in forms]
+        deviations = [deviation, of_bench, *(spread for _, spread in refined)]
+        deviations += [np.ones(errors.shape[-1]) for errors in forms]
         whole = np.concatenate(deviations)
         distance = np.zeros(len(whole))
         distance[: len(values)] = (values - center) / deviation
@@ -295,13 +298,13 @@ class Linearization:
 
     def _gain_of(self, columns: Collection[int]) -> float:
         """Return the increase of the logarithm of the evidence by columns that the explanation contains."""
-        own = self._own_equations
-        others = np.delete(np.arange(len(own.target)), list(columns))
+        equations = self._own_equations
+        others = np.delete(np.arange(len(equations.target)), list(columns))
         reduced = NormalEquations(
-            own.matrix[np.ix_(others, others)], own.target[others], own.power, own.precision[others],
-            own.gradient[others],
+            equations.matrix[np.ix_(others, others)], equations.target[others], equations.power,
+            equations.precision[others], equations.gradient[others],
         )  # fmt: skip
-        return own.solved()[1] - reduced.solved()[1]
+        return equations.solved()[1] - reduced.solved()[1]
 
     def _probes(self, form: Form) -> tuple[FloatArray, FloatArray]:
         """Return the responses of the forces to the probes of a form, and the prior deviations of their multiples."""
@@ -322,7 +325,7 @@ class Linearization:
     def terms(self) -> list[Addition]:
         """Return the terms that an explanation could have."""
         terms = unknown_terms(self.problem, self.solution)
-        return [Addition("", one, one.column[:, :, None], np.array([one.deviation]), 0.0) for one in terms]
+        return [Addition("", term, term.column[:, :, None], np.array([term.deviation]), 0.0) for term in terms]
 
     def named(self, addition: Addition) -> Addition:
         """Return an addition with its name: terms in the inputs of the core and of the effects are errors of form.
@@ -345,8 +348,8 @@ class Linearization:
         """The size of the responses of all effects of the explanation, as a share of the measured forces."""
         responses = sum((self._response(name) for name in self.explanation.effects), np.zeros_like(self.forces))
         norms = [
-            float(np.linalg.norm(self.problem.inverse_noise * one))
-            for one in (responses, self.simulator.signals.measured)
+            float(np.linalg.norm(self.problem.inverse_noise * forces))
+            for forces in (responses, self.simulator.signals.measured)
         ]
         return max(norms[0] / norms[1], 1e-6)
 
@@ -370,7 +373,7 @@ class Linearization:
             columns, deviation = self._probes(form)
             alone = [slice(0, None)] if form.scalable else [slice(i, i + 1) for i in range(len(deviation))]
             prior = float(np.log(EFFECT_ODDS / (len(points) * len(alone))))
-            added += [Addition(name, form, columns[:, :, one], deviation[one], prior) for one in alone]
+            added += [Addition(name, form, columns[:, :, probes], deviation[probes], prior) for probes in alone]
         return added
 
 
@@ -424,7 +427,7 @@ def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
 
 def relative_size(problem: LeastSquares, column: FloatArray) -> float:
     """Return the size of the measured forces as a multiple of a column; infinite if the column is zero."""
-    measured, own = (
-        float(np.linalg.norm(problem.inverse_noise * one)) for one in (problem.simulator.signals.measured, column)
+    measured, of_column = (
+        float(np.linalg.norm(problem.inverse_noise * forces)) for forces in (problem.simulator.signals.measured, column)
     )
-    return measured / own if own > 0.0 else np.inf
+    return measured / of_column if of_column > 0.0 else np.inf

@@ -78,7 +78,7 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
     free = tuple(sorted(fitted, key=simulator.names.index))
     some = some_rows(simulator)
     tried = [problem.solve(start, free, rows=some, iterations=COARSE_ITERATIONS) for start in starts]
-    start = min(tried, key=lambda one: one.cost).parameters
+    start = min(tried, key=lambda solution: solution.cost).parameters
     best, estimate = _evaluated(shared, explanation, problem, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):
         signals, skew = best.linear.simulator.signals, float(estimate[best.linear.skew_index])
@@ -132,15 +132,15 @@ def shared_problem(linear: Linearization, baseline: Solution, additions: Sequenc
     noise = input_noise_responses(problem.simulator, linear.solution.parameters)
     names = tuple(f"{BENCH}{i}" for i in range(len(of_drift) + noise.shape[-1]))
     deviation = np.concatenate([of_drift, np.ones(noise.shape[-1])])
-    known = problem.disturbances.extended(names, np.concatenate([drift, noise], axis=-1), deviation)
+    disturbances = problem.disturbances.extended(names, np.concatenate([drift, noise], axis=-1), deviation)
     columns = model_discrepancy(signals, problem.simulator.forces(baseline.parameters))
     names = tuple(f"{DISCREPANCY}{i}" for i in range(columns.shape[-1]))
     widest = np.full(len(names), max(DISCREPANCIES))
-    extended = replace(problem, disturbances=known.extended(names, columns, widest))
+    extended = replace(problem, disturbances=disturbances.extended(names, columns, widest))
     size = _sizes(extended, saturated_residual(replace(linear, problem=extended), additions))
     extended = replace(extended, inverse_noise=extended.inverse_noise / size[:, None])
     noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions))
-    effects = [one for one in additions if not isinstance(one.part, Term)]
+    effects = [addition for addition in additions if not isinstance(addition.part, Term)]
     normal = replace(linear, problem=noisy).equations(effects)
     chosen = noisy.with_deviation(_best_deviation(normal, noisy.disturbances))
     of_terms = {name for name in chosen.disturbances.names if name.startswith(TERM)}  # of the leading explanation only
@@ -165,7 +165,7 @@ def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> Floa
     for channel in np.unique(channels):
         tried = np.tile(deviation, (len(DISCREPANCIES), 1))
         tried[:, np.array(columns)[channels == channel]] = np.array(DISCREPANCIES)[:, None]
-        deviation = tried[int(np.argmax([evidence(one) for one in tried]))]
+        deviation = tried[int(np.argmax([evidence(deviations) for deviations in tried]))]
     return deviation
 
 
@@ -183,7 +183,7 @@ def saturated_residual(linear: Linearization, additions: Sequence[Addition]) -> 
     factor = np.linalg.cholesky(whole)
     estimate = scale * cho_solve((factor, True), scale * (normal.target + normal.gradient))
     drawn = scale * solve_triangular(factor, np.random.default_rng(0).standard_normal(len(scale)), trans=1, lower=True)
-    columns = [problem.disturbances.columns, linear.contained, *(one.columns for one in additions)]
+    columns = [problem.disturbances.columns, linear.contained, *(addition.columns for addition in additions)]
     fitted = np.concatenate(columns, axis=-1) @ np.stack([estimate, drawn], axis=-1)
     rest = problem.weighted(problem.misfit(linear.solution.parameters) - fitted[:, :, 0])
     return np.asarray(rest - problem.weighted(fitted[:, :, 1]))
@@ -206,6 +206,6 @@ def _with_noise(problem: LeastSquares, residual: FloatArray) -> LeastSquares:
     t = signals.t[signals.rows]
     parts = [noise_parts(*rows, float(np.median(np.diff(t)))) for rows in zip(residual, used, strict=True)]
     noise = tuple(
-        replace(one, **{name: getattr(one, name) / power for name in ("white", "short", "drift")}) for one in parts
+        replace(part, **{name: getattr(part, name) / power for name in ("white", "short", "drift")}) for part in parts
     )
     return replace(problem, whitening=Whitening(noise, t, problem.inverse_noise))

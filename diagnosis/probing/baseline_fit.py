@@ -73,15 +73,15 @@ def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
     return tuple(name for name in readable(tuple(declarations), signals, model) if name in free)
 
 
-def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares, Solution]:
+def fit_baseline(tire: Tire, signals: Signals, *, fitted: bool) -> tuple[LeastSquares, Solution]:
     """Fit the baseline model.
 
     Parameters
     ----------
     tire : Tire
-        The baseline model. Its coefficients are initial values if ``known``; otherwise only nominal values are used.
+        The baseline model. Its coefficients are initial values if ``fitted``; otherwise only nominal values are used.
     signals : Signals
-    known : bool
+    fitted : bool
         Whether the coefficients are those of a fitted tire, not defaults.
 
     Returns
@@ -95,13 +95,13 @@ def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSqu
     training = signals.present & ~signals.holdout
     noise = np.array([0.02 * np.std(row[used]) + 1e-9 for row, used in zip(signals.measured, training, strict=True)])
     inverse_noise = np.where(training, 1.0 / noise[:, None], 0.0)
-    center = tire.symbolic_model.prior_center | ({name: tire.values[name] for name in free} if known else {})
+    center = tire.symbolic_model.prior_center | ({name: tire.values[name] for name in free} if fitted else {})
     problem = LeastSquares(
         simulator, inverse_noise, disturbances_of(signals, noise, tire.values["UNLOADED_RADIUS"]), center
     )
     subsample = slice(None, None, max(1, len(signals.rows) // 1500))
     solutions = [
-        problem.solve(start, free, rows=subsample, iterations=25) for start in _starts(tire, signals, free, known)
+        problem.solve(start, free, rows=subsample, iterations=25) for start in _starts(tire, signals, free, fitted)
     ]
     best = problem.solve(min(solutions, key=lambda solution: solution.cost).parameters, free, iterations=4)
     for _ in range(2):
@@ -130,8 +130,8 @@ def worse_by_smoothing(problem: LeastSquares, solution: Solution, recorded: Sign
         return False
     other = replace(problem, simulator=problem.simulator.with_signals(recorded))
     sizes = [
-        float(np.sum(one.weighted(one.at(solution.parameters, solution.free).residual) ** 2))
-        for one in (problem, other)
+        float(np.sum(either.weighted(either.at(solution.parameters, solution.free).residual) ** 2))
+        for either in (problem, other)
     ]
     return sizes[1] < sizes[0]
 
@@ -153,12 +153,12 @@ def _with_periodic_lines(problem: LeastSquares, solution: Solution) -> LeastSqua
     return replace(problem, disturbances=disturbances) if lines else problem
 
 
-def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) -> list[FloatArray]:
+def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], fitted: bool) -> list[FloatArray]:
     simulator = Simulator(tire, signals)
     rescaled = simulator.rescaled
-    own = tire.parameters()
-    if known:
-        return [own]
+    initial = tire.parameters()
+    if fitted:
+        return [initial]
     inputs = signals.named()
     measured = dict(zip(signals.channels, signals.measured, strict=True))
     starts = []
@@ -178,7 +178,7 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
                 leading = model.leading(role)
                 if leading in free:
                     values[leading] = target / _per_unit(tire, role, {n: v for n, v in values.items() if n in free})
-        parameters = own.copy()
+        parameters = initial.copy()
         for name, value in values.items():
             if name in free:
                 parameters[simulator.index[name]] = value * rescaled.get(name, 1.0)
@@ -189,11 +189,12 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
 def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
     """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 if not positive."""
     model = tire.symbolic_model
-    one = replace(tire, values={**tire.values, **values, model.leading(role): 1.0})
+    unit_tire = replace(tire, values={**tire.values, **values, model.leading(role): 1.0})
     code = code_for(model, "numpy")
-    point = np.array([[one.nominal(name)] for name in one.inputs])
-    found = float(code.quantities(point, one.parameters())[code.quantities_names.index(model.quantity(role)), 0])
-    return found if np.isfinite(found) and found > 0.0 else 1.0
+    point = np.array([[unit_tire.nominal(name)] for name in unit_tire.inputs])
+    row = code.quantities_names.index(model.quantity(role))
+    quantity = float(code.quantities(point, unit_tire.parameters())[row, 0])
+    return quantity if np.isfinite(quantity) and quantity > 0.0 else 1.0
 
 
 def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:

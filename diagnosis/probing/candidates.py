@@ -71,8 +71,8 @@ def candidates_for(tire: Tire) -> dict[str, Candidate]:
     model = tire.symbolic_model
     present = [detection for name, detection in model.detections.items() if name in tire.has]
     names = sorted(model.effects.keys() - tire.has - {detection.contains for detection in present})
-    found = {name: declared_candidate(name, model, tire.has) or _undeclared(name, model) for name in names}
-    return {name: candidate for name, candidate in found.items() if candidate}
+    candidates = {name: declared_candidate(name, model, tire.has) or _undeclared(name, model) for name in names}
+    return {name: candidate for name, candidate in candidates.items() if candidate}
 
 
 def declared_candidate(name: str, model: Model, present: frozenset[str] = frozenset()) -> Candidate | None:
@@ -98,8 +98,8 @@ def declared_candidate(name: str, model: Model, present: frozenset[str] = frozen
         stateful = any(effect.states for effect in model.added if effect.name == name)
         channels = detection.channels or CHANNELS
         return Candidate(name, forms, detection.requires, channels, detection.contains, stateful, detection.rate)
-    own = name in {effect.name for effect in model.source.own_effects}
-    if name not in model.effects or name in {effect.name for effect in model.added} or not (detection or own):
+    of_model = name in {effect.name for effect in model.source.own_effects}
+    if name not in model.effects or name in {effect.name for effect in model.added} or not (detection or of_model):
         return None
     owned = [
         declaration
@@ -141,20 +141,20 @@ def counts_from_neutral(declaration: Coefficient) -> bool:
     return declaration.neutral is not None and declaration.lower <= declaration.neutral <= declaration.upper
 
 
-def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]:
+def refinements_for(tire: Tire, identified: frozenset[str]) -> list[tuple[str, Form]]:
     """Return the refinements of the baseline and of the effects that a model has, each with its effect or `CORE`.
 
     Parameters
     ----------
     tire : Tire
-    found : frozenset of str
+    identified : frozenset of str
         The identified effects.
     """
     forms = [(CORE, Form.each(sizes)) for sizes in tire.symbolic_model.baseline.refinements]
     return forms + [
         (name, form)
         for name, detection in sorted(tire.symbolic_model.detections.items())
-        if name in tire.has | found
+        if name in tire.has | identified
         for declared in detection.refinements
         for form in declared.points()
     ]

@@ -57,7 +57,7 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
 
 
 def correlations(
-    screen: Screen, coefficients: Sequence[str], others: Mapping[str, FloatArray], found: Mapping[str, FloatArray]
+    screen: Screen, coefficients: Sequence[str], others: Mapping[str, FloatArray], identified: Mapping[str, FloatArray]
 ) -> dict[str, float]:
     """Return the correlation of an identified effect's response with that of each other explanation.
 
@@ -69,7 +69,7 @@ def correlations(
         Coefficients of the identified effect.
     others : mapping of str to ndarray, shapes (n_channels, n, k)
         Weighted responses of other explanations.
-    found : mapping of str to ndarray
+    identified : mapping of str to ndarray
         Weighted responses of the other identified effects, which are in the model.
 
     Returns
@@ -79,26 +79,27 @@ def correlations(
         responses to the remaining coefficients and to the disturbances of the recording are projected out of both.
     """
     solution = screen.solution
-    own = np.array([name in coefficients for name in solution.free] + [False] * len(screen.problem.disturbances.names))
+    of_recording = [False] * len(screen.problem.disturbances.names)
+    of_effect = np.array([name in coefficients for name in solution.free] + of_recording)
     parameters = solution.parameters.copy()
     declarations = screen.problem.simulator.symbolic_model.coefficients
     index = screen.problem.simulator.index
     values = np.array(
         [
             parameters[index[name]] - declarations[name].default
-            for name in np.array(solution.free)[own[: len(solution.free)]]
+            for name in np.array(solution.free)[of_effect[: len(solution.free)]]
         ]
     )
-    response = screen.tangent[:, :, own] @ values
-    rest = screen.tangent[:, :, ~own].reshape(-1, int((~own).sum()))
-    normal = rest.T @ rest + np.diag(screen.prior_precision[~own])
+    response = screen.tangent[:, :, of_effect] @ values
+    rest = screen.tangent[:, :, ~of_effect].reshape(-1, int((~of_effect).sum()))
+    normal = rest.T @ rest + np.diag(screen.prior_precision[~of_effect])
 
     def projected_out(columns: FloatArray) -> FloatArray:
         flat = columns.reshape(rest.shape[0], -1)
         return np.asarray(flat - rest @ np.linalg.solve(normal, rest.T @ flat))
 
     projected = projected_out(response)[:, 0]
-    parts = projected_out(screen.tangent[:, :, own] * values)
+    parts = projected_out(screen.tangent[:, :, of_effect] * values)
     sizes = np.linalg.norm(parts, axis=0)
     size = float(np.linalg.norm(projected))
     directions = [projected / max(size, 1e-300)]  # the total response, and large single ones
@@ -106,7 +107,7 @@ def correlations(
         part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > MIN_SHARE * size > 0.0
     ]
     correlation: dict[str, float] = {}
-    for name, columns in {**others, **found}.items():
+    for name, columns in {**others, **identified}.items():
         flat = columns.reshape(rest.shape[0], -1)
         other = projected_out(columns)
         norms = np.linalg.norm(flat, axis=0)
@@ -134,7 +135,8 @@ def separating_measurement(first: str, second: str, detections: Mapping[str, Det
     >>> separating_measurement("plysteer", "slip_angle_zero_offset", model_named("mf61").detections)
     'turn the tire on the rim and repeat one alpha sweep'
     """
-    declared = [(detections[one], other) for one, other in ((first, second), (second, first)) if one in detections]
+    pairs = ((first, second), (second, first))
+    declared = [(detections[effect], other) for effect, other in pairs if effect in detections]
     for detection, other in declared:
         for pair in detection.confounded:
             if pair.other == other:

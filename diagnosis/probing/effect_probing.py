@@ -244,7 +244,7 @@ def _hold(simulator: Simulator, role: str, before: FloatArray, parameters: Float
     """Rescale the leading coefficient of a role so that its quantity at nominal inputs is as before."""
     leading = simulator.symbolic_model.leading(role)
     if leading in simulator.index:
-        first, last = (simulator.at_nominal(role, each) for each in (before, parameters))
+        first, last = (simulator.at_nominal(role, point) for point in (before, parameters))
         parameters[simulator.index[leading]] *= first / last if first * last > 0.0 else 1.0
 
 

@@ -47,7 +47,7 @@ def recording_errors(
         As `Diagnosis.recording`.
     """
     table = recording.table
-    known = {"t", "distance", *tire.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in signals.derived else ())}
+    used = {"t", "distance", *tire.inputs, *OUTPUTS, *(SURROUNDINGS if TEMPERATURE in signals.derived else ())}
     waves = [i for i, name in enumerate(disturbances.names) if name.startswith("wave")]
     turning = residual + disturbances.columns[:, :, waves] @ values[waves]
     return reported_disturbances(disturbances, values, signals) | {
@@ -57,7 +57,7 @@ def recording_errors(
         "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else [],
         "left_aside": dict(signals.excluded_channels),
         "derived_columns": sorted(signals.derived & set(table)),
-        "ignored_columns": [str(name) for name in table if name not in known],
+        "ignored_columns": [str(name) for name in table if name not in used],
     }
 
 
@@ -85,13 +85,13 @@ def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, f
     measured = [i for i, there in enumerate(signals.present) if there.any()]
     pauses = np.diff(t, prepend=t[0]) > PAUSE * float(np.median(np.diff(t)))
     segment = np.cumsum(pauses, dtype=np.int64)
-    known = np.where(signals.present, residual, np.nan)[measured]
-    found = once_per_revolution(t, speed, known, segment, radius)
-    if found is None:
+    observed = np.where(signals.present, residual, np.nan)[measured]
+    wave = once_per_revolution(t, speed, observed, segment, radius)
+    if wave is None:
         return {}
     return {
         signals.channels[i]: float(amplitude)
-        for i, amplitude, significant in zip(measured, found.amplitude, found.significant, strict=True)
+        for i, amplitude, significant in zip(measured, wave.amplitude, wave.significant, strict=True)
         if significant
     }
 
@@ -109,9 +109,9 @@ def quantisation(values: FloatArray) -> float:
     >>> quantisation(np.round(raw / 2.5) * 2.5), quantisation(raw)
     (2.5, 0.0)
     """
-    known = np.unique(values[np.isfinite(values)])
-    steps = np.diff(known)
-    steps = steps[steps > 1e-9 * max(float(np.ptp(known)), 1e-300)] if len(known) > 1 else steps
+    distinct = np.unique(values[np.isfinite(values)])
+    steps = np.diff(distinct)
+    steps = steps[steps > 1e-9 * max(float(np.ptp(distinct)), 1e-300)] if len(distinct) > 1 else steps
     if len(steps) < 20:
         return 0.0
     step = float(steps.min())

@@ -33,8 +33,8 @@ def with_predicted_temperature(recording: Recording, tire: Tire) -> Recording:
     A recording without time or speed, or without temperatures of the surroundings, is returned unchanged.
     """
     table = recording.table
-    known = EFFECT in tire.has or any(name in table for name in SURROUNDINGS)
-    if TEMPERATURE in table or not known or not {"t", "V"} <= set(table):
+    predictable = EFFECT in tire.has or any(name in table for name in SURROUNDINGS)
+    if TEMPERATURE in table or not predictable or not {"t", "V"} <= set(table):
         return recording
     surface = predicting(tire, recording).evaluate(table, signs=recording.signs)["T_surface"]
     return replace(recording, table=table.assign(**{TEMPERATURE: surface - 273.15}))

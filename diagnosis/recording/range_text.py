@@ -7,7 +7,7 @@ from math import degrees
 from tirefmu.symbolic import quantities
 from tirefmu.symbolic.declarations import Quantity
 
-_UNITS = {each.name: each.unit for each in vars(quantities).values() if isinstance(each, Quantity)}
+_UNITS = {quantity.name: quantity.unit for quantity in vars(quantities).values() if isinstance(quantity, Quantity)}
 #: By SI unit: the unit of a text, and what turns an SI value into it.
 _READABLE = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "degC": ("deg C", 1.0), "1": ("", 1.0)}
 

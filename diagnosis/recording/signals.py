@@ -115,8 +115,8 @@ class Signals:
 
     def with_inputs_of(self, tire: Tire) -> Signals:
         """Return the signals with the inputs of a tire, in their order; those without signals are at nominal values."""
-        known = dict(zip(self.names, self.inputs, strict=True))
-        rows = [known[name] if name in known else np.full(len(self.t), tire.nominal(name)) for name in tire.inputs]
+        by_name = dict(zip(self.names, self.inputs, strict=True))
+        rows = [by_name[name] if name in by_name else np.full(len(self.t), tire.nominal(name)) for name in tire.inputs]
         return replace(self, names=tire.inputs, inputs=np.stack(rows))
 
     def named(self) -> dict[str, FloatArray]:
@@ -129,12 +129,12 @@ def _delayed(t: FloatArray, rows: FloatArray, seconds: float) -> FloatArray:
 
     A linear interpolation would cut off the ends of sweeps that a slow recording has few rows of.
     """
-    known = np.concatenate([[True], np.diff(t) > 0.0])
-    if known.sum() < 2:
+    advancing = np.concatenate([[True], np.diff(t) > 0.0])
+    if advancing.sum() < 2:
         return rows
     at = np.clip(t - seconds, t[0], t[-1])
     with np.errstate(over="ignore"):  # it divides by slopes, of which a held input has very small ones
-        return np.asarray(PchipInterpolator(t[known], rows[:, known], axis=1)(at))
+        return np.asarray(PchipInterpolator(t[advancing], rows[:, advancing], axis=1)(at))
 
 
 def signals_of(

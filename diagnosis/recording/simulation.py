@@ -58,17 +58,19 @@ class Simulator:
         self.index = {name: i for i, name in enumerate(self.symbolic_model.parameters)}
         self._off = self.tire.parameters()
         self._inactive = self._inactive_inputs()
-        known = self._code.quantities_names
+        quantity_names = self._code.quantities_names
         quantities = map(self.symbolic_model.quantity, ("relaxation_x", "relaxation_y"))
-        self._sigma = [known.index(name) for name in quantities if name]
-        reached = self.symbolic_model.reached(known[i] for i in self._sigma)
+        self._sigma = [quantity_names.index(name) for name in quantities if name]
+        reached = self.symbolic_model.reached(quantity_names[i] for i in self._sigma)
         self._determines_lag = np.array([name in reached for name in self.symbolic_model.parameters])
         added = [effect for effect in self.symbolic_model.added if effect.name in self.symbolic_model.relaxing_effects]
-        own = [each for effect in added for each in effect.declarations]
-        lengths = (*self.symbolic_model.motion.relaxation, *(each.name for each in own if each.neutral == 0.0))
+        declarations = [declaration for effect in added for declaration in effect.declarations]
+        absent = [declaration.name for declaration in declarations if declaration.neutral == 0.0]
+        lengths = (*self.symbolic_model.motion.relaxation, *absent)
         self._relaxation = np.array([self.index[name] for name in lengths], dtype=int)
         #: Coefficients that act through time, and the steps of their differences.
-        self._by_difference = {name: self._step(name) for name in (*lengths, *(each.name for each in own))}
+        relaxing = (declaration.name for declaration in declarations)
+        self._by_difference = {name: self._step(name) for name in (*lengths, *relaxing)}
         self._sizes_of_states = dict(self._amplitudes())
         shapes = {name for effect in self.symbolic_model.added for state in effect.states for name in state.reads}
         self._by_difference |= {name: self._step(name) for name in self.symbolic_model.coefficients.keys() & shapes}
@@ -79,11 +81,11 @@ class Simulator:
         for name, owners in owners_of(self.symbolic_model.added).items():
             if not self.tire.has.isdisjoint(effect.name for effect, _ in owners):
                 continue
-            read = {one for effect, _ in owners for state in effect.states for one in state.reads}
-            acting = {one for effect, _ in owners for act in effect.acts for one in act.reads}
-            declared = [each.name for effect, _ in owners for each in effect.declarations]
-            own = [each for each in declared if each in acting or each not in read]
-            yield name, np.array([self.index[one] for one in own])
+            read = {symbol for effect, _ in owners for state in effect.states for symbol in state.reads}
+            acting = {symbol for effect, _ in owners for act in effect.acts for symbol in act.reads}
+            declared = [declaration.name for effect, _ in owners for declaration in effect.declarations]
+            amplitudes = [coefficient for coefficient in declared if coefficient in acting or coefficient not in read]
+            yield name, np.array([self.index[coefficient] for coefficient in amplitudes])
 
     def _step(self, name: str) -> float:
         declaration = self.symbolic_model.coefficients[name]
@@ -205,11 +207,11 @@ class Simulator:
         error = residual(rows)
         deviation = np.maximum(np.sqrt(np.mean(error**2, axis=1)), 1e-9)[:, None]
         size = np.maximum(np.sqrt(np.mean(rows[indices] ** 2, axis=1)), 1e-6)
-        found = estimated_starts(
+        starts = estimated_starts(
             lambda values, none: residual(simulated(spread(values))) / deviation,
             segment[signals.rows], rows[indices][:, np.flatnonzero(begins)], size,
         )  # fmt: skip
-        return simulated(spread(found))
+        return simulated(spread(starts))
 
     def _lagged(self, relevant: bytes, unused: tuple[int, ...]) -> dict[str, Course]:
         """Return the courses of the lagged slips, for the parameters that determine them; none without relaxation."""

@@ -76,10 +76,10 @@ def coincide(first: FloatArray, second: FloatArray, *drawn: FloatArray) -> bool:
     (True, False, True)
     """
     shown = np.concatenate([first, second, *drawn])
-    known = np.isfinite(first) & np.isfinite(second)
-    if not known.any():
+    both = np.isfinite(first) & np.isfinite(second)
+    if not both.any():
         return True
-    return bool(np.abs(first - second)[known].max() <= VISIBLE * (np.nanmax(shown) - np.nanmin(shown)))
+    return bool(np.abs(first - second)[both].max() <= VISIBLE * (np.nanmax(shown) - np.nanmin(shown)))
 
 
 def _force(tire: Tire, diagnosis: Diagnosis, channel: str) -> FloatArray:
@@ -92,8 +92,8 @@ def _shown(diagnosis: Diagnosis, channel: str) -> FloatArray:
     """Return the measured force without the offset of the recording, in the signs of the recording."""
     offset = diagnosis.recording["removed"][channel]["offset"]
     signs = diagnosis.signs, diagnosis.recording_signs
-    own = float(convert_signs(pd.DataFrame({channel: [offset]}), *signs)[channel].iloc[0])
-    return np.asarray(diagnosis.rows[channel], dtype=np.float64) - own
+    converted = float(convert_signs(pd.DataFrame({channel: [offset]}), *signs)[channel].iloc[0])
+    return np.asarray(diagnosis.rows[channel], dtype=np.float64) - converted
 
 
 def _ranked_blocks(diagnosis: Diagnosis, channel: str) -> list[npt.NDArray[np.int64]]:

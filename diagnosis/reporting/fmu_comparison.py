@@ -63,7 +63,7 @@ def export_and_simulate(
     """
     recording, additional = recording_from(recording, parameter="recording"), recordings_from(others)
     if "phit" in diagnosis.recording["derived_columns"]:
-        recording, *additional = (with_turn_slip(one) for one in (recording, *additional))
+        recording, *additional = (with_turn_slip(simulated) for simulated in (recording, *additional))
     holdout = diagnosis.holdout_mask(len(recording))
     summary: dict[str, Any] = {}
     for when, tire, name in (("before", diagnosis.base_tire, "base"), ("after", diagnosis.tire, "improved")):
@@ -108,8 +108,8 @@ def simulated_error(path: str | Path, tire: Tire, recording: Recording) -> tuple
     runs = [slice(first, last) for first, last in pairwise(cuts)]
     outputs = list(tire.outputs)
     with loaded(path) as slave:
-        known = {one.name for one in slave.description.modelVariables if one.causality == "input"}
-        present = [name for name in TABLE_INPUTS if name in known and name in table]
+        inputs = {variable.name for variable in slave.description.modelVariables if variable.causality == "input"}
+        present = [name for name in TABLE_INPUTS if name in inputs and name in table]
         rows = table[present].to_numpy(dtype=np.float64)
         if not np.isfinite(rows).all():
             row, column = np.argwhere(~np.isfinite(rows))[0]

@@ -121,9 +121,9 @@ def _means(
     growing = _growth(rows["t"].to_numpy(dtype=np.float64), at)
     edges = np.linspace(at.min(), at.max(), INTERVALS + 1)
     place = np.clip(np.digitize(at, edges) - 1, 0, INTERVALS - 1)
-    known = chosen & (direction * growing > 0.0) & np.isfinite(values)
-    count = np.bincount(place[known], minlength=INTERVALS)
-    total = np.bincount(place[known], values[known], INTERVALS)
+    averaged = chosen & (direction * growing > 0.0) & np.isfinite(values)
+    count = np.bincount(place[averaged], minlength=INTERVALS)
+    total = np.bincount(place[averaged], values[averaged], INTERVALS)
     mean = np.where(count >= least, total / np.maximum(count, 1), np.nan)
     return 0.5 * (edges[1:] + edges[:-1]) * per_si(slip), mean
 

@@ -152,7 +152,7 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
 def _with_memory(diagnosis: Diagnosis) -> list[str]:
     """Return the channels that the effects with states of the improved tire change most; none without such effects."""
     stateful = {effect.name for effect in diagnosis.tire.added if effect.states}
-    channels = [one.channels[0] for one in diagnosis.found if one.effect in stateful and one.channels]
+    channels = [finding.channels[0] for finding in diagnosis.found if finding.effect in stateful and finding.channels]
     if not diagnosis.tire.states or "t" not in diagnosis.rows or not channels:
         return []
     return list(dict.fromkeys(channels))
@@ -169,7 +169,8 @@ def _maps(diagnosis: Diagnosis) -> list[Figure]:
     figures = []
     for channel, course in diagnosis.time_course.items():
         before, after = (
-            [one for one in maps if one["channel"] == channel] for maps in (diagnosis.where, diagnosis.where_after)
+            [shown for shown in maps if shown["channel"] == channel]
+            for maps in (diagnosis.where, diagnosis.where_after)
         )
         figures.append(residual_location_figure(before, after, course, channel))
     return figures

@@ -42,7 +42,7 @@ def residual_location_figure(
     models = [("baseline model", before, "before", RED, DASHED), ("improved model", after, "after", BLUE, SOLID)]
     if coincide(*misfits, np.zeros(1)):
         models = [("both models", before, "before and after", RED, DASHED)]
-    maps = [tuple(_map_panel(title, shown) for shown in found) for title, found, *_ in models]
+    maps = [tuple(_map_panel(title, shown) for shown in maps_of_model) for title, maps_of_model, *_ in models]
     t = np.asarray(course["t"], dtype=np.float64)
     lines = [
         Series("line", np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1], color, label, dashes)

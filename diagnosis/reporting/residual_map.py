@@ -200,12 +200,12 @@ def _edges(values: pd.Series, name: str, bins: int | Mapping[str, npt.ArrayLike]
     if number < 1:
         raise DataError(f"residual map: {number} bins for {name}: at least one is required")
     low, high = float(values.min()), float(values.max())
-    found = np.array(levels(values)) if low < high else np.array([low])
-    if len(found):
-        between = 0.5 * (found[1:] + found[:-1])
+    steps = np.array(levels(values)) if low < high else np.array([low])
+    if len(steps):
+        between = 0.5 * (steps[1:] + steps[:-1])
         # The outer bins are symmetric about their level, or extend to the limits of the data.
-        reach = float(np.diff(found).min()) / 2.0 if len(found) > 1 else 1e-9 + 1e-3 * abs(low)
-        return np.array([min(low, found[0] - reach), *between, max(high, found[-1] + reach)]), found
+        reach = float(np.diff(steps).min()) / 2.0 if len(steps) > 1 else 1e-9 + 1e-3 * abs(low)
+        return np.array([min(low, steps[0] - reach), *between, max(high, steps[-1] + reach)]), steps
     return np.linspace(low, high, number + 1), none
 
 

@@ -151,7 +151,7 @@ def locations_of(model: Model) -> list[Location]:
     >>> locations_of(model_named("mf96"))[0].coefficients
     ('PDX1', 'PDY1')
     """
-    declarations, found = model.coefficients, []
+    declarations, locations = model.coefficients, []
     for name, (how, roles) in LOCATIONS.items():
         acting = [role for role in roles if model.leading(role) in declarations]
         available = [model.roles[role] for role in acting]
@@ -161,8 +161,8 @@ def locations_of(model: Model) -> list[Location]:
             flips = how == "term" and declarations[leading[0]].flips
             slips = frozenset(SLIP_OF_ROLE[role] for role in acting if role in SLIP_OF_ROLE)
             per = available[0].per if how == "term" else ""
-            found.append(Location(name, how, quantities, leading, per, flips, slips))
-    return found
+            locations.append(Location(name, how, quantities, leading, per, flips, slips))
+    return locations
 
 
 def determined(location: Location, feature: Feature, signals: Signals, tire: Tire) -> bool:

@@ -45,16 +45,16 @@ class Dictionary:
         self._weights = problem.inverse_noise
         tire = problem.simulator.tire
         even, odd = features(signals, tire)
-        simple = [one for one in even if one.expressible]
-        pairs = [one * other for i, one in enumerate(simple) for other in simple[i:]]
-        odd_pairs = [one * other for one in odd for other in simple]
+        simple = [feature for feature in even if feature.expressible]
+        pairs = [feature * other for i, feature in enumerate(simple) for other in simple[i:]]
+        odd_pairs = [feature * other for feature in odd for other in simple]
         self.acting = directions(problem.simulator, screen.solution.parameters)
         self.terms: list[tuple[Location, Feature]] = [
-            (location, one)
+            (location, feature)
             for location in locations_of(problem.simulator.symbolic_model)
             if np.any(self._weights * self.acting[location.name])
-            for one in ([*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even])
-            if determined(location, one, signals, tire)
+            for feature in ([*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even])
+            if determined(location, feature, signals, tire)
         ]
 
     def column(self, i: int) -> FloatArray:
@@ -65,7 +65,7 @@ class Dictionary:
     def shortlisted(self, screen: Screen, chosen: Sequence[int]) -> list[int]:
         """Return those of the chosen terms that explain most of a residual, each alone and from some rows."""
         rows = slice(None, None, max(1, screen.residual.shape[1] // SHORTLIST_ROWS))
-        acting = {name: (self._weights * one)[:, rows] for name, one in self.acting.items()}
+        acting = {name: (self._weights * response)[:, rows] for name, response in self.acting.items()}
         columns = [acting[self.terms[i][0].name] * self.terms[i][1].values[rows] for i in chosen]
         rest = screen.residual[:, rows].ravel()
         flat = np.stack(columns, axis=-1).reshape(len(rest), -1)

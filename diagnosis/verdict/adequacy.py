@@ -77,10 +77,10 @@ def adequacies(
     maps : sequence of mapping
         Residual maps of the improved model (`residual_location.residual_maps`).
     """
-    found = []
+    rated = []
     for channel, residual in residuals.items():
-        own = [shown for shown in maps if shown["channel"] == channel and shown["worst"]["count"]]
-        largest = max(own, key=lambda shown: abs(shown["worst"]["mean"]), default=None)
+        of_channel = [shown for shown in maps if shown["channel"] == channel and shown["worst"]["count"]]
+        largest = max(of_channel, key=lambda shown: abs(shown["worst"]["mean"]), default=None)
         location, over = "", tuple[str, ...]()
         if largest:
             over, worst = tuple(largest["over"]), largest["worst"]
@@ -90,5 +90,5 @@ def adequacies(
             )
         floor = floors[channel]
         memory = INADEQUATE * floor.with_history < residual <= INADEQUATE * floor.floor
-        found.append(Adequacy(channel, residual, floor.with_history, location, over, memory))
-    return tuple(found)
+        rated.append(Adequacy(channel, residual, floor.with_history, location, over, memory))
+    return tuple(rated)

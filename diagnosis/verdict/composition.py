@@ -211,7 +211,7 @@ def _recording_errors(outcome: Outcome, final: Screen) -> dict[str, Any]:
 
 def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown, ...]:
     """Return the structure in channels far above their noise floor, if no effect was identified."""
-    worst = max(adequacy, key=lambda one: one.ratio if one.rating == "red" else 0.0)
+    worst = max(adequacy, key=lambda rated: rated.ratio if rated.rating == "red" else 0.0)
     if worst.rating != "red" or fits.effects:
         return ()
     depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
@@ -221,10 +221,10 @@ def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown,
 
 def _inputs_of(outcome: Outcome, effect: str) -> tuple[str, ...]:
     """Return the inputs that an effect depends on."""
-    added = [one for one in outcome.final.start.added if one.name == effect]
-    read = {symbol.name for one in added for act in one.acts for symbol in act.expression.free_symbols}
-    known = outcome.candidates[effect].requires if effect in outcome.candidates else ()
-    return tuple(name for name in outcome.signals.names if name in read or name in known)
+    added = [part for part in outcome.final.start.added if part.name == effect]
+    read = {symbol.name for part in added for act in part.acts for symbol in act.expression.free_symbols}
+    required = outcome.candidates[effect].requires if effect in outcome.candidates else ()
+    return tuple(name for name in outcome.signals.names if name in read or name in required)
 
 
 def _in_order(outcome: Outcome, unknown: tuple[Unknown, ...], adequacy: tuple[Adequacy, ...]) -> tuple[Finding, ...]:
@@ -232,11 +232,13 @@ def _in_order(outcome: Outcome, unknown: tuple[Unknown, ...], adequacy: tuple[Ad
     fits, probability = outcome.final, outcome.answer.probabilities[UNKNOWN]
     findings = [_finding(outcome, name, evidence) for name, evidence in fits.evidence.items()]
     if fits.unknown_evidence is not None:
-        own = fits.unknown_evidence
-        channels = _shown(own, fits.after)
-        findings.append(Finding(UNKNOWN, channels, {}, own.p, own.gain, own.gain_error, probability))
+        of_formula = fits.unknown_evidence
+        channels = _shown(of_formula, fits.after)
+        findings.append(
+            Finding(UNKNOWN, channels, {}, of_formula.p, of_formula.gain, of_formula.gain_error, probability)
+        )
     elif unknown:  # a formula that is not added, or nothing but a residual far above the noise floor
-        channels = tuple(one.channel for one in adequacy if one.rating == "red")
+        channels = tuple(rated.channel for rated in adequacy if rated.rating == "red")
         findings.append(Finding(UNKNOWN, channels, {}, float("nan"), 0.0, float("nan"), probability))
     return tuple(sorted(findings, key=lambda finding: (-finding.probability, -finding.cv_gain)))
 
@@ -254,10 +256,10 @@ def _finding(outcome: Outcome, name: str, evidence: Evidence) -> Finding:
     errors = fits.whitened.standard_errors()
     quantile = float(stdtrit(fits.after.n_blocks - 1, 0.975))
     declarations, coefficients = fits.start.symbolic_model.coefficients, {}
-    for one in names:
-        value = float(solution.parameters[problem.simulator.index[one]])
-        error = float(errors[solution.free.index(one)]) * quantile
-        coefficients[one] = Interval(value, value - error, value + error)
+    for coefficient in names:
+        value = float(solution.parameters[problem.simulator.index[coefficient]])
+        error = float(errors[solution.free.index(coefficient)]) * quantile
+        coefficients[coefficient] = Interval(value, value - error, value + error)
     sizes = zip(outcome.signals.channels, evidence.change, strict=True)
     return Finding(
         name,
@@ -268,8 +270,8 @@ def _finding(outcome: Outcome, name: str, evidence: Evidence) -> Finding:
         evidence.gain_error,
         outcome.answer.probabilities[name],
         _stretches(evidence, outcome.signals),
-        {each: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for each, row in sizes if np.any(row)},
-        frozenset(one for one in names if declarations[one].flips),
+        {channel: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max())) for channel, row in sizes if np.any(row)},
+        frozenset(coefficient for coefficient in names if declarations[coefficient].flips),
         problem.at_bounds(solution.parameters, names),
     )
 
@@ -297,17 +299,17 @@ def confounded_with(outcome: Outcome, tested: Sequence[Tried]) -> dict[str, dict
     fits, screen = outcome.final, outcome.final.after
     others, confounded = _alternatives(tested), {}
     for name, coefficients in fits.effects.items():
-        found = {
-            other: screen.tangent[:, :, [screen.solution.free.index(one) for one in own]]
-            for other, own in fits.effects.items() if other != name
+        identified = {
+            other: screen.tangent[:, :, [screen.solution.free.index(coefficient) for coefficient in owned]]
+            for other, owned in fits.effects.items() if other != name
         }  # fmt: skip
-        correlated = correlations(screen, coefficients, {**others, **alias_columns(screen)}, found)
+        correlated = correlations(screen, coefficients, {**others, **alias_columns(screen)}, identified)
         size: dict[str, float] = {}
         for key, value in correlated.items():
             other = key.partition(" ")[0]
             size[other] = max(value, size.get(other, 0.0))
         contained = outcome.candidates[name].contains
-        confounded[name] = {one: value for one, value in size.items() if value > REPORTED and one != contained}
+        confounded[name] = {other: value for other, value in size.items() if value > REPORTED and other != contained}
         if "distance" in outcome.candidates[name].requires and "T" not in outcome.signals.recorded:
             confounded[name][UNRECORDED_TEMPERATURE] = 1.0
     return {name: others for name, others in confounded.items() if others}
@@ -320,8 +322,8 @@ def _alternatives(tested: Sequence[Tried]) -> dict[str, FloatArray]:
     name, a space and a number.
     """
     columns: dict[str, FloatArray] = {}
-    for i, one in enumerate(tested):
-        key = f"{one.name} {i}" if one.form.grid else one.name
+    for i, candidate in enumerate(tested):
+        key = f"{candidate.name} {i}" if candidate.form.grid else candidate.name
         parts = [columns[key]] if key in columns else []
-        columns[key] = np.concatenate([*parts, one.response.columns], axis=-1)
+        columns[key] = np.concatenate([*parts, candidate.response.columns], axis=-1)
     return columns

@@ -45,7 +45,7 @@ def detectable_sizes(
     for name, candidate in candidates.items():
         lacking = [needed for needed in candidate.requires if not varies(signals, start, needed)]
         unmeasured = [needed for needed in lacking if needed in CHANNELS]
-        responses = [one.response for one in tested if one.name == name]
+        responses = [effect.response for effect in tested if effect.name == name]
         if unmeasured:
             not_identifiable[name] = f"cross-talk of {' and '.join(unmeasured)}, which was not recorded, resembles it"
         elif lacking:

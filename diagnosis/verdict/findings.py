@@ -61,8 +61,8 @@ class Finding:
 
     def mirrored(self) -> Finding:
         """Return the finding in the other sign convention of coefficients."""
-        coefficients = {name: one.mirrored() if name in self.flips else one for name, one in self.coefficients.items()}
-        return replace(self, coefficients=coefficients)
+        mirrored = {name: interval.mirrored() for name, interval in self.coefficients.items() if name in self.flips}
+        return replace(self, coefficients={**self.coefficients, **mirrored})
 
 
 def turned_sign(value: float, turned: bool = True) -> float:

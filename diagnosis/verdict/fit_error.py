@@ -60,8 +60,8 @@ class Residuals:
         """Return the rows that are outliers by channel, counted from 0."""
         measured = np.isfinite(self.before)
         return {
-            name: self.rows[known & ~used].tolist()
-            for name, known, used in zip(channels, measured, self.used, strict=True)
+            name: self.rows[present & ~used].tolist()
+            for name, present, used in zip(channels, measured, self.used, strict=True)
         }
 
 
@@ -182,7 +182,8 @@ def fit_errors(before: Screen, after: Screen, residuals: Residuals, floors: dict
     compared, used = residuals.compared, residuals.used
     both = (residuals.before, residuals.after)
     validated = [
-        one[:, compared] + _change_without_block(screen) for one, screen in zip(both, (before, after), strict=True)
+        residual[:, compared] + _change_without_block(screen)
+        for residual, screen in zip(both, (before, after), strict=True)
     ]
     parts = {
         "train": (both, used & ~residuals.holdout),

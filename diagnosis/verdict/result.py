@@ -139,10 +139,10 @@ class Diagnosis:
         for end in ("", "_base"):
             turned[f"removed{end}"] = {
                 name: {
-                    "offset": turned_sign(one["offset"], name in reversed_names),
-                    "drift": [turned_sign(value, name in reversed_names) for value in one["drift"]],
+                    "offset": turned_sign(removed["offset"], name in reversed_names),
+                    "drift": [turned_sign(value, name in reversed_names) for value in removed["drift"]],
                 }
-                for name, one in self.recording[f"removed{end}"].items()
+                for name, removed in self.recording[f"removed{end}"].items()
             }
             turned[f"periodic{end}"] = [
                 wave
@@ -159,22 +159,24 @@ class Diagnosis:
         return replace(
             self,
             signs=signs,
-            found=tuple(one.mirrored() for one in self.found),
-            where=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where],
-            where_after=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where_after],
+            found=tuple(finding.mirrored() for finding in self.found),
+            where=[_mirrored_map(shown) if shown["channel"] in reversed_names else shown for shown in self.where],
+            where_after=[
+                _mirrored_map(shown) if shown["channel"] in reversed_names else shown for shown in self.where_after
+            ],
             recording={**self.recording, "offset": offset, **turned},
         )
 
     @property
     def rating(self) -> str:
         """The worst rating of a channel: "green", "amber" or "red"; amber at best if the tire is not delivered."""
-        ratings = {one.rating for one in self.adequacy} | ({"amber"} if not self.delivered else set())
+        ratings = {rated.rating for rated in self.adequacy} | ({"amber"} if not self.delivered else set())
         return next((color for color in ("red", "amber") if color in ratings), "green")
 
     @property
     def proposed(self) -> tuple[AddedEffect, ...]:
         """The effects that the diagnosis wrote itself."""
-        return tuple(one.effect for one in self.unknown if one.effect is not None)
+        return tuple(part.effect for part in self.unknown if part.effect is not None)
 
     @property
     def _summarized(self) -> tuple[str, tuple[Finding, ...], Mapping[str, Mapping[str, float]], int, str]:
@@ -218,17 +220,17 @@ class Diagnosis:
             "verdict": self.verdict,
             "found": [
                 {
-                    "effect": one.effect,
-                    "probability": one.probability,
-                    "channels": one.channels,
-                    "coefficients": one.coefficients,
-                    "p": one.p,
-                    "cv_gain": one.cv_gain,
-                    "cv_gain_se": one.cv_gain_se,
-                    "when": one.when,
-                    "size": {name: {"rms": rms, "largest": largest} for name, (rms, largest) in one.size.items()},
+                    "effect": finding.effect,
+                    "probability": finding.probability,
+                    "channels": finding.channels,
+                    "coefficients": finding.coefficients,
+                    "p": finding.p,
+                    "cv_gain": finding.cv_gain,
+                    "cv_gain_se": finding.cv_gain_se,
+                    "when": finding.when,
+                    "size": {name: {"rms": rms, "largest": largest} for name, (rms, largest) in finding.size.items()},
                 }
-                for one in self.found
+                for finding in self.found
             ],
             "explanations": self.answer.reported,
             "probabilities": self.answer.probabilities,
@@ -239,39 +241,39 @@ class Diagnosis:
             "next_measurement": self.next_measurement,
             "unknown": [
                 {
-                    "depends_on": one.depends_on,
-                    "formula": one.formula,
-                    "added": one.added,
-                    "file": f"{one.effect.name}.toml" if one.effect else None,
-                    "not_added_because": one.not_added_because,
+                    "depends_on": part.depends_on,
+                    "formula": part.formula,
+                    "added": part.added,
+                    "file": f"{part.effect.name}.toml" if part.effect else None,
+                    "not_added_because": part.not_added_because,
                 }
-                for one in self.unknown
+                for part in self.unknown
             ],
             "not_identifiable": sorted(self.not_identifiable),
             "not_identifiable_because": self.not_identifiable,
             "refined": self.refined,
             "gap": self.gap,
             "adequacy": {
-                one.channel: {
-                    "ratio": one.ratio,
-                    "residual": one.residual,
-                    "floor": one.floor,
-                    "adequate": one.adequate,
-                    "where": one.location,
-                    "memory": one.memory,
+                rated.channel: {
+                    "ratio": rated.ratio,
+                    "residual": rated.residual,
+                    "floor": rated.floor,
+                    "adequate": rated.adequate,
+                    "where": rated.location,
+                    "memory": rated.memory,
                 }
-                for one in self.adequacy
+                for rated in self.adequacy
             },
             "delivered": self.delivered,
             "not_delivered_because": self.not_delivered_because,
             "confirmed": {
                 name: {
-                    "z": one.z,
-                    "stretches": one.stretches,
-                    "holdout_gain": one.holdout_gain,
-                    "holdout_error": one.holdout_error,
+                    "z": evidence.z,
+                    "stretches": evidence.stretches,
+                    "holdout_gain": evidence.holdout_gain,
+                    "holdout_error": evidence.holdout_error,
                 }
-                for name, one in self.evidence.items()
+                for name, evidence in self.evidence.items()
             },
             "detectable": self.detectable,
             "where": self.where,
@@ -280,15 +282,15 @@ class Diagnosis:
             "recording": self.recording,
             "extrapolation": [
                 {
-                    "effect": one.effect,
-                    "input": one.input,
-                    "lower": one.lower,
-                    "upper": one.upper,
-                    "change": one.change,
-                    "channel": one.channel,
-                    "doubtful": one.doubtful,
+                    "effect": extrapolated.effect,
+                    "input": extrapolated.input,
+                    "lower": extrapolated.lower,
+                    "upper": extrapolated.upper,
+                    "change": extrapolated.change,
+                    "channel": extrapolated.channel,
+                    "doubtful": extrapolated.doubtful,
                 }
-                for one in self.extrapolation
+                for extrapolated in self.extrapolation
             ],
             "holdout_rows": self.holdout_rows,
             "signs": self.signs,
@@ -332,7 +334,7 @@ class Diagnosis:
         return path / "diagnosis.json"
 
 
-def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
+def _mirrored_map(shown: dict[str, Any]) -> dict[str, Any]:
     """Return a map of `residual_location.residual_maps` with the opposite sign; cells without rows have no mean."""
-    mean = [[None if cell is None else turned_sign(cell) for cell in row] for row in one["mean"]]
-    return {**one, "mean": mean, "worst": {**one["worst"], "mean": turned_sign(one["worst"]["mean"])}}
+    mean = [[None if cell is None else turned_sign(cell) for cell in row] for row in shown["mean"]]
+    return {**shown, "mean": mean, "worst": {**shown["worst"], "mean": turned_sign(shown["worst"]["mean"])}}

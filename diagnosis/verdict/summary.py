@@ -12,7 +12,7 @@ from .verdict import percent
 
 
 def diagnosis_text(
-    verdict: str, found: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
+    verdict: str, findings: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
 ) -> str:
     """Return the verdict, the findings with their evidence, and the hold-out error before and after.
 
@@ -27,10 +27,11 @@ def diagnosis_text(
         Sign convention of the coefficients.
     """
     lines = [f"Diagnosis: {verdict}"]
-    for one in found:
-        values = ", ".join(f"{name} {interval.value:.4g}" for name, interval in one.coefficients.items())
-        sure = percent(one.probability)
-        lines.append(f"  {one.effect} in {', '.join(one.channels)}: probability {sure}{'; ' * bool(values)}{values}")
+    for finding in findings:
+        values = ", ".join(f"{name} {interval.value:.4g}" for name, interval in finding.coefficients.items())
+        sure = percent(finding.probability)
+        channels = ", ".join(finding.channels)
+        lines.append(f"  {finding.effect} in {channels}: probability {sure}{'; ' * bool(values)}{values}")
     for channel, error in holdout.items():
         lines.append(f"  {channel} on the hold-out set: RMSE {error['before']:.4g} before, {error['after']:.4g} after")
     lines.append(f"  {n_rows} rows; coefficients in {signs} signs")
@@ -38,14 +39,14 @@ def diagnosis_text(
 
 
 def diagnosis_html(
-    verdict: str, found: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
+    verdict: str, findings: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
 ) -> str:
     """Return the summary as HTML, with the coefficients of the findings."""
     rows = [
-        (one.effect, name, interval.value, interval.lower, interval.upper)
-        for one in found
-        for name, interval in one.coefficients.items()
+        (finding.effect, name, interval.value, interval.lower, interval.upper)
+        for finding in findings
+        for name, interval in finding.coefficients.items()
     ]
     header = ["effect", "coefficient", "value", "lower (95 %)", "upper (95 %)"]
     table = html_details(f"Coefficients ({signs} signs)", html_table(header, rows))
-    return html_summary(diagnosis_text(verdict, found, holdout, n_rows, signs), table if rows else "")
+    return html_summary(diagnosis_text(verdict, findings, holdout, n_rows, signs), table if rows else "")

@@ -38,7 +38,7 @@ def verdict_text(
     parts = [_missing(findings, unknown, confounded)]
     if refined:
         parts.append(f"finer form needed of {'; '.join(refined)}")
-    red = [str(one) for one in adequacy if one.rating == "red"]
+    red = [str(rated) for rated in adequacy if rated.rating == "red"]
     if red:
         what = "is missing in the delivered tire" if against else "is missing and was not identified"
         parts.append(f"something {what} in {', '.join(red)}")
@@ -56,19 +56,19 @@ def _missing(
     findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
 ) -> str:
     missing = []
-    for one in findings:
-        if one.effect == "UNKNOWN":
+    for finding in findings:
+        if finding.effect == "UNKNOWN":
             if unknown[0].formula:
-                sure = percent(one.probability)
+                sure = percent(finding.probability)
                 missing.append(
                     f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)} (probability {sure})"
                 )
             continue
-        size = confounded.get(one.effect, {})
+        size = confounded.get(finding.effect, {})
         others = ", ".join(sorted(size, key=lambda name: -size[name]))
-        bounds = f"; at its bound: {', '.join(one.at_bounds)}" if one.at_bounds else ""
+        bounds = f"; at its bound: {', '.join(finding.at_bounds)}" if finding.at_bounds else ""
         confounded_with = f"; confounded with {others}" if others else ""
-        missing.append(f"{one.effect} (probability {percent(one.probability)}{bounds}{confounded_with})")
+        missing.append(f"{finding.effect} (probability {percent(finding.probability)}{bounds}{confounded_with})")
     return f"Missing: {'; '.join(missing)}" if missing else ""
 
 
@@ -97,15 +97,17 @@ def _removed(waves: Sequence[Mapping[str, Any]], adequacy: Sequence[Adequacy]) -
 
     Considerable is compared with the noise floor and with the channel of the largest ratio. The JSON has all waves.
     """
-    floors, sizes = {one.channel: max(one.floor, 1e-12) for one in adequacy}, dict[str, dict[str, float]]()
+    floors, sizes = {rated.channel: max(rated.floor, 1e-12) for rated in adequacy}, dict[str, dict[str, float]]()
     for wave in waves:  # one whose amplitude or period changes slowly is several waves of nearly the same period
-        own = sizes.setdefault(f"{1.0 / wave['frequency']:.3g} {'s' if wave['over'] == 't' else 'm of distance'}", {})
-        own |= {name: hypot(own.get(name, 0.0), wave["amplitude"][name]) for name in floors}
+        period = f"{1.0 / wave['frequency']:.3g} {'s' if wave['over'] == 't' else 'm of distance'}"
+        amplitudes = sizes.setdefault(period, {})
+        amplitudes |= {name: hypot(amplitudes.get(name, 0.0), wave["amplitude"][name]) for name in floors}
     texts = [
         f"{size:.3g} {_unit(name)} in {name} every {every} (amplitude, {size / floors[name]:.1f} times the noise floor)"
-        for every, own in sizes.items()
-        for name, size in own.items()
-        if (size / floors[name]) ** 2 > CHANNEL_SHARE * max(1.0, *((own[other] / floors[other]) ** 2 for other in own))
+        for every, amplitudes in sizes.items()
+        for name, size in amplitudes.items()
+        if (size / floors[name]) ** 2
+        > CHANNEL_SHARE * max(1.0, *((amplitude / floors[other]) ** 2 for other, amplitude in amplitudes.items()))
     ]
     return f"removed as a periodic disturbance of the recording: {'; '.join(texts)}" if texts else ""
 
@@ -115,8 +117,10 @@ def _unit(channel: str) -> str:
 
 
 def _nothing(adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]]) -> str:
-    channels = [one.channel for one in adequacy]
-    sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in channels}
+    channels = [rated.channel for rated in adequacy]
+    sizes = {
+        channel: sorted(limits[channel] for limits in detectable.values() if channel in limits) for channel in channels
+    }
     text = ", ".join(
         f"{size[len(size) // 2]:.2g} {_unit(channel)} in {channel}" for channel, size in sizes.items() if size
     )

@@ -190,7 +190,7 @@ def sideways():
     """Return the baseline problem of a made recording whose tire has a conicity, its solution, and the candidates."""
     case = make_case(13, ("conicity",))
     start = _start_model("mf96", case.effects, case.nominal, None, ())
-    problem, solution = fit_baseline(start, signals_of(case.table, start, case.signs), known=False)
+    problem, solution = fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
     names = ("conicity", "plysteer", "camber_thrust", "pressure_friction", "load_lag")
     return problem, solution, {name: one for name, one in candidates_for(start).items() if name in names}
 
