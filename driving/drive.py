@@ -21,12 +21,11 @@ from .inputs.grid import Grid, forward_speed, gridded, has_spins, wheel_means
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
 from .interval import BALANCE, POSE, interval_of
-from .result import Drive
+from .result import Drive, wheel_table
 from .rivals import Explanation, answer_of, explanations, probabilities_of
 from .simulation import simulated
 from .unknowns import Unknowns, check_factors, unknowns_of
 from .verdict import verdict_on
-from .wheels import wheel_table
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -23,6 +23,7 @@ from .factors import Factor
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.log import Log
+from .interval import OUTPUTS
 from .simulation import VehicleSimulation
 from .unknowns import AXLES, Unknowns
 from .verdict import DriveVerdict, worst_car_deviation
@@ -31,6 +32,8 @@ FloatArray = npt.NDArray[np.float64]
 
 #: An entry of the car this many standard deviations from its file: the log is not one of this car, no tire is written.
 OTHER_CAR = 8.0
+#: Time between the last row of the front axle and the first one of the rear axle, s: a gap, so that they are segments.
+GAP = 10.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -47,7 +50,7 @@ class Drive:
     factors : mapping of str to mapping of str to Factor
         By axle and name.
     wheels : pandas.DataFrame
-        The forces at the wheels, ISO-W signs: `tirefmu.driving.wheels.wheel_table`.
+        The forces at the wheels, ISO-W signs: `wheel_table`.
     before, after : Simulation
         The vehicle as given, and with the estimated car on the scaled tires.
     lacking : ndarray, shape (2, n, 2)
@@ -163,3 +166,26 @@ class Drive:
         except OSError as error:
             raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
         return written
+
+
+def wheel_table(grid: Grid, estimate: Estimate) -> pd.DataFrame:
+    """Return the recording in ISO-W signs: rows of the front axle, then of the rear axle, whose time goes on.
+
+    Columns: ``t kappa alpha gamma Fz V Fy``; the standard deviations ``Fy_sd`` (N) and ``alpha_sd`` (rad); ``axle`` 1
+    for front and 2 for rear; ``t_log``, the time in the log, s. There is no Fx: kappa is the slip at which the tire has
+    the force that the motion requires.
+    """
+    deviation = np.sqrt(np.maximum(estimate.variances(estimate.outputs.jacobian), 0.0))
+    parts = []
+    for number, axle in enumerate(AXLES):
+        columns = {
+            name: estimate.outputs.values[:, OUTPUTS.index(f"{name}_{axle}")]
+            for name in ("kappa", "alpha", "Fz", "V", "Fy")
+        }
+        spread = {f"{name}_sd": deviation[:, OUTPUTS.index(f"{name}_{axle}")] for name in ("Fy", "alpha")}
+        start = number * (grid.t[-1] - grid.t[0] + GAP)
+        table = pd.DataFrame(
+            {"t": grid.t + start, **columns, "gamma": 0.0, **spread, "axle": number + 1, "t_log": grid.t}
+        )
+        parts.append(table[["t", "kappa", "alpha", "gamma", "Fz", "V", "Fy", "Fy_sd", "alpha_sd", "axle", "t_log"]])
+    return pd.concat(parts, ignore_index=True)
