@@ -230,6 +230,8 @@ class _Table:
     def _reproduced(self, linear: Linearization, change: FloatArray) -> bool:
         """Return whether an effect of the library reproduces a change of the forces, shape (n_channels, n)."""
         effects = [addition for addition in self._possible(linear) if not isinstance(addition.part, Term)]
+        if not effects:
+            return False
         alone = Addition(UNKNOWN, effects[0].part, change[:, :, None], np.ones(1), 0.0)
         sizes = [1, *(len(addition.deviation) for addition in effects)]
         projected = Projected.of(linear.equations([alone, *effects]), sizes)

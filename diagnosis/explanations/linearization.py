@@ -170,9 +170,9 @@ class Linearization:
         refined = [self._probes(form) for _, form in self._refinements]
         forms = [self._form_errors(name, form) for name, form in self.explanation.forms]
         forms.append(self._baseline_errors())
-        if (unknown := self._unknown_response()).any():
-            depends_on = frozenset().union(*(term.depends_on for term in self.explanation.terms_of(UNKNOWN)))
-            forms.append(FORM_ERROR * effect_discrepancy(unknown, self._inputs(depends_on)))
+        if (of_terms := self._response_of_terms()).any():
+            depends_on = frozenset().union(*(term.depends_on for term in self.explanation.terms))
+            forms.append(FORM_ERROR * effect_discrepancy(of_terms, self._inputs(depends_on)))
         parts = [simulator.jacobian(solution.parameters, free), bench, *(columns for columns, _ in refined)]
         deviations = [deviation, of_bench, *(spread for _, spread in refined)]
         deviations += [np.ones(errors.shape[-1]) for errors in forms]
@@ -256,12 +256,11 @@ class Linearization:
         absent[indices] = simulator.tire.parameters()[indices]
         return simulator.forces(absent)
 
-    def _unknown_response(self) -> FloatArray:
-        """Return the change of the forces by the unknown component, shape (n_channels, n)."""
+    def _response_of_terms(self) -> FloatArray:
+        """Return the change of the forces by the terms of the explanation, shape (n_channels, n)."""
         response, named = np.zeros_like(self.forces), self.problem.disturbances.names
         for i, term in enumerate(self.explanation.terms):
-            if term.part == UNKNOWN:
-                response += term.column * self.solution.disturbance[named.index(f"{TERM}{i}")]
+            response += term.column * self.solution.disturbance[named.index(f"{TERM}{i}")]
         return response
 
     @cached_property
