@@ -21,8 +21,9 @@ from ..unexplained.proposal import Dictionary, generalizes
 from .answer import Answer, answer_of
 from .evidence import Projected
 from .explanation import FORM, UNKNOWN, Explanation, Term
-from .linearization import Addition, Linearization, form_errors, relative_size
+from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
+from .terms import form_errors, relative_size
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,0 +1,83 @@
+"""Terms of explanations: features at locations of the model, and which of them are errors of form."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.model import Model
+
+from ..least_squares import LeastSquares, Solution
+from ..probing.candidates import Candidate
+from ..thresholds import UNKNOWN_SHARE
+from ..unexplained.features import CORE_INPUTS, LOCATIONS, Location, determined, directions, features, locations_of
+from .explanation import Explanation, Term
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Variables of the past.
+PAST = frozenset({"memory", "dalpha/dt", "dkappa/dt", "dFz/dt", "distance", "V"})
+#: Roles whose quantities act like a force, a lagged slip or a relaxation length on which an effect acts.
+ROLES_ACTED = {
+    "Fy": "offset_y", "Mz": "residual_moment", "alpha_star": "shift_y", "relaxation_y": "shift_y",
+    "relaxation_x": "shift_x",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FormErrors:
+    """Which terms are errors of the form of an explanation, not unknown effects.
+
+    - `inputs`: of the core, and of the effects of the explanation.
+    - `roles`: of the quantities on which its effects of the past act: there, errors may depend on the past.
+    """
+
+    inputs: frozenset[str]
+    roles: frozenset[str]
+
+    def contain(self, location: Location, depends_on: frozenset[str]) -> bool:
+        """Return whether a term at a location with these variables is an error of form."""
+        of_past = self.roles.issuperset(LOCATIONS[location.name][1])
+        return depends_on <= (self.inputs | PAST if of_past else self.inputs)
+
+
+def form_errors(explanation: Explanation, candidates: Mapping[str, Candidate], model: Model) -> FormErrors:
+    """Return which terms are errors of the form of an explanation."""
+    inputs = CORE_INPUTS.union(*(candidates[name].requires for name in explanation.effects))
+    acted = {
+        act.on
+        for effect in model.added
+        if effect.name in explanation.effects and (effect.states or effect.name in model.relaxing_effects)
+        for act in effect.acts
+    }
+    if set(explanation.effects) & set(model.relaxing_effects):
+        acted |= {"relaxation_x", "relaxation_y"}
+    roles = frozenset(ROLES_ACTED.get(name, name) for name in acted)
+    return FormErrors(inputs | {"T", "distance"} if {"T", "distance"} & inputs else inputs, roles)
+
+
+def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
+    """Return the terms that an explanation may have: features at locations of the model."""
+    simulator = problem.simulator
+    signals, tire = simulator.signals, simulator.tire
+    even, odd = features(signals, tire)
+    acting = directions(simulator, solution.parameters)
+    return [
+        Term("", location, feature, column, UNKNOWN_SHARE * size)
+        for location in locations_of(simulator.symbolic_model)
+        for feature in (even if location.how == "factor" else [*odd, *even])
+        if determined(location, feature, signals, tire)
+        for column in [acting[location.name] * feature.values]
+        if np.isfinite(size := relative_size(problem, column))
+    ]
+
+
+def relative_size(problem: LeastSquares, column: FloatArray) -> float:
+    """Return the size of the measured forces as a multiple of a column; infinite if the column is zero."""
+    measured, of_column = (
+        float(np.linalg.norm(problem.inverse_noise * forces)) for forces in (problem.simulator.signals.measured, column)
+    )
+    return measured / of_column if of_column > 0.0 else np.inf
