@@ -44,7 +44,7 @@ def test_it_is_the_evaluation_with_inputs_held(fmus, tires, name, fmi):
     assert (result.segments, result.evaluation_difference < 1e-9) == (2, True)
     if name in LAGGING:
         assert distance(result.simulated.iloc[[0, len(run)]], alone.iloc[[0, len(run)]]).max() < 1e-9
-    assert result.channels[0].rmse > 10.0  # the states have an influence
+    assert result.channels[0].rmse > (20.0 if name == "warm" else 100.0)  # the states have an influence
 
 
 @every_case
