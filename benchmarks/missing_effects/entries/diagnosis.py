@@ -1,6 +1,6 @@
-"""The diagnosis of this project: of tires by its public function; of other systems only the comparison of explanations.
+"""The diagnosis of this project: of tires by its public function; of other systems only the score of explanations.
 
-The search of the diagnosis refits Magic Formula tires; it cannot take another system. What is not of tires is the
+The diagnosis refits Magic Formula tires; it cannot take another system. What is not of tires is the
 evidence of explanations (`tirefmu.diagnosis.explanations.evidence`) and the probabilities that follow from it.
 """
 
