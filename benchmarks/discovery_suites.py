@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from diagnosis.case import Case
 from diagnosis.independent import kinds as second
 from diagnosis.independent import memory_kinds as memory
+from diagnosis.independent.unknown_kinds import UNKNOWN_VARIABLES
 from diagnosis.suite import UNKNOWN
 
 from diagnosis import kinds as first
@@ -40,13 +41,22 @@ NAMED = {"hysteresis": "hysteresis_force", "contact_heat": "heat_friction"}
 DRAW = 29
 
 
+#: The kinds of the second suite; unknown laws are a suite.
+OF_SECOND = {kind: count for kind, count in second.NUMBER_OF_CASES.items() if kind != "law"}
+
+
 def _drawn_again(kind: str, number: int) -> Case:
     return second.case_of(kind, number + DRAW * second.NUMBER_OF_CASES[kind])
 
 
+def _of_law(kind: str, number: int) -> Case:
+    return second.case_of("law", number)
+
+
 SUITES = {
     "first": Suite("first", first.NUMBER_OF_CASES, first.case_of, UNKNOWN, first.CONFOUNDED),
-    "second": Suite("second", second.NUMBER_OF_CASES, second.case_of, second.UNKNOWN, second.CONFOUNDED),
+    "second": Suite("second", OF_SECOND, second.case_of, second.UNKNOWN, second.CONFOUNDED),
     "memory": Suite("memory", memory.NUMBER_OF_CASES, memory.case_of, {}, memory.CONFOUNDED),
-    "confirmation": Suite("confirmation", second.NUMBER_OF_CASES, _drawn_again, second.UNKNOWN, second.CONFOUNDED),
+    "confirmation": Suite("confirmation", OF_SECOND, _drawn_again, second.UNKNOWN, second.CONFOUNDED),
+    "unknown": Suite("unknown", {"unknown": len(UNKNOWN_VARIABLES)}, _of_law, UNKNOWN_VARIABLES, ()),
 }

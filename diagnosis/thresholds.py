@@ -104,7 +104,7 @@ DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
 #: best explanation from which an addition is refitted. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -4.0
 #: Rows of the first iterations of a refit; iterations of the final fit. Conventions: computing time.
-SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
+SEARCH_ROWS, FINAL_ITERATIONS = 3000, 6
 
 # ------------------------------------------------------------------ the proposal of an unknown component
 

@@ -59,7 +59,9 @@ def compared(
     -------
     Comparison
     """
-    linear = _begun(problem, baseline, dict(sorted(candidates.items())), progress)
+    few = problem.subsampled(some_rows(problem.simulator))
+    at_few = few.at(baseline.parameters, baseline.free)
+    linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
     first = set[tuple[str, ...]]()
     for _ in range(ESTIMATES):
         table = _table(linear, baseline, progress)
@@ -72,27 +74,8 @@ def compared(
         # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
         if parts in first and len(parts) <= len(linear.explanation.parts):
             break
-        linear = _with_own_noise(leader, problem)
+        linear = _with_own_noise(leader, few)
     return Comparison(answer_of(table.scores, candidates), leader, table.shared)
-
-
-def _begun(
-    problem: LeastSquares, baseline: Solution, candidates: Mapping[str, Candidate], progress: Callable[[str], None]
-) -> Linearization:
-    """Return the linearization from which all rows are compared: at the effects to which a climb over some rows leads.
-
-    `baseline`: solution of the baseline model.
-    """
-    few = problem.subsampled(some_rows(problem.simulator))
-    linear = Linearization(Explanation(), few, few.at(baseline.parameters, baseline.free), candidates)
-    table = _table(linear, baseline, progress)
-    table.climb(linear)
-    end, signals = table.leader.linear, problem.simulator.signals
-    delayed = problem.over(problem.simulator.with_signals(signals.delayed(end.simulator.signals.skew - signals.skew)))
-    return replace(
-        end, explanation=Explanation(end.explanation.forms), problem=delayed,
-        solution=delayed.at(end.solution.parameters, end.solution.free),
-    )  # fmt: skip
 
 
 def _table(linear: Linearization, baseline: Solution, progress: Callable[[str], None]) -> _Table:

@@ -88,7 +88,9 @@ def final_fits(
     """
     linear = comparison.leader.linear
     disturbances = problem.disturbances.without(linear.unneeded_cross_talk())
-    problem = replace(problem, disturbances=disturbances).over(linear.simulator)
+    signals = problem.simulator.signals
+    aligned = signals.delayed(linear.simulator.signals.skew - signals.skew)
+    problem = replace(problem, disturbances=disturbances).over(problem.simulator.with_signals(aligned))
     base = problem.solve(baseline.parameters, baseline.free, iterations=FINAL_ITERATIONS)
     refinements = linear.needed_refinements()
     extended, solution = problem, base

@@ -76,8 +76,8 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
     problem = with_terms(shared.problem, explanation).over(simulator)
     fitted = {*shared.free, *(name for _, form in explanation.forms for name in form.free)}
     free = tuple(sorted(fitted, key=simulator.names.index))
-    some = some_rows(simulator)
-    tried = [problem.solve(start, free, rows=some, iterations=COARSE_ITERATIONS) for start in starts]
+    coarse = replace(problem, whitening=None)
+    tried = [coarse.solve(start, free, iterations=COARSE_ITERATIONS) for start in starts]
     start = min(tried, key=lambda solution: solution.cost).parameters
     best, estimate = _evaluated(shared, explanation, problem, start, free)
     for _ in range(ALIGNMENTS if simulator.signals.timed else 0):

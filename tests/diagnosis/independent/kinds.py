@@ -16,6 +16,7 @@ from .formulas import FloatArray, forces
 from .programs import Program, operating_range, program
 from .recording_errors import ERRORS, recorded, with_columns
 from .tires import CLASSES, EITHER_SIGN, Specimen, specimen
+from .unknown_kinds import UNKNOWN_EFFECTS
 
 #: Structure that is not in the library, and its variables; no variables: those that the recording lacks.
 UNKNOWN = {
@@ -37,7 +38,7 @@ TOGETHER = {
 }  # fmt: skip
 NUMBER_OF_CASES = {
     "single": len(SINGLES) + len(IN_BOOK_FORM), "double": 4, "triple": 2, "unknown": len(UNKNOWN), "confounded": 4,
-    "null": 36,
+    "null": 36, "law": len(UNKNOWN_EFFECTS),
 }  # fmt: skip
 #: Programs that cannot separate effects: program, hidden effect, other effects that may be identified first, effects
 #: that must be reported as confounded, words of the separating measurement.
@@ -139,7 +140,8 @@ class _Acting:
             name: strength * rng.uniform(0.85, 1.15) * (rng.choice([-1.0, 1.0]) if name in EITHER_SIGN else 1.0)
             for name in acts
         }
-        self.effects = [EFFECTS[name](size) for name, size in sizes.items() if name in EFFECTS]
+        at_once = {**EFFECTS, **UNKNOWN_EFFECTS}
+        self.effects = [at_once[name](size) for name, size in sizes.items() if name in at_once]
         self.moments = [(*MOMENTS[name], size) for name, size in sizes.items() if name in MOMENTS]
         self.lags = [(*LAGS[name], size) for name, size in sizes.items() if name in LAGS]
 
@@ -189,8 +191,8 @@ def _chosen(kind: str, number: int) -> tuple[tuple[str, ...], tuple[str, ...], s
     if kind == "confounded":
         layout, one, *_ = CONFOUNDED[number]
         return (one,), (), "", layout
-    if kind == "unknown":
-        return (), (), tuple(UNKNOWN)[number], "full"
+    if kind in ("unknown", "law"):
+        return (), (), tuple(UNKNOWN if kind == "unknown" else UNKNOWN_EFFECTS)[number], "full"
     return (), (), "", ("full", "full", "pure", "full", "cornering")[number % 5]
 
 
