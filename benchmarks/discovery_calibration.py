@@ -8,8 +8,6 @@ from itertools import pairwise
 import numpy as np
 from discovery_score import Outcome
 
-from tirefmu.diagnosis.explanations.answer import calibrated
-
 #: Edges of the groups of probabilities; below the first one an effect is taken as excluded.
 EDGES = (0.01, 0.1, 0.5, 0.9, 0.99, 1.0)
 
@@ -20,8 +18,7 @@ def calibration(outcomes: Sequence[Outcome]) -> list[tuple[str, str, str, str]]:
     Each recording counts each candidate, and UNKNOWN, that has a probability of at least `EDGES[0]`. The last row is
     the expected calibration error: the difference of mean and share, averaged over all that are counted.
     """
-    claims = [(calibrated(log_odds), true) for one in outcomes for log_odds, true in one.claims]
-    pairs = np.array([pair for pair in claims if pair[0] >= EDGES[0]]).reshape(-1, 2)
+    pairs = np.array([pair for one in outcomes for pair in one.claims if pair[0] >= EDGES[0]]).reshape(-1, 2)
     rows, error = [], 0.0
     for low, high in pairwise(EDGES):
         group = pairs[(pairs[:, 0] >= low) & ((pairs[:, 0] < high) | (high == EDGES[-1]))]

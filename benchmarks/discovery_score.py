@@ -31,7 +31,7 @@ class Outcome:
     - `seconds`: CPU time.
     - `rows`: rows of the recording.
     - `delivered`: the delivered tire; None if there is none.
-    - `claims`: for each candidate and UNKNOWN, its log odds before calibration and whether it is missing (1 or 0).
+    - `claims`: for each candidate and UNKNOWN, its probability and whether it is missing (1 or 0).
     - `failed`: exception and reason if there is no diagnosis.
     """
 
@@ -116,7 +116,7 @@ def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, s
         seconds=seconds,
         rows=len(case.table),
         delivered=delivered(case, result),
-        claims=tuple((value, float(one in hidden)) for one, value in result.answer.log_odds.items()),
+        claims=tuple((value, float(one in hidden)) for one, value in result.answer.probabilities.items()),
     )  # fmt: skip
 
 

@@ -90,6 +90,9 @@ MIN_SHARE = 0.4
 #: exact, so that evidence does not grow in proportion to the rows. An independent study of 76 recordings, most of them
 #: with 4,500 rows, gave the power 0.3.
 COARSENED_ROWS = 2000
+#: Share of the explained likelihood that an effect of another form could take: the form of an effect is wrong by a
+#: thirtieth of its response. The one number that was calibrated, on the memory suite of docs/discovery.md.
+INEXACT_SHARE = 0.001
 #: Prior odds of each effect and of an unknown component. Convention: about one of all effects is missing.
 EFFECT_ODDS, UNKNOWN_ODDS = 1.0 / 40.0, 1.0 / 40.0
 #: Prior standard deviation of a term of the unknown component, as a share of all forces. Convention.

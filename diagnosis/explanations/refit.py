@@ -17,7 +17,7 @@ from ..recording.disturbances import Disturbances
 from ..recording.simulation import Simulator
 from ..thresholds import DISCREPANCIES, MAX_SKEW, SEARCH_ROWS
 from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
-from .evidence import NormalEquations, likelihood_power
+from .evidence import NormalEquations, Score, likelihood_power
 from .explanation import Explanation, Term
 from .linearization import TERM, Addition, Linearization
 
@@ -48,16 +48,21 @@ class Shared:
 class Refitted:
     """An explanation with its best coefficients.
 
-    - `evidence`: logarithm, without the prior odds of the explanation.
+    - `evidence`: without the prior odds of the explanation.
     """
 
     linear: Linearization
-    evidence: float
+    evidence: Score
 
     @property
     def explanation(self) -> Explanation:
         """The explanation."""
         return self.linear.explanation
+
+    @property
+    def score(self) -> Score:
+        """The evidence with the prior odds."""
+        return self.evidence + Score(0.0, self.explanation.log_prior)
 
     def term_sizes(self, part: str) -> tuple[float, ...]:
         """Return the fitted coefficients of the terms of a part."""
@@ -87,7 +92,7 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
             break
         delayed = problem.over(simulator.with_signals(signals.delayed(step)))
         other, estimate = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
-        if other.evidence <= best.evidence:
+        if other.evidence.at() <= best.evidence.at():
             break
         best = other
     return best
@@ -160,7 +165,7 @@ def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> Floa
     def evidence(tried: FloatArray) -> float:
         precision = normal.precision.copy()
         precision[: len(tried)] = tried**-2.0
-        return replace(normal, precision=precision).solved()[1]
+        return replace(normal, precision=precision).solved()[1].at()
 
     for channel in np.unique(channels):
         tried = np.tile(deviation, (len(DISCREPANCIES), 1))
