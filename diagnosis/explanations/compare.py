@@ -145,9 +145,10 @@ class _Table:
 
     def climb(self, linear: Linearization) -> None:
         """Extend the leading explanation, from a given one on, while another one leads then; reduce it at the end."""
-        for explanation, start in ((Explanation(), self.absent), (linear.explanation, linear.solution.parameters)):
-            self._add(refitted(self.shared, explanation, [start], linear.simulator))
-        if not linear.explanation.parts:
+        self._add(refitted(self.shared, Explanation(), [self.absent], linear.simulator))
+        if linear.explanation.parts:
+            self._add(refitted(self.shared, linear.explanation, [linear.solution.parameters], linear.simulator))
+        else:
             self._propose(self.refits[()])
         best = None
         while best is not self.leader and len(self.expanded) < COMPARED:

@@ -1,4 +1,4 @@
-"""The cases of the suite of unknown effects: twenty laws that the library does not have, and that differ from each other.
+"""The laws of the suite of unknown effects: the library has none of the twenty, and they differ from each other.
 
 Each is an interaction, or acts on a quantity on which no effect of the library with these variables acts. Everything
 else is as in the second suite.
