@@ -111,17 +111,8 @@ SEARCH_ROWS, FINAL_ITERATIONS = 3000, 6
 
 # ------------------------------------------------------------------ the proposal of an unknown component
 
-#: p-values of a formula, under coloured noise with Bonferroni correction and of the jackknife over blocks. Not
-#: recorded.
-STRUCTURE_P, STRUCTURE_P_OF_BLOCKS = 1e-4, 1e-3
-#: Minimum gain in standard errors (benchmark: increased from 1), and as a share of the squared misfit (not recorded).
-STRUCTURE_ERRORS, STRUCTURE_GAIN = 1.2, 0.03
 #: Number of features whose evidence is computed. Convention: computing time.
 SHORTLIST = 60
-#: Minimum number of stretches with a positive gain, and share of the gain that must remain. By chance 6 or more of 8
-#: are positive in 14 %: the criterion rejects proxies, not noise. Benchmark.
-MIN_STRETCHES, MIN_RETAINED_GAIN = 6, 0.5
-
 #: Bounds of a formula's coefficient as multiples of its estimate. Convention.
 COEFFICIENT_BOUND_FACTOR = 10.0
 

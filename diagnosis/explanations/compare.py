@@ -17,7 +17,7 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
 from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS, UNKNOWN_ODDS, UNKNOWN_SHARE
-from ..unexplained.proposal import Dictionary, generalizes
+from ..unexplained.proposal import Dictionary
 from .answer import Answer, answer_of
 from .evidence import Projected, Score, inflation
 from .explanation import FORM, UNKNOWN, Explanation, Term
@@ -148,8 +148,6 @@ class _Table:
         self._add(refitted(self.shared, Explanation(), [self.absent], linear.simulator))
         if linear.explanation.parts:
             self._add(refitted(self.shared, linear.explanation, [linear.solution.parameters], linear.simulator))
-        else:
-            self._propose(self.refits[()])
         best = None
         while best is not self.leader and len(self.expanded) < COMPARED:
             best = self.leader
@@ -184,7 +182,7 @@ class _Table:
         self.compare()
 
     def _propose(self, refit: Refitted) -> None:
-        """Refit an explanation with the formula that explains most of what it does not, if a formula generalizes.
+        """Refit an explanation with the formula that explains most of what it does not.
 
         Terms at one location are added while the evidence grows; each is one of all that were tested.
         """
@@ -193,8 +191,7 @@ class _Table:
             return
         self.proposed.add(parts)
         self.progress(f"searching for a formula in addition to {', '.join(parts[:-1]) or 'the baseline model'}")
-        screen, errors = _screen(refit), refit.linear.form_errors
-        dictionary, best = Dictionary(screen), refit
+        dictionary, best, errors = Dictionary(_screen(refit)), refit, refit.linear.form_errors
         possible = [
             i
             for i, (location, feature) in enumerate(dictionary.terms)
@@ -219,8 +216,7 @@ class _Table:
         if not chosen:
             return
         formula = np.stack([dictionary.column(i) for i in chosen], axis=-1)
-        size = formula @ np.array(best.term_sizes(UNKNOWN))
-        if not self._reproduced(refit.linear, size) and generalizes(screen, formula, len(dictionary.terms)):
+        if not self._reproduced(refit.linear, formula @ np.array(best.term_sizes(UNKNOWN))):
             self._add(best)
 
     def _reproduced(self, linear: Linearization, change: FloatArray) -> bool:

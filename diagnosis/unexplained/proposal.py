@@ -1,8 +1,4 @@
-"""Formulas for what a model does not explain: which ones are compared, and whether one generalizes over the recording.
-
-Each of thousands of features and products of two features could be chosen. The chosen formula must therefore predict
-blocks of time and long stretches from which it was not estimated.
-"""
+"""Formulas for what a model does not explain: features and products of two features at the locations of the model."""
 
 from __future__ import annotations
 
@@ -11,20 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.block_regression import block_sums, error_of_sum, regression
-
 from ..probing.effect_probing import Screen
-from ..thresholds import (
-    MIN_RETAINED_GAIN,
-    MIN_STRETCHES,
-    PROBE_PRIOR,
-    SHORTLIST,
-    STRETCHES,
-    STRUCTURE_ERRORS,
-    STRUCTURE_GAIN,
-    STRUCTURE_P,
-    STRUCTURE_P_OF_BLOCKS,
-)
+from ..thresholds import SHORTLIST
 from .features import Feature, Location, determined, directions, features, locations_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -79,25 +63,3 @@ class Dictionary:
         scores = np.where(independent, target**2 / np.where(independent, power, 1.0), 0.0)
         return [chosen[k] for k in np.argsort(-scores)[:SHORTLIST]]
 
-
-def generalizes(screen: Screen, formula: FloatArray, tests: int) -> bool:
-    """Return whether a formula is significant, material, and present in nearly every long stretch.
-
-    `formula`, shape (n_channels, n, k): change of the forces per unit of each term. `tests`: number of tested terms.
-    """
-    columns = screen.problem.inverse_noise[:, :, None] * formula
-    screen.learn_noise({0: columns})
-    response = screen.response(columns)
-    gains, total = screen.baseline.loss - response.loss, float(screen.baseline.loss.sum())
-    gain, error = float(gains.sum()) / total, error_of_sum(gains) / total
-    if response.p_coloured * tests > STRUCTURE_P or response.p_blocks > STRUCTURE_P_OF_BLOCKS:
-        return False
-    if gain < max(STRUCTURE_ERRORS * error, STRUCTURE_GAIN):
-        return False
-    edges, added = screen.stretches(STRETCHES), response.columns.shape[-1]
-    prior = np.concatenate([screen.prior_precision, np.full(added, PROBE_PRIOR**-2.0)])
-    gradient = np.concatenate([screen.prior_gradient, np.zeros(added)])
-    sums = block_sums(np.concatenate([screen.tangent, response.columns], axis=-1), screen.residual, edges)
-    before = screen.stretch_losses(edges)
-    gained = (before - regression(sums, prior, gradient).loss) / before.sum()
-    return int(np.sum(gained > 0.0)) >= MIN_STRETCHES and float(gained.sum()) > MIN_RETAINED_GAIN * gain
