@@ -6,7 +6,7 @@ both are estimated again and the comparison is repeated.
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -19,7 +19,7 @@ from ..probing.effect_probing import Screen, starts
 from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS, UNKNOWN_ODDS, UNKNOWN_SHARE
 from ..unexplained.proposal import Dictionary
 from .answer import Answer, answer_of
-from .evidence import Projected, Score, inflation
+from .evidence import Projected, inflation
 from .explanation import FORM, UNKNOWN, Explanation, Term
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
@@ -62,27 +62,33 @@ def compared(
     few = problem.subsampled(some_rows(problem.simulator))
     at_few = few.at(baseline.parameters, baseline.free)
     linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
-    first = set[tuple[str, ...]]()
+    first, explained = set[tuple[str, ...]](), 0.0
     for _ in range(ESTIMATES):
-        table = _table(linear, baseline, progress)
+        table = _table(linear, baseline, explained, progress)
         table.climb(linear)
         if table.leader.explanation.parts == linear.explanation.parts:
             table.compare()
             table.propose()
         leader, first = table.leader, first | {linear.explanation.parts}
+        explained = table.explained
         parts = leader.explanation.parts
         # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
         if parts in first and len(parts) <= len(linear.explanation.parts):
             break
         linear = _with_own_noise(leader, few)
-    scores = {parts: table.score(parts) for parts in table.scores}
-    return Comparison(answer_of(scores, candidates), leader, table.shared)
+    return Comparison(answer_of(table.scores, candidates), leader, table.shared)
 
 
-def _table(linear: Linearization, baseline: Solution, progress: Callable[[str], None]) -> _Table:
-    """Return an empty table under the noise of a linearization."""
+def _table(
+    linear: Linearization, baseline: Solution, explained: float, progress: Callable[[str], None]
+) -> _Table:
+    """Return an empty table under the noise of a linearization.
+
+    `explained`: logarithm of the likelihood by which the explanation of the linearization is better than none.
+    """
     additions = linear.additions()
-    shared = shared_problem(linear, baseline, [addition for forms in additions.values() for addition in forms])
+    every = [addition for forms in additions.values() for addition in forms]
+    shared = shared_problem(linear, baseline, every, explained)
     weighted = {name: [addition.weighted(shared.problem) for addition in forms] for name, forms in additions.items()}
     return _Table(shared, baseline.parameters, weighted, progress)
 
@@ -103,7 +109,7 @@ class _Table:
     - `refits`: those that were refitted.
     - `proposed`: those for which a formula was searched.
     - `expanded`: those that were extended and reduced.
-    - `scores`: of others, that of the linear problem next to them.
+    - `scores`: logarithm of the evidence with the prior odds; of others that of the linear problem next to them.
     """
 
     shared: Shared
@@ -111,7 +117,7 @@ class _Table:
     additions: dict[str, list[Addition]]
     progress: Callable[[str], None]
     refits: dict[tuple[str, ...], Refitted] = field(default_factory=dict)
-    scores: dict[tuple[str, ...], Score] = field(default_factory=dict)
+    scores: dict[tuple[str, ...], float] = field(default_factory=dict)
     proposed: set[tuple[str, ...]] = field(default_factory=set)
     expanded: set[tuple[str, ...]] = field(default_factory=set)
 
@@ -130,18 +136,14 @@ class _Table:
         return [*(addition for name in lacking for addition in self.additions[name]), *terms]
 
     @property
-    def inflation(self) -> float:
-        """Of the fits of all explanations, by that of the best one relative to that of the baseline model."""
-        return inflation(max(refit.evidence.fit for refit in self.refits.values()) - self.refits[()].evidence.fit)
-
-    def score(self, parts: tuple[str, ...]) -> float:
-        """Return the score of an explanation."""
-        return self.scores[parts].at(self.inflation)
+    def explained(self) -> float:
+        """Logarithm of the likelihood, not raised to a power, by which the leading explanation is better than none."""
+        return (self.leader.evidence - self.refits[()].evidence) * inflation(self.shared.explained)
 
     @property
     def leader(self) -> Refitted:
         """The refitted explanation with the largest score."""
-        return self.refits[max(self.refits, key=self.score)]
+        return self.refits[max(self.refits, key=lambda parts: self.scores[parts])]
 
     def climb(self, linear: Linearization) -> None:
         """Extend the leading explanation, from a given one on, while another one leads then; reduce it at the end."""
@@ -164,12 +166,9 @@ class _Table:
                 return
             refit = self.refits[remaining[0]]
             self._extend(refit)
-            if self._nearly_leads(self.score(remaining[0])):
+            if self.scores[remaining[0]] > max(self.scores.values()) + REFIT_MARGIN:
                 self._reduce(refit)
             self.expanded.add(remaining[0])
-
-    def _nearly_leads(self, score: float) -> bool:
-        return score > max(map(self.score, self.scores)) + REFIT_MARGIN
 
     def propose(self) -> None:
         """Compare formulas for what the leading explanation, those with one part less, and none of them explain."""
@@ -207,7 +206,7 @@ class _Table:
             term = self._term(dictionary, i, prior)
             explanation = best.explanation.extended(UNKNOWN, term)
             more = refitted(self.shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
-            if more.score.at(self.inflation) <= best.score.at(self.inflation):
+            if more.evidence + prior <= best.evidence:
                 break
             best, chosen = more, [*chosen, i]
             possible = [
@@ -236,7 +235,7 @@ class _Table:
             Addition(UNKNOWN, term, term.column[:, :, None], np.array([term.deviation]), 0.0) for term in terms
         ]
         projected = Projected.of(refit.linear.equations(additions), [1] * len(additions))
-        gained = [projected.gain(group)[0].at(self.inflation) for group in projected.groups]
+        gained = [projected.gain(group)[0] for group in projected.groups]
         return tried[int(np.argmax(gained))], max(gained)
 
     def _term(self, dictionary: Dictionary, i: int, log_prior: float) -> Term:
@@ -248,13 +247,13 @@ class _Table:
         """Return the leading explanation, those with one part less, and those with nearly its score."""
         parts = self.leader.explanation.parts
         less = [other for other in self.refits if len(other) == len(parts) - 1 and set(other) < set(parts)]
-        near = [other for other in self.refits if self.score(other) > self.score(parts) + REFIT_MARGIN]
-        return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda other: -self.score(other))]))
+        near = [other for other in self.refits if self.scores[other] > self.scores[parts] + REFIT_MARGIN]
+        return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda other: -self.scores[other])]))
 
     def _add(self, refit: Refitted) -> None:
-        parts = refit.explanation.parts
-        if parts not in self.refits or refit.score.at(self.inflation) > self.score(parts):
-            self.refits[parts], self.scores[parts] = refit, refit.score
+        parts, score = refit.explanation.parts, refit.evidence + refit.explanation.log_prior
+        if parts not in self.refits or score > self.scores[parts]:
+            self.refits[parts], self.scores[parts] = refit, score
 
     def _reduce(self, refit: Refitted) -> None:
         """Refit an explanation without each of its parts."""
@@ -284,15 +283,20 @@ class _Table:
         Others are from `REFIT_MARGIN` on; the first `RIVALS` ones always if they are rivals of the leading explanation.
         """
         always = RIVALS if len(refit.explanation.parts) <= max(len(self.leader.explanation.parts) - 1, 0) else 0
-        best = gains(refit.linear, self._possible(refit.linear), self.inflation)
-        for number, gain in enumerate(sorted(best, key=lambda gain: -gain.score.at(self.inflation))):
-            parts, score = self._extended(refit, gain).parts, refit.score + gain.score
+        base = self.scores[refit.explanation.parts]
+        scored = gains(refit.linear, self._possible(refit.linear))
+        totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
+        for number, name in enumerate(sorted(totals, key=lambda part: -totals[part])):
+            best = max(scored[name], key=lambda form: form.gain)
+            parts, score = self._extended(refit, best).parts, base + totals[name]
             if parts in self.refits:
                 continue
-            if parts not in self.scores or score.at(self.inflation) > self.score(parts):
-                self.scores[parts] = score
-            if number < always or self._nearly_leads(self.score(parts)):
-                self._add((self._with_form if isinstance(gain.addition.part, Term) else self._with_effect)(refit, gain))
+            self.scores[parts] = max(score, self.scores.get(parts, -np.inf))
+            if number < always or score > max(self.scores.values()) + REFIT_MARGIN:
+                if isinstance(best.addition.part, Term):
+                    self._add(self._with_form(refit, best, totals[name] - best.gain))
+                else:
+                    self._add(self._with_effect(refit, best))
 
     def _extended(self, refit: Refitted, gain: Gain) -> Explanation:
         """Return an explanation with an addition; terms that are errors of its form then are unknown no longer."""
@@ -310,23 +314,26 @@ class _Table:
         begins = starts(simulator, refit.linear.solution, addition.form, best.estimate * addition.deviation)
         return refitted(self.shared, explanation, begins, simulator)
 
-    def _with_form(self, refit: Refitted, best: Gain) -> Refitted:
-        """Refit an error of form, and further terms of it while they gain."""
+    def _with_form(self, refit: Refitted, best: Gain, others: float) -> Refitted:
+        """Refit an error of form, and further terms of it while they gain.
+
+        `others`: logarithm of the evidence of all terms relative to that of the best one.
+        """
         while True:
-            term = replace(best.addition.term, log_prior=best.log_prior)
+            term = replace(best.addition.term, log_prior=best.log_prior + others)
             explanation = refit.explanation.extended(FORM, term)
             more = refitted(self.shared, explanation, [refit.linear.solution.parameters], refit.linear.simulator)
+            gained = more.evidence + more.explanation.log_prior - refit.evidence - refit.explanation.log_prior
             number = len(explanation.terms_of(FORM))
-            if number > 1 and more.score.at(self.inflation) <= refit.score.at(self.inflation):
+            if number > 1 and gained <= 0.0:
                 return refit
             if number == TERMS:
                 return more
-            refit = more
-            further = gains(refit.linear, self._possible(refit.linear), self.inflation)
-            forms = [gain for gain in further if gain.addition.name == FORM]
-            if not forms or forms[0].score.at(self.inflation) <= 0.0:
+            refit, others = more, 0.0
+            further = gains(refit.linear, self._possible(refit.linear)).get(FORM, [])
+            best = max(further, key=lambda form: form.gain, default=best)
+            if not further or best.gain <= 0.0:
                 return refit
-            best = forms[0]
 
 
 def _screen(refit: Refitted) -> Screen:
@@ -337,32 +344,29 @@ def _screen(refit: Refitted) -> Screen:
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """An addition with the increase of the score by it in the linear problem, and its estimate.
+    """An addition with its prior odds, the increase of the logarithm of the evidence with these, and its estimate."""
 
-    - `log_prior`: its prior odds, and the evidence of further forms or terms of the same name. The score contains it.
-    """
-
-    score: Score
+    gain: float
     addition: Addition
     log_prior: float
     estimate: FloatArray
 
 
-def gains(linear: Linearization, additions: Sequence[Addition], inflated: float) -> list[Gain]:
-    """Return what could be added to an explanation: of each name the best form or term.
+def gains(linear: Linearization, additions: Sequence[Addition]) -> dict[str, list[Gain]]:
+    """Return what could be added to an explanation, by name, with its gain in the linear problem.
 
     Terms are errors of form: others are unknown, and those that an effect of the library reproduces are neither. All
     terms share the prior odds of an error of form; an explanation with one has them already.
     """
     possible = [linear.named(addition) for addition in additions]
     if not possible:
-        return []
+        return {}
     projected = Projected.of(linear.equations(possible), [len(addition.deviation) for addition in possible])
     reproduced = np.zeros(len(projected.target), dtype=bool)
     for addition, group in zip(possible, projected.groups, strict=True):
         if not isinstance(addition.part, Term):
             reproduced |= projected.correlations(group) > CONFOUNDED
-    scored, counts = defaultdict[str, list[Gain]](list), Counter(addition.name for addition in possible)
+    scored, counts = dict[str, list[Gain]](), Counter(addition.name for addition in possible)
     for addition, group in zip(possible, projected.groups, strict=True):
         prior = addition.log_prior
         if isinstance(addition.part, Term):
@@ -370,13 +374,6 @@ def gains(linear: Linearization, additions: Sequence[Addition], inflated: float)
                 continue
             odds = 1.0 if linear.explanation.terms_of(FORM) else UNKNOWN_ODDS
             prior = float(np.log(odds / counts[FORM]))
-        score, estimate = projected.gain(group)
-        scored[addition.name].append(Gain(score + Score(0.0, prior), addition, prior, estimate))
-    return [_best_of(forms, inflated) for forms in scored.values()]
-
-
-def _best_of(forms: Sequence[Gain], inflated: float) -> Gain:
-    """Return the best one of forms, with the evidence of all."""
-    scores = np.array([form.score.at(inflated) for form in forms])
-    best, others = forms[int(np.argmax(scores))], float(np.logaddexp.reduce(scores) - scores.max())
-    return replace(best, score=best.score + Score(0.0, others), log_prior=best.log_prior + others)
+        gain, estimate = projected.gain(group)
+        scored.setdefault(addition.name, []).append(Gain(gain + prior, addition, prior, estimate))
+    return scored

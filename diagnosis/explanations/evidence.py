@@ -3,10 +3,6 @@
 The coefficients and everything else that an explanation contains are columns of a problem that is linear at its refit.
 The likelihood is raised to a power below 1, because no model of a tire is exact (Miller and Dunson, Robust Bayesian
 inference via coarsening, JASA 114, 2019). For Gaussian noise this is a larger variance of the noise.
-
-The form of an effect is not exact, either: what is left of a large effect can be explained by other ones. The fits of
-explanations are therefore compared in units that grow with the largest one, as in a quasi-likelihood criterion with a
-variance inflation factor (Burnham and Anderson, Model Selection and Multimodel Inference, 2002, section 2.5).
 """
 
 from __future__ import annotations
@@ -36,33 +32,14 @@ def likelihood_power(rows: int) -> float:
 
 
 def inflation(explained: float) -> float:
-    """Return the number of units of the logarithm of the likelihood that count as one.
+    """Return the factor on the variance of the noise of an explanation whose form is not exact.
 
-    `explained`: increase of the logarithm of the likelihood by the explanation that fits best.
+    `explained`: logarithm of the likelihood by which the explanation is better than none.
 
     >>> inflation(0.0), inflation(1.0 / INEXACT_SHARE)
     (1.0, 2.0)
     """
-    return 1.0 + INEXACT_SHARE * explained
-
-
-@dataclass(frozen=True)
-class Score:
-    """The logarithm of the evidence of an explanation, or its increase by an addition.
-
-    - `fit`: logarithm of the largest posterior density.
-    - `rest`: of the width of the posterior relative to the prior, and of prior odds.
-    """
-
-    fit: float
-    rest: float
-
-    def __add__(self, other: Score) -> Score:
-        return Score(self.fit + other.fit, self.rest + other.rest)
-
-    def at(self, inflation: float = 1.0) -> float:
-        """Return the score with the fit in units of the inflation; without it, the logarithm of the evidence."""
-        return self.fit / inflation + self.rest
+    return 1.0 + INEXACT_SHARE * max(explained, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,12 +58,12 @@ class NormalEquations:
     precision: FloatArray
     gradient: FloatArray
 
-    def solved(self) -> tuple[FloatArray, Score]:
-        """Return the estimate, shape (m,), and its score, up to a constant of the recording.
+    def solved(self) -> tuple[FloatArray, float]:
+        """Return the estimate, shape (m,), and the logarithm of the evidence, up to a constant of the recording.
 
         >>> one = NormalEquations(np.eye(1), np.array([3.0]), 9.0, np.ones(1), np.zeros(1))
-        >>> estimate, score = one.solved()
-        >>> estimate.round(6).tolist(), bool(np.isclose(score.at(), -0.5 * (9.0 / 2.0 + np.log(2.0))))
+        >>> estimate, evidence = one.solved()
+        >>> estimate.round(6).tolist(), bool(np.isclose(evidence, -0.5 * (9.0 / 2.0 + np.log(2.0))))
         ([1.5], True)
         """
         scale = 1.0 / np.sqrt(np.diag(self.matrix) + self.precision)
@@ -96,7 +73,7 @@ class NormalEquations:
         estimate = cho_solve(factor, target)
         curvature = 2.0 * float(np.sum(np.log(np.diag(factor[0])) - np.log(scale)))
         fit = float(target @ estimate) - self.power
-        return scale * estimate, Score(0.5 * fit, 0.5 * (float(np.sum(np.log(self.precision))) - curvature))
+        return scale * estimate, 0.5 * (fit - curvature + float(np.sum(np.log(self.precision))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,12 +102,11 @@ class Projected:
         ends = np.cumsum([0, *sizes]).tolist()
         return cls(matrix, deviation * (normal.target[always:] - cross.T @ along), tuple(map(slice, ends, ends[1:])))
 
-    def gain(self, group: slice) -> tuple[Score, FloatArray]:
-        """Return the increase of the score by an addition, and its estimate in prior deviations."""
+    def gain(self, group: slice) -> tuple[float, FloatArray]:
+        """Return the increase of the logarithm of the evidence by an addition, and its estimate in prior deviations."""
         inner = self.matrix[group, group] + np.eye(group.stop - group.start)
         estimate = np.asarray(np.linalg.solve(inner, self.target[group]))
-        width = float(np.linalg.slogdet(inner)[1])
-        return Score(0.5 * float(self.target[group] @ estimate), -0.5 * width), estimate
+        return 0.5 * float(self.target[group] @ estimate - np.linalg.slogdet(inner)[1]), estimate
 
     def correlations(self, group: slice) -> FloatArray:
         """Return the correlation of each column, shape (k,), with the best combination of an addition's columns."""

@@ -296,7 +296,7 @@ class Linearization:
             equations.matrix[np.ix_(others, others)], equations.target[others], equations.power,
             equations.precision[others], equations.gradient[others],
         )  # fmt: skip
-        return equations.solved()[1].at() - reduced.solved()[1].at()
+        return equations.solved()[1] - reduced.solved()[1]
 
     def _probes(self, form: Form) -> tuple[FloatArray, FloatArray]:
         """Return the responses of the forces to the probes of a form, and the prior deviations of their multiples."""

@@ -17,7 +17,7 @@ from ..recording.disturbances import Disturbances
 from ..recording.simulation import Simulator
 from ..thresholds import DISCREPANCIES, MAX_SKEW, SEARCH_ROWS
 from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
-from .evidence import NormalEquations, Score, likelihood_power
+from .evidence import NormalEquations, inflation, likelihood_power
 from .explanation import Explanation, Term
 from .linearization import TERM, Addition, Linearization
 
@@ -37,32 +37,29 @@ class Shared:
 
     - `problem`: of the baseline model with the common noise and the discrepancy of the model.
     - `free`: the coefficients of the baseline model.
+    - `explained`: as in `evidence.inflation`.
     """
 
     problem: LeastSquares
     free: tuple[str, ...]
     candidates: Mapping[str, Candidate]
+    explained: float
 
 
 @dataclass(frozen=True, eq=False)
 class Refitted:
     """An explanation with its best coefficients.
 
-    - `evidence`: without the prior odds of the explanation.
+    - `evidence`: logarithm, without the prior odds of the explanation.
     """
 
     linear: Linearization
-    evidence: Score
+    evidence: float
 
     @property
     def explanation(self) -> Explanation:
         """The explanation."""
         return self.linear.explanation
-
-    @property
-    def score(self) -> Score:
-        """The evidence with the prior odds."""
-        return self.evidence + Score(0.0, self.explanation.log_prior)
 
     def term_sizes(self, part: str) -> tuple[float, ...]:
         """Return the fitted coefficients of the terms of a part."""
@@ -92,7 +89,7 @@ def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArr
             break
         delayed = problem.over(simulator.with_signals(signals.delayed(step)))
         other, estimate = _evaluated(shared, explanation, delayed, best.linear.solution.parameters, free)
-        if other.evidence.at() <= best.evidence.at():
+        if other.evidence <= best.evidence:
             break
         best = other
     return best
@@ -123,14 +120,16 @@ def _evaluated(
     return Refitted(linear, evidence), estimate
 
 
-def shared_problem(linear: Linearization, baseline: Solution, additions: Sequence[Addition]) -> Shared:
+def shared_problem(
+    linear: Linearization, baseline: Solution, additions: Sequence[Addition], explained: float
+) -> Shared:
     """Return the common noise and discrepancy.
 
     The noise is what no combination of all columns explains, so that no explanation has an advantage by it. The
     deviation of each channel's discrepancy is that of the largest evidence.
 
     `linear`: at the leading explanation, with rows of independent noise. `baseline`: solution of the baseline model.
-    `additions`: to the leading explanation.
+    `additions`: to the leading explanation. `explained`: logarithm of the likelihood that the latter explains.
     """
     problem, signals = linear.problem, linear.simulator.signals
     drift, of_drift = fast_drift(signals, problem.inverse_noise)
@@ -144,12 +143,13 @@ def shared_problem(linear: Linearization, baseline: Solution, additions: Sequenc
     extended = replace(problem, disturbances=disturbances.extended(names, columns, widest))
     size = _sizes(extended, saturated_residual(replace(linear, problem=extended), additions))
     extended = replace(extended, inverse_noise=extended.inverse_noise / size[:, None])
-    noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions))
+    noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions), explained)
     effects = [addition for addition in additions if not isinstance(addition.part, Term)]
     normal = replace(linear, problem=noisy).equations(effects)
     chosen = noisy.with_deviation(_best_deviation(normal, noisy.disturbances))
     of_terms = {name for name in chosen.disturbances.names if name.startswith(TERM)}  # of the leading explanation only
-    return Shared(replace(chosen, disturbances=chosen.disturbances.without(of_terms)), baseline.free, linear.candidates)
+    common = replace(chosen, disturbances=chosen.disturbances.without(of_terms))
+    return Shared(common, baseline.free, linear.candidates, explained)
 
 
 def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> FloatArray:
@@ -165,7 +165,7 @@ def _best_deviation(normal: NormalEquations, disturbances: Disturbances) -> Floa
     def evidence(tried: FloatArray) -> float:
         precision = normal.precision.copy()
         precision[: len(tried)] = tried**-2.0
-        return replace(normal, precision=precision).solved()[1].at()
+        return replace(normal, precision=precision).solved()[1]
 
     for channel in np.unique(channels):
         tried = np.tile(deviation, (len(DISCREPANCIES), 1))
@@ -201,10 +201,10 @@ def _sizes(problem: LeastSquares, residual: FloatArray) -> FloatArray:
     return np.where(size > 0.0, size, 1.0)
 
 
-def _with_noise(problem: LeastSquares, residual: FloatArray) -> LeastSquares:
+def _with_noise(problem: LeastSquares, residual: FloatArray, explained: float) -> LeastSquares:
     """Return a problem with the noise of a residual in units of its weights, the likelihood raised to its power."""
     signals, used = problem.simulator.signals, problem.inverse_noise > 0.0
-    power = likelihood_power(int(used.any(axis=0).sum()))
+    power = likelihood_power(int(used.any(axis=0).sum())) / inflation(explained)
     if not signals.timed:
         size = _sizes(problem, residual)[:, None]
         return replace(problem, inverse_noise=np.sqrt(power) * problem.inverse_noise / size)
