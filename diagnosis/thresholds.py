@@ -1,12 +1,12 @@
 """The settings of the diagnosis: unit, meaning, and reason for the value.
 
-There are four kinds of reasons:
+There are three kinds of reasons:
 
 - *Derived*: the value follows from the method or from physics, as stated.
 - *Convention*: other values are equally suitable.
-- *Benchmark*: the value was selected by results on the first suite of docs/discovery.md, whose rates are optimistic in
-  this respect. Only values of the proposal of an unknown component are.
 - *Not recorded*: the value is that of the first version; no study of it is recorded.
+
+One value, `INEXACT_SHARE`, is calibrated on made recordings.
 
 Settings of one effect are in its file
 (docs/effects.md), those of `tirefmu.estimation` in its modules.
@@ -90,8 +90,9 @@ MIN_SHARE = 0.4
 #: exact, so that evidence does not grow in proportion to the rows. An independent study of 76 recordings, most of them
 #: with 4,500 rows, gave the power 0.3.
 COARSENED_ROWS = 2000
-#: Share of the explained likelihood that an effect of another form could take: the form of an effect is wrong by a
-#: thirtieth of its response. The one number that was calibrated, on the memory suite of docs/discovery.md.
+#: Share of the logarithm of the likelihood that an explanation gains and that may be wrong, as no form of an effect is
+#: exact: a thirtieth of the response, squared. The one number that is calibrated: on the memory suite of
+#: docs/discovery.md, where 0.0003 to 0.002 name most effects correctly.
 INEXACT_SHARE = 0.001
 #: Prior odds of each effect and of an unknown component. Convention: about one of all effects is missing.
 EFFECT_ODDS, UNKNOWN_ODDS = 1.0 / 40.0, 1.0 / 40.0
@@ -106,7 +107,7 @@ DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
 #: Number of effects that are refitted in place of each identified one, and logarithm of the evidence relative to the
 #: best explanation from which an addition is refitted. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -4.0
-#: Rows of the first iterations of a refit; iterations of the final fit. Conventions: computing time.
+#: Maximum number of rows of the comparison; iterations of the final fit. Conventions: computing time.
 SEARCH_ROWS, FINAL_ITERATIONS = 3000, 6
 
 # ------------------------------------------------------------------ the proposal of an unknown component

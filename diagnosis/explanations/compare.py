@@ -79,9 +79,7 @@ def compared(
     return Comparison(answer_of(table.scores, candidates), leader, table.shared)
 
 
-def _table(
-    linear: Linearization, baseline: Solution, explained: float, progress: Callable[[str], None]
-) -> _Table:
+def _table(linear: Linearization, baseline: Solution, explained: float, progress: Callable[[str], None]) -> _Table:
     """Return an empty table under the noise of a linearization.
 
     `explained`: logarithm of the likelihood by which the explanation of the linearization is better than none.

@@ -62,4 +62,3 @@ class Dictionary:
         independent = power > 1e-3 * total
         scores = np.where(independent, target**2 / np.where(independent, power, 1.0), 0.0)
         return [chosen[k] for k in np.argsort(-scores)[:SHORTLIST]]
-

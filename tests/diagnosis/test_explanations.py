@@ -13,11 +13,12 @@ from tirefmu.diagnosis.explanations.discrepancy import effect_discrepancy, model
 from tirefmu.diagnosis.explanations.evidence import NormalEquations, Projected
 from tirefmu.diagnosis.explanations.explanation import FORM, UNKNOWN, Explanation, Term
 from tirefmu.diagnosis.explanations.linearization import Linearization
+from tirefmu.diagnosis.explanations.refit import shared_problem
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.probing.candidates import candidates_for
 from tirefmu.diagnosis.recording.signals import signals_of
 from tirefmu.diagnosis.recording.skew import between_rows
-from tirefmu.diagnosis.thresholds import EFFECT_ODDS
+from tirefmu.diagnosis.thresholds import EFFECT_ODDS, INEXACT_SHARE
 from tirefmu.diagnosis.verdict.verdict import percent
 from tirefmu.symbolic.detection import Form
 
@@ -200,6 +201,18 @@ def test_the_best_explanation_is_the_true_one(sideways):
     assert comparison.leader.explanation.effects == ("conicity",)
     assert comparison.answer.probabilities["conicity"] > 0.9
     assert comparison.answer.explanations[0].effects == ("conicity",)
+
+
+def test_a_misfit_counts_less_where_more_is_explained(sideways):
+    problem, solution, candidates = sideways
+    linear = Linearization(Explanation(), problem, solution, candidates)
+    additions = [addition for forms in linear.additions().values() for addition in forms]
+    misfit = problem.misfit(solution.parameters)[:, :, None]
+    squares = []
+    for explained in (0.0, 1.0 / INEXACT_SHARE, 9.0 / INEXACT_SHARE):
+        shared = shared_problem(linear, solution, additions, explained)
+        squares.append(float(np.sum(shared.problem.weighted(misfit) ** 2)))
+    assert squares == pytest.approx([squares[0], squares[0] / 2.0, squares[0] / 10.0], rel=1e-6)
 
 
 def test_what_is_compared_does_not_depend_on_the_order_of_the_candidates(sideways):
