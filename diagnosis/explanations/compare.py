@@ -27,9 +27,9 @@ from .terms import form_errors, relative_size
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Number of estimates of the noise, of extended explanations for each, and of terms of a part.
-#: Conventions: computing time.
-ESTIMATES, COMPARED, TERMS = 5, 12, 3
+#: Number of estimates of the noise, of extended explanations for each, and of terms of a part; growth of the variance
+#: of the noise after which it is estimated again. Conventions: computing time.
+ESTIMATES, COMPARED, TERMS, GROWTH = 8, 12, 3, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +144,15 @@ class _Table:
         return self.refits[max(self.refits, key=lambda parts: self.scores[parts])]
 
     def climb(self, linear: Linearization) -> None:
-        """Extend the leading explanation, from a given one on, while another one leads then; reduce it at the end."""
+        """Extend the leading explanation, from a given one on, while another one leads then; reduce it at the end.
+
+        Where much more is explained than at the beginning, the noise is to be estimated first.
+        """
         self._add(refitted(self.shared, Explanation(), [self.absent], linear.simulator))
         if linear.explanation.parts:
             self._add(refitted(self.shared, linear.explanation, [linear.solution.parameters], linear.simulator))
-        best = None
-        while best is not self.leader and len(self.expanded) < COMPARED:
+        best, limit = None, GROWTH * inflation(self.shared.explained)
+        while best is not self.leader and len(self.expanded) < COMPARED and inflation(self.explained) < limit:
             best = self.leader
             self._extend(best)
             if best is self.leader:
