@@ -6,6 +6,8 @@ evidence of explanations (`tirefmu.diagnosis.explanations.evidence`) and the pro
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -13,7 +15,7 @@ import pandas as pd
 
 from tirefmu.diagnosis import diagnose
 from tirefmu.diagnosis.explanations.answer import answer_of
-from tirefmu.diagnosis.explanations.evidence import NormalEquations, likelihood_power
+from tirefmu.diagnosis.explanations.evidence import NormalEquations, inflation, likelihood_power
 from tirefmu.diagnosis.thresholds import EFFECT_ODDS, FORM_ERROR, UNKNOWN_SHARE
 
 from ..answers import UNKNOWN, Answer, Case, FloatArray
@@ -29,21 +31,32 @@ def answer(case: Case) -> Answer:
     """Return the diagnosis of a recording."""
     if case.about["system"] == "tire":
         return _of_tire(case)
-    comparison = _Comparison(case)
+    comparison = _Comparison.of(case)
     terms = [(UNKNOWN, pair) for pair in comparison.pairs]
     named = [((name, ()),) for name in case.about["candidates"]]
     parts = [(), *named, *((*a, *b) for a, b in combinations(named, MAX_EFFECTS))]
-    evidence: dict[tuple[str, ...], float] = {}
-    best: dict[tuple[str, ...], Parts] = {}
-    for one in (*parts, *((*part, term) for part in parts for term in terms)):
-        names, value = tuple(sorted(name for name, _ in one)), comparison.evidence(one)
-        if value > evidence.get(names, -np.inf):  # of the terms of the unknown component, the best one
-            evidence[names], best[names] = value, one
+    explanations = [*parts, *((*part, term) for part in parts for term in terms)]
+    evidence, _ = _best(comparison, explanations)
+    explained = max(evidence.values()) - evidence[()]
+    evidence, best = _best(replace(comparison, power=comparison.power / inflation(explained)), explanations)
     ranked = answer_of(evidence, list(case.about["candidates"]))
     first = best[tuple(sorted(ranked.explanations[0].parts))]
     found = tuple(name for name, value in ranked.probabilities.items() if value >= 0.5)
     variables = next((pair for name, pair in first if name == UNKNOWN), ()) if UNKNOWN in found else ()
     return Answer(found, ranked.probabilities, variables, comparison.forces(first))
+
+
+def _best(
+    comparison: _Comparison, explanations: Sequence[Parts]
+) -> tuple[dict[tuple[str, ...], float], dict[tuple[str, ...], Parts]]:
+    """Return the evidence of explanations by their names, and the best one of each: formulas are UNKNOWN."""
+    evidence: dict[tuple[str, ...], float] = {}
+    best: dict[tuple[str, ...], Parts] = {}
+    for parts in explanations:
+        names, value = tuple(sorted(name for name, _ in parts)), comparison.evidence(parts)
+        if value > evidence.get(names, -np.inf):
+            evidence[names], best[names] = value, parts
+    return evidence, best
 
 
 def _of_tire(case: Case) -> Answer:
@@ -55,15 +68,32 @@ def _of_tire(case: Case) -> Answer:
     return Answer(found, content["probabilities"], tuple(sorted(variables)), forces)
 
 
+@dataclass(frozen=True, eq=False)
 class _Comparison:
-    """Explanations of a system by their evidence: baseline, responses and their errors of form, in each channel."""
+    """Explanations of a system by their evidence: baseline, responses and their errors of form, in each channel.
 
-    def __init__(self, case: Case) -> None:
-        self.channels = channels_of(case)
-        self.n, x = len(case.recording), inputs_of(case)
-        values = list(scaled(x, self.n).values())
-        self.smooth = np.stack([*values, *(one**2 - 1.0 for one in values)], axis=1)
-        self.pairs = sorted({pair for one in self.channels.values() for pair in one.variables if pair})
+    - `smooth`, shape (m, k): functions of the inputs, for errors of form.
+    - `n`: number of rows of the recording.
+    - `power`: of the likelihood.
+    """
+
+    channels: Mapping[str, Channel]
+    smooth: FloatArray
+    n: int
+    power: float
+
+    @classmethod
+    def of(cls, case: Case) -> _Comparison:
+        """Return the comparison of a recording."""
+        n = len(case.recording)
+        values = list(scaled(inputs_of(case), n).values())
+        smooth = np.stack([*values, *(one**2 - 1.0 for one in values)], axis=1)
+        return cls(channels_of(case), smooth, n, likelihood_power(n))
+
+    @property
+    def pairs(self) -> list[tuple[str, ...]]:
+        """The pairs of variables of formulas."""
+        return sorted({pair for one in self.channels.values() for pair in one.variables if pair})
 
     def evidence(self, parts: Parts) -> float:
         """Return the logarithm of the evidence of an explanation with its prior odds."""
@@ -95,6 +125,5 @@ class _Comparison:
 
     def _estimate(self, columns: FloatArray, y: FloatArray, deviation: FloatArray) -> tuple[FloatArray, float]:
         x, none = columns[: self.n], np.zeros(len(deviation))
-        power = likelihood_power(self.n)
-        products = power * x.T @ x, power * x.T @ y, power * float(y @ y)
+        products = self.power * x.T @ x, self.power * x.T @ y, self.power * float(y @ y)
         return NormalEquations(*products, deviation**-2.0, none).solved()
