@@ -75,7 +75,7 @@ def _missing(
 def percent(probability: float) -> str:
     """Return a probability in percent; beyond 10 and 90 % only that it is so.
 
-    Of the effects with more than 90 %, 74 to 96 % were missing in the suites of docs/discovery.md: the digits of a
+    Of the effects with more than 90 %, 86 to 92 % were missing in the suites of docs/discovery.md: the digits of a
     larger number would mean nothing.
 
     Parameters
