@@ -99,7 +99,7 @@ EFFECT_ODDS, UNKNOWN_ODDS = 1.0 / 40.0, 1.0 / 40.0
 #: Prior standard deviation of a term of the unknown component, as a share of all forces. Convention.
 UNKNOWN_SHARE = 0.1
 #: Prior standard deviation of errors of the form of an effect, as a share of its response: of any effect, and of one
-#: that depends on the past, as a tire has several memories, an effect of the library one. Conventions.
+#: with states, as a tire has several memories, an effect of the library one. Conventions.
 FORM_ERROR, PAST_ERROR = 0.1, 1.0
 #: Prior standard deviations of the discrepancy of the model, as a share of the forces; the evidence selects one of them
 #: for each channel. Conventions.

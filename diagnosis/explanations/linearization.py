@@ -179,9 +179,9 @@ class Linearization:
     def _form_errors(self, effect: str, form: Form) -> FloatArray:
         """Return errors of the form of an effect, N and N m, shape (n_channels, n, k), each of deviation 1.
 
-        Those of an effect of the past are larger and depend on its states. A tire has more than one memory: the effect
-        with shorter and longer memories is an error, too. An effect of a path may turn elsewhere on it: its errors are
-        in proportion to its size there.
+        Those of an effect with states are larger and depend on these. A tire has more than one memory: the effect of
+        the past with shorter and longer memories is an error, too. An effect of a path may turn elsewhere on it: its
+        errors are in proportion to its size there.
         """
         simulator, candidate = self.simulator, self.candidates[effect]
         model = simulator.symbolic_model
@@ -197,7 +197,8 @@ class Linearization:
         if any(state.follows_a_path for state in states):
             response = envelope(response, simulator.signals)
         smooth = effect_discrepancy(response, inputs)
-        return PAST_ERROR * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
+        size = PAST_ERROR if candidate.has_states else FORM_ERROR
+        return size * np.concatenate([smooth, self._other_pasts(effect, form)], axis=-1)
 
     def _baseline_errors(self) -> FloatArray:
         """Return errors of the forms of the baseline model's effects, N and N m, shape (n_channels, n, k).
