@@ -17,7 +17,7 @@ from .effects import factor_values, motion_of, scaled
 from .estimate import Estimate, Forces, estimated
 from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
-from .inputs.grid import Grid, forward_speed, gridded, has_spins, wheel_means
+from .inputs.grid import Grid, forward_speed, gridded, spinning, wheel_means
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
 from .interval import BALANCE, POSE, interval_of
@@ -101,7 +101,7 @@ def _answer(
     car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple[FloatArray, FloatArray], fmus: bool
 ) -> Drive:
     unknowns = unknowns_of(car, log)
-    interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=has_spins(log, car), step=grid.step)
+    interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=spinning(log, car), step=grid.step)
     start = _start(grid, interval.states, log, car, speed)
     try:
         grid, estimate = estimated(grid, interval, unknowns, start, log, car)

@@ -11,7 +11,7 @@ their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -30,7 +30,7 @@ from .unknowns import Unknowns
 FloatArray = npt.NDArray[np.float64]
 
 #: Deviations of the balance, per load: at the start, and the smallest one (the error of the midpoint rule).
-START_DEVIATION, MIN_DEVIATION = 0.1, 1e-3
+START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
@@ -169,7 +169,8 @@ def estimated(
             break
         z = z + share * change_z
         grid = with_steering(grid, log, car, unknowns.car_values(z))
-        weights, added = _weights(tried.linear.values / at.weights), forces(grid, tried.states, z)
+        weights = _weights(tried.linear.values / at.weights)
+        added = _curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
     # A residual that is correlated over time has the information of fewer independent ones.
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
@@ -182,6 +183,33 @@ def estimated(
     return grid, Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
                           outputs=outputs.with_columns(added.columns.shape[2]), weights=weights,
                           evidence=float(evidence), converged=converged)  # fmt: skip
+
+
+def _curved(grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray) -> Added:
+    """Return added forces with the difference between Gauss's quadrature of two points and the midpoint rule.
+
+    The motion is a parabola over an interval, the steering a line with the mean of the channel: at these points, a
+    parabola with the same mean has the same values.
+    """
+    inside = np.zeros(grid.n_nodes, dtype=bool)
+    inside[grid.left[1:]] = grid.left[1:] == grid.right[:-1]
+    inner = np.flatnonzero(inside)
+    seconds = np.zeros_like(states)
+    seconds[inner] = states[inner + 1] - 2.0 * states[inner] + states[inner - 1]
+    counts = np.maximum(inside[grid.left].astype(int) + inside[grid.right], 1)[:, None]
+    bend = (seconds[grid.left] + seconds[grid.right]) / counts
+    left, right = states[grid.left], states[grid.right]
+    data, of_tires = interval_data(grid), added.tires(z)
+    middle = evaluated(interval.residual_chunk, grid, states, of_tires, data).values
+    total = np.zeros_like(middle)
+    first = 2 * len(MEASURED)
+    for share in (-1 / np.sqrt(12), 1 / np.sqrt(12)):
+        at = (left + right) / 2 + share * (right - left) - bend / 12
+        half = (right - left + share * bend) / 2
+        moved = data.copy()
+        moved[first : first + 6] += share * np.repeat(data[first + 1 : first + 6 : 2] - data[first : first + 6 : 2], 2, axis=0)
+        total += evaluated_at(interval.residual_chunk, grid, at - half, at + half, of_tires, moved).values
+    return replace(added, correction=total / 2 - middle)
 
 
 def _weights(residual: FloatArray) -> FloatArray:
@@ -201,12 +229,18 @@ def evaluated(
     function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None
 ) -> Linear:
     """Return a function of `Interval` at all intervals; `more`, shape (n, n_more): its last argument."""
-    n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[1] + len(z)
+    return evaluated_at(function, grid, states[grid.left], states[grid.right], z, data, more)
+
+
+def evaluated_at(
+    function: Any, grid: Grid, left: FloatArray, right: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None
+) -> Linear:
+    n, m, width = len(grid.t), function.size1_out(0), 2 * left.shape[1] + len(z)
     values, jacobian = np.empty((n, m)), np.empty((n, m, width))
     constant = np.concatenate([z, grid.used])
     for first in range(0, n, CHUNK):
         rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
-        ends = states[grid.left[rows]], states[grid.right[rows]]
+        ends = left[rows], right[rows]
         results = [np.empty((CHUNK, m)), np.empty((CHUNK, m * width))]
         last = [] if more is None else [more[rows]]
         _call(function, [*ends, data.T[rows], np.tile(constant, (CHUNK, 1)), *last], results)
