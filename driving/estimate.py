@@ -11,9 +11,8 @@ their steps are those of MacKay, Bayesian interpolation, Neural Computation 4 (1
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,15 +20,16 @@ from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_bande
 
 from tirefmu.estimation.correlation import correlation_length
 
+from .evaluation import curved, evaluated, interval_data
 from .inputs.car import Car
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
-from .interval import BALANCE, CHUNK, Added, Interval, Linear
+from .interval import BALANCE, Added, Interval, Linear
 from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Deviations of the balance, per load: at the start, and the smallest one (the error of the midpoint rule).
+#: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
 START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
@@ -170,7 +170,7 @@ def estimated(
         z = z + share * change_z
         grid = with_steering(grid, log, car, unknowns.car_values(z))
         weights = _weights(tried.linear.values / at.weights)
-        added = _curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
+        added = curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
     # A residual that is correlated over time has the information of fewer independent ones.
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
@@ -185,81 +185,10 @@ def estimated(
                           evidence=float(evidence), converged=converged)  # fmt: skip
 
 
-def _curved(grid: Grid, interval: Interval, added: Added, states: FloatArray, z: FloatArray) -> Added:
-    """Return added forces with the difference between Gauss's quadrature of two points and the midpoint rule.
-
-    The motion is a parabola over an interval, the steering a line with the mean of the channel: at these points, a
-    parabola with the same mean has the same values.
-    """
-    inside = np.zeros(grid.n_nodes, dtype=bool)
-    inside[grid.left[1:]] = grid.left[1:] == grid.right[:-1]
-    inner = np.flatnonzero(inside)
-    seconds = np.zeros_like(states)
-    seconds[inner] = states[inner + 1] - 2.0 * states[inner] + states[inner - 1]
-    counts = np.maximum(inside[grid.left].astype(int) + inside[grid.right], 1)[:, None]
-    bend = (seconds[grid.left] + seconds[grid.right]) / counts
-    left, right = states[grid.left], states[grid.right]
-    data, of_tires = interval_data(grid), added.tires(z)
-    middle = evaluated(interval.residual_chunk, grid, states, of_tires, data).values
-    total = np.zeros_like(middle)
-    first = 2 * len(MEASURED)
-    for share in (-1 / np.sqrt(12), 1 / np.sqrt(12)):
-        at = (left + right) / 2 + share * (right - left) - bend / 12
-        half = (right - left + share * bend) / 2
-        moved = data.copy()
-        moved[first : first + 6] += share * np.repeat(data[first + 1 : first + 6 : 2] - data[first : first + 6 : 2], 2, axis=0)
-        total += evaluated_at(interval.residual_chunk, grid, at - half, at + half, of_tires, moved).values
-    return replace(added, correction=total / 2 - middle)
-
-
 def _weights(residual: FloatArray) -> FloatArray:
     """Return the square roots of the weights of residuals, shape (n, n_residuals)."""
     scaled = np.abs(residual) / np.maximum(np.sqrt(np.mean(residual**2, axis=0)), 1e-12)
     return np.asarray(np.sqrt(np.minimum(1.0, OUTLYING / np.maximum(scaled, OUTLYING))))
-
-
-def interval_data(grid: Grid) -> FloatArray:
-    """Return the data of the intervals, shape (n_data, n): means, weights, steering at both ends and its slopes."""
-    sampled = np.isfinite(grid.means)
-    weights = np.where(sampled, 1.0 / np.where(sampled, grid.noise, 1.0), 0.0)
-    return np.concatenate([np.where(sampled, grid.means, 0.0), weights, grid.steer, grid.steer_slopes, grid.rims])
-
-
-def evaluated(
-    function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None
-) -> Linear:
-    """Return a function of `Interval` at all intervals; `more`, shape (n, n_more): its last argument."""
-    return evaluated_at(function, grid, states[grid.left], states[grid.right], z, data, more)
-
-
-def evaluated_at(
-    function: Any, grid: Grid, left: FloatArray, right: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None
-) -> Linear:
-    n, m, width = len(grid.t), function.size1_out(0), 2 * left.shape[1] + len(z)
-    values, jacobian = np.empty((n, m)), np.empty((n, m, width))
-    constant = np.concatenate([z, grid.used])
-    for first in range(0, n, CHUNK):
-        rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
-        ends = left[rows], right[rows]
-        results = [np.empty((CHUNK, m)), np.empty((CHUNK, m * width))]
-        last = [] if more is None else [more[rows]]
-        _call(function, [*ends, data.T[rows], np.tile(constant, (CHUNK, 1)), *last], results)
-        some = slice(first, min(first + CHUNK, n))
-        count = some.stop - first
-        values[some] = results[0][:count]
-        jacobian[some] = results[1][:count].reshape(count, width, m).transpose(0, 2, 1)
-    return Linear(values, jacobian)
-
-
-def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray]) -> None:
-    """Evaluate a CasADi function on arrays, one row a column of it, without copies into its own matrices."""
-    buffer, trigger = function.buffer()
-    stored = [np.ascontiguousarray(argument) for argument in arguments]
-    for i, argument in enumerate(stored):
-        buffer.set_arg(i, memoryview(argument.data))
-    for i, result in enumerate(results):
-        buffer.set_res(i, memoryview(result.data))
-    trigger()
 
 
 @dataclass(frozen=True)

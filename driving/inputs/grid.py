@@ -258,7 +258,8 @@ def _averaged(
     sums, times = (np.bincount(number[inside], part[inside], len(edges) - 1) for part in (values, t))
     with np.errstate(invalid="ignore", divide="ignore"):
         means, shift = sums / counts, times / counts - middle
-    slope = np.interp(middle, t, np.gradient(values, t))
+    step = edges[1] - edges[0]
+    slope = np.diff(_windowed(t, values, middle[:, None] + np.array([-step, step]), step))[:, 0] / (2 * step)
     differences = np.diff(values, 4)
     scatter = 1.4826 * float(np.median(np.abs(differences - np.median(differences)))) / np.sqrt(70.0)
     deviation = max(scatter, LOG_CHANNELS[name].precision)

@@ -211,17 +211,17 @@ def drawn_truth(rng):
 
 
 def used_share(rows, truth, i, axle):
-    """Return the largest side force of an axle over its peak, exceeded for half a second in a drive."""
-    car = {**CAR, **truth.car}
-    lf = car["cg_to_front"]
-    lr = car["wheelbase"] - lf
-    sign, arm = (1.0, lr) if axle == "front" else (-1.0, lf)
-    force = (arm * car["mass"] * rows["ay"][:, i] + sign * car["yaw_inertia"] * rows["turning"][:, i]) / car[
-        "wheelbase"
-    ]
-    load = car["mass"] * G * arm / car["wheelbase"]
-    peak = (TIRE["PDY1"] + TIRE["PDY2"] * (load / 2 / TIRE["FNOMIN"] - 1.0)) * truth.factors[axle]["LMUY"] * load
-    return float(np.sort(np.abs(force) / peak)[-round(0.5 / STEP)])
+    """Return the largest side force of an axle over its peak at the loads of its wheels, exceeded for half a second."""
+    c, ax, ay = {**CAR, **truth.car}, rows["ax"][:, i], rows["ay"][:, i]
+    lf, roll = c["cg_to_front"], c["front_roll_share"]
+    lr = c["wheelbase"] - lf
+    sign, arm, share = (1.0, lr, roll) if axle == "front" else (-1.0, lf, 1.0 - roll)
+    force = (arm * c["mass"] * ay + sign * c["yaw_inertia"] * rows["turning"][:, i]) / c["wheelbase"]
+    mean = c["mass"] * (G * arm - sign * ax * c["cg_height"]) / c["wheelbase"] / 2
+    moved = c["mass"] * ay * c["cg_height"] * share / c[f"track_{axle}"]
+    loads = np.maximum([mean - moved, mean + moved], 0.0)
+    friction = (TIRE["PDY1"] + TIRE["PDY2"] * (loads / TIRE["FNOMIN"] - 1.0)) * truth.factors[axle]["LMUY"]
+    return float(np.sort(np.abs(force) / (friction * loads).sum(axis=0))[-round(0.5 / STEP)])
 
 
 def car_content():
