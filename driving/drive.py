@@ -17,7 +17,7 @@ from .effects import factor_values, motion_of, scaled
 from .estimate import Estimate, Forces, estimated
 from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
-from .inputs.grid import Grid, forward_speed, gridded, spinning, wheel_means
+from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
 from .interval import BALANCE, POSE, interval_of
@@ -150,7 +150,7 @@ def _start(grid: Grid, states: tuple[str, ...], log: Log, car: Car, speed: tuple
     if "yaw_rate" in log.channels:
         start[:, 2] = np.interp(t, *log.channels["yaw_rate"])
     if "heading" in states:
-        channels = wheel_means(log)
+        channels = unwrapped(log)
         (x, x_rate), (y, y_rate), (heading, yaw_rate) = (_course(channels[name], t) for name in POSE)
         heading = heading - car.values["heading_offset"]
         start[:, 1] = y_rate * np.cos(heading) - x_rate * np.sin(heading) - yaw_rate * car.values["reference_x"]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .inputs.grid import MEASURED, Grid
+from .inputs.grid import Grid
 from .interval import CHUNK, Added, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]

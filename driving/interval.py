@@ -58,8 +58,8 @@ class Interval:
     - `states`: names of the states of a node.
     - `residuals`: names; `MEASURED` are first, `BALANCE` last.
     - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
-      (`evaluation.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give the
-      residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
+      (`evaluation.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give
+      the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
     - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
       product minus the logarithm of the density that the balance gives the next motion.
     """

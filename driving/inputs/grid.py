@@ -13,7 +13,7 @@ from tirefmu.symbolic.vehicle.quantities import CORNERS
 
 from .car import Car
 from .log import Log
-from .log_channels import LOG_CHANNELS, WHEEL_SPEEDS
+from .log_channels import LOG_CHANNELS
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -77,14 +77,9 @@ class Grid:
         return np.asarray(self.left - np.arange(len(self.left)), dtype=np.intp)
 
 
-def wheel_means(log: Log) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Return the channels of a log, the spins of the wheels of an axle replaced by their mean."""
+def unwrapped(log: Log) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return the channels of a log, the heading without jumps."""
     channels = dict(log.channels)
-    for axle, names in WHEEL_SPEEDS.items():
-        present = [channels.pop(name) for name in names if name in channels]
-        if present:
-            t = present[0][0]
-            channels[f"omega_{axle}"] = t, np.mean([np.interp(t, *samples) for samples in present], axis=0)
     if "heading" in channels:
         t, heading = channels["heading"]
         channels["heading"] = t, np.unwrap(heading)
@@ -93,21 +88,24 @@ def wheel_means(log: Log) -> dict[str, tuple[FloatArray, FloatArray]]:
 
 def spinning(log: Log, car: Car) -> tuple[str, ...]:
     """Return the wheels with a logged speed, if both axles have one and their radii are given."""
-    if not (log.has_wheel_speeds() and all(car.values[f"radius_{axle}"] > 0.0 for axle in WHEEL_SPEEDS)):
+    if not (log.has_wheel_speeds() and all(_radius(car, corner) > 0.0 for corner in CORNERS)):
         return ()
     return tuple(corner for corner in CORNERS if f"omega_{corner}" in log.channels)
 
 
+def _radius(car: Car, corner: str) -> float:
+    return car.values["radius_front" if corner[0] == "f" else "radius_rear"]
+
+
 def forward_speed(log: Log, car: Car) -> tuple[FloatArray, FloatArray]:
     """Return times and a rough forward speed: as logged, of the wheels, or from the position."""
-    channels = wheel_means(log)
+    channels, wheels = unwrapped(log), spinning(log, car)
     if "speed" in channels:
         return channels["speed"]
-    if spinning(log, car):
-        t = channels["omega_front"][0]
-        return t, np.mean(
-            [car.values[f"radius_{axle}"] * np.interp(t, *channels[f"omega_{axle}"]) for axle in WHEEL_SPEEDS], axis=0
-        )
+    if wheels:
+        t = channels[f"omega_{wheels[0]}"][0]
+        rims = [_radius(car, corner) * np.interp(t, *channels[f"omega_{corner}"]) for corner in wheels]
+        return t, np.mean(rims, axis=0)
     t = channels["x"][0]
     even = np.arange(t[0], t[-1], 0.1)
     velocity = [np.gradient(np.interp(even, *channels[name]), even) for name in ("x", "y")]
@@ -120,7 +118,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
 
     Raises `DataError` if the car never moves, or moves too briefly for an estimate.
     """
-    channels = wheel_means(log)
+    channels = unwrapped(log)
     start = max(channels[name][0][0] for name in ("steer",))
     end = channels["steer"][0][-1]
     step = _step(log, car)
@@ -197,11 +195,10 @@ def _rims(log: Log, car: Car, middle: FloatArray, speed: tuple[FloatArray, Float
     turning = np.interp(middle, *channels["yaw_rate"]) * v if "yaw_rate" in channels else np.zeros_like(v)
     free = (np.abs(ax) < FREE_ROLLING) & (np.abs(turning) < FREE_ROLLING * 4.0) & (v > 0.3 * v.max())
     rims = np.zeros((len(CORNERS), len(middle)))
-    for axle in WHEEL_SPEEDS:
-        wheels = [i for i, corner in enumerate(CORNERS) if corner in logged and corner[0] == axle[0]]
+    for axle in "fr":
+        wheels = [i for i, corner in enumerate(CORNERS) if corner in logged and corner[0] == axle]
         for i in wheels:
-            omega = _windowed(*channels[f"omega_{CORNERS[i]}"], middle, SPIN_WINDOW)
-            rims[i] = car.values[f"radius_{axle}"] * omega
+            rims[i] = _radius(car, CORNERS[i]) * _windowed(*channels[f"omega_{CORNERS[i]}"], middle, SPIN_WINDOW)
         if free.any():
             rims[wheels] *= np.median(v[free] / rims[wheels][:, free].mean(axis=0))
     return rims

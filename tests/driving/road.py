@@ -137,9 +137,7 @@ class Road:
             for name in ("vx", "vy", "yaw_rate", "ax", "ay", "turning", "fl", "fr", "rl", "rr")
         }
         for i in range(n_steps):
-            wheel, later = (
-                steer[min(i + k, n_steps - 1)] / self.car["ratio"] + self.car["offset"] for k in (0, 1)
-            )
+            wheel, later = (steer[min(i + k, n_steps - 1)] / self.car["ratio"] + self.car["offset"] for k in (0, 1))
             middle = (wheel + later) / 2
             force = np.clip(
                 2.0 * self.car["mass"] * (speed[i] - state[0]), -0.35 * G * self.car["mass"], 0.3 * G * self.car["mass"]
