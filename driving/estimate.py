@@ -29,8 +29,9 @@ from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
-START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
+#: Deviations of the balance, per load: at the start (the second one if the first one does not converge), and the
+#: smallest one (the error of the integration).
+START_DEVIATIONS, MIN_DEVIATION = (0.02, 0.1), 1e-3
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
@@ -125,7 +126,7 @@ class Estimate(Posterior):
 
 def estimated(
     grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car,
-    forces: Forces = no_forces, near: Estimate | None = None,
+    forces: Forces = no_forces, near: Estimate | None = None, deviation: float = START_DEVIATIONS[0],
 ) -> tuple[Grid, Estimate]:  # fmt: skip
     """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
 
@@ -133,12 +134,12 @@ def estimated(
     posterior, integrated over the states.
 
     `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
-    which this one starts.
+    which this one starts. `deviation`: of the balance at the start.
     """
     n_balance = len(BALANCE)
     z, floor = np.zeros(len(unknowns)), np.ones(len(interval.residuals))
     floor[-n_balance:] = MIN_DEVIATION
-    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
+    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, deviation)])
     if near:
         start, z, deviations = near.states, near.z, near.deviations
     added = forces(grid, start, z)
