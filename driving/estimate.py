@@ -20,8 +20,8 @@ from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_bande
 
 from tirefmu.estimation.correlation import correlation_length
 
-from .evaluation import curved, evaluated, interval_data
 from .inputs.car import Car
+from .inputs.evaluation import curved, evaluated, interval_data
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
 from .interval import BALANCE, Added, Interval, Linear

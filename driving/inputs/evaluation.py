@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .inputs.grid import Grid
-from .interval import CHUNK, Added, Interval, Linear
+from ..interval import CHUNK, Added, Interval, Linear
+from .grid import Grid
 
 FloatArray = npt.NDArray[np.float64]
 
