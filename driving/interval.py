@@ -1,7 +1,7 @@
 """One interval of the grid as a CasADi function: residuals of sensors and of the balance of forces, with derivatives.
 
 The implicit midpoint rule joins the nodes: rates are differences over the interval, which are the exact means of the
-rates, as the logged channels are means of samples. `inputs.evaluation.curved` adds what the curvature of the motion changes.
+rates, as the logged channels are means of samples. `evaluation.curved` adds what the curvature of the motion changes.
 Residuals are divided by their standard deviations. `Linear` has the values and derivatives of all intervals, `Added`
 what an effect adds to the forces of the tires.
 """
@@ -58,7 +58,7 @@ class Interval:
     - `states`: names of the states of a node.
     - `residuals`: names; `MEASURED` are first, `BALANCE` last.
     - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
-      (`inputs.evaluation.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give
+      (`evaluation.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give
       the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
     - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
       product minus the logarithm of the density that the balance gives the next motion.
