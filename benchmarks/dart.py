@@ -87,7 +87,7 @@ def answered(folder: Path, name: str, tires: dict[str, Tire], out: Path | None, 
 
 
 def main() -> int:
-    """Print the answers; return 0 if friction is found lower on the slippery floor."""
+    """Print the answers; return 0 if both drives on the slippery floor converge and have a lower friction."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--out", type=Path, help="folder for wheels.csv, tires and drive.json of each drive")
@@ -101,7 +101,7 @@ def main() -> int:
     lower = True
     for name, first in SLIPPERY:
         answer = answered(options.folder, name, dict(fitted.scaled), options.out, first)
-        lower &= any(finding.effect == "friction is lower" for finding in answer.verdict.tires)
+        lower &= answer.ok and any(finding.effect == "friction is lower" for finding in answer.verdict.tires)
     return 0 if lower else 1
 
 

@@ -14,10 +14,10 @@ from tirefmu.tires.tire_argument import TireLike
 
 from .disagreement import disagreement
 from .effects import factor_values, motion_of, scaled
-from .estimate import Estimate, Forces, estimated
+from .estimate import START_DEVIATIONS, Estimate, Forces, estimated
 from .factors import factors_of, scaled_tires
 from .inputs.car import Car, read_car
-from .inputs.grid import Grid, forward_speed, gridded, has_spins, wheel_means
+from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
 from .interval import BALANCE, POSE, interval_of
@@ -101,10 +101,13 @@ def _answer(
     car: Car, tires: dict[str, Tire], log: Log, grid: Grid, speed: tuple[FloatArray, FloatArray], fmus: bool
 ) -> Drive:
     unknowns = unknowns_of(car, log)
-    interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=has_spins(log, car), step=grid.step)
+    interval = interval_of(car, tires, unknowns, pose=log.has_pose(), spins=spinning(log, car), step=grid.step)
     start = _start(grid, interval.states, log, car, speed)
     try:
-        grid, estimate = estimated(grid, interval, unknowns, start, log, car)
+        for deviation in START_DEVIATIONS:
+            grid, estimate = estimated(grid, interval, unknowns, start, log, car, deviation=deviation)
+            if estimate.converged:
+                break
     except np.linalg.LinAlgError:
         raise DataError(f"{log.source}: no motion of {car.source} on these tires explains the log") from None
 
@@ -150,7 +153,7 @@ def _start(grid: Grid, states: tuple[str, ...], log: Log, car: Car, speed: tuple
     if "yaw_rate" in log.channels:
         start[:, 2] = np.interp(t, *log.channels["yaw_rate"])
     if "heading" in states:
-        channels = wheel_means(log)
+        channels = unwrapped(log)
         (x, x_rate), (y, y_rate), (heading, yaw_rate) = (_course(channels[name], t) for name in POSE)
         heading = heading - car.values["heading_offset"]
         start[:, 1] = y_rate * np.cos(heading) - x_rate * np.sin(heading) - yaw_rate * car.values["reference_x"]

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,15 +21,17 @@ from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_bande
 from tirefmu.estimation.correlation import correlation_length
 
 from .inputs.car import Car
+from .inputs.evaluation import curved, evaluated, interval_data
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
-from .interval import BALANCE, CHUNK, Added, Interval, Linear
+from .interval import BALANCE, Added, Interval, Linear
 from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Deviations of the balance, per load: at the start, and the smallest one (the error of the midpoint rule).
-START_DEVIATION, MIN_DEVIATION = 0.1, 1e-3
+#: Deviations of the balance, per load: at the start (the second one if the first one does not converge), and the
+#: smallest one (the error of the integration).
+START_DEVIATIONS, MIN_DEVIATION = (0.02, 0.1), 1e-3
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
@@ -125,7 +126,7 @@ class Estimate(Posterior):
 
 def estimated(
     grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car,
-    forces: Forces = no_forces, near: Estimate | None = None,
+    forces: Forces = no_forces, near: Estimate | None = None, deviation: float = START_DEVIATIONS[0],
 ) -> tuple[Grid, Estimate]:  # fmt: skip
     """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
 
@@ -133,12 +134,12 @@ def estimated(
     posterior, integrated over the states.
 
     `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
-    which this one starts.
+    which this one starts. `deviation`: of the balance at the start.
     """
     n_balance = len(BALANCE)
     z, floor = np.zeros(len(unknowns)), np.ones(len(interval.residuals))
     floor[-n_balance:] = MIN_DEVIATION
-    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
+    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, deviation)])
     if near:
         start, z, deviations = near.states, near.z, near.deviations
     added = forces(grid, start, z)
@@ -169,7 +170,8 @@ def estimated(
             break
         z = z + share * change_z
         grid = with_steering(grid, log, car, unknowns.car_values(z))
-        weights, added = _weights(tried.linear.values / at.weights), forces(grid, tried.states, z)
+        weights = _weights(tried.linear.values / at.weights)
+        added = curved(grid, interval, forces(grid, tried.states, z), tried.states, z)
         at = _solved(grid, interval, added, tried.states, z, tried.deviations, weights)
     # A residual that is correlated over time has the information of fewer independent ones.
     lengths = [correlation_length(at.linear.values[:, i], grid.segment) for i in range(-n_balance, 0)]
@@ -188,44 +190,6 @@ def _weights(residual: FloatArray) -> FloatArray:
     """Return the square roots of the weights of residuals, shape (n, n_residuals)."""
     scaled = np.abs(residual) / np.maximum(np.sqrt(np.mean(residual**2, axis=0)), 1e-12)
     return np.asarray(np.sqrt(np.minimum(1.0, OUTLYING / np.maximum(scaled, OUTLYING))))
-
-
-def interval_data(grid: Grid) -> FloatArray:
-    """Return the data of the intervals, shape (n_data, n): means, weights, steering at both ends and its slopes."""
-    sampled = np.isfinite(grid.means)
-    weights = np.where(sampled, 1.0 / np.where(sampled, grid.noise, 1.0), 0.0)
-    return np.concatenate([np.where(sampled, grid.means, 0.0), weights, grid.steer, grid.steer_slopes, grid.rims])
-
-
-def evaluated(
-    function: Any, grid: Grid, states: FloatArray, z: FloatArray, data: FloatArray, more: FloatArray | None = None
-) -> Linear:
-    """Return a function of `Interval` at all intervals; `more`, shape (n, n_more): its last argument."""
-    n, m, width = len(grid.t), function.size1_out(0), 2 * states.shape[1] + len(z)
-    values, jacobian = np.empty((n, m)), np.empty((n, m, width))
-    constant = np.concatenate([z, grid.used])
-    for first in range(0, n, CHUNK):
-        rows = np.minimum(np.arange(first, first + CHUNK), n - 1)  # the last interval fills the last chunk
-        ends = states[grid.left[rows]], states[grid.right[rows]]
-        results = [np.empty((CHUNK, m)), np.empty((CHUNK, m * width))]
-        last = [] if more is None else [more[rows]]
-        _call(function, [*ends, data.T[rows], np.tile(constant, (CHUNK, 1)), *last], results)
-        some = slice(first, min(first + CHUNK, n))
-        count = some.stop - first
-        values[some] = results[0][:count]
-        jacobian[some] = results[1][:count].reshape(count, width, m).transpose(0, 2, 1)
-    return Linear(values, jacobian)
-
-
-def _call(function: Any, arguments: list[FloatArray], results: list[FloatArray]) -> None:
-    """Evaluate a CasADi function on arrays, one row a column of it, without copies into its own matrices."""
-    buffer, trigger = function.buffer()
-    stored = [np.ascontiguousarray(argument) for argument in arguments]
-    for i, argument in enumerate(stored):
-        buffer.set_arg(i, memoryview(argument.data))
-    for i, result in enumerate(results):
-        buffer.set_res(i, memoryview(result.data))
-    trigger()
 
 
 @dataclass(frozen=True)

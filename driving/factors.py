@@ -40,6 +40,11 @@ class Factor:
     reason: str
     changed: float
 
+    @property
+    def informed(self) -> bool:
+        """Whether the drive has information on it: it gives the forces over the slip that was reached."""
+        return bool(np.log(self.high / self.low) <= 2.0 * WIDTH * MAX_SPREAD)
+
 
 def factors_of(
     estimate: Estimate, unknowns: Unknowns, tires: Mapping[str, Tire], step: float,
@@ -76,10 +81,13 @@ def used_share(estimate: Estimate, axle: str, tire: Tire, friction: float) -> Fl
 
 
 def scaled_tires(tires: Mapping[str, Tire], factors: Mapping[str, Mapping[str, Factor]]) -> dict[str, Tire]:
-    """Return the tires with the determined factors in their scaling coefficients."""
+    """Return the tires with the factors on which the drive has information in their scaling coefficients.
+
+    LMUY that is not determined for want of a peak is one: LKY without it would not give the forces of the drive.
+    """
     return {
         axle: tire.with_values(
-            **{name: tire.values[name] * factor.value for name, factor in factors[axle].items() if factor.determined}
+            **{name: tire.values[name] * factors[axle][name].value for name in LATERAL if factors[axle][name].informed}
         )
         for axle, tire in tires.items()
     }

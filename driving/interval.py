@@ -1,8 +1,9 @@
 """One interval of the grid as a CasADi function: residuals of sensors and of the balance of forces, with derivatives.
 
 The implicit midpoint rule joins the nodes: rates are differences over the interval, which are the exact means of the
-rates, as the logged channels are means of samples. Residuals are divided by their standard deviations. `Linear` has the
-values and derivatives of all intervals, `Added` what an effect adds to the forces of the tires.
+rates, as the logged channels are means of samples. `evaluation.curved` adds what the curvature of the motion changes.
+Residuals are divided by their standard deviations. `Linear` has the values and derivatives of all intervals, `Added`
+what an effect adds to the forces of the tires.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ CHUNK = 500
 #: Error of the integration of a pose, m/s and rad/s.
 POSE_ERROR = 3e-3
 #: Share of the mean load of an axle below which the load of a wheel changes smoothly to 0: a road cannot pull.
-LIFTED = 0.1
+LIFTED = 0.02
 #: Force per mass within which driving changes into braking, m/s^2.
 COASTING = 0.2
 #: Names of the arguments of `two_track` that describe the car, and the entries that they are.
@@ -57,8 +58,8 @@ class Interval:
     - `states`: names of the states of a node.
     - `residuals`: names; `MEASURED` are first, `BALANCE` last.
     - `residual_chunk`, `output_chunk`: functions of `CHUNK` columns of left node, right node, data
-      (`estimate.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give the
-      residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
+      (`evaluation.interval_data`), and unknowns followed by the delay and lag of the steering in the data. They give
+      the residuals or `OUTPUTS`, and their Jacobian by left node, right node, unknowns.
     - `volume_chunk`: of the same and a matrix for the Jacobian of the residuals by both nodes: the derivatives of their
       product minus the logarithm of the density that the balance gives the next motion.
     """
@@ -71,15 +72,15 @@ class Interval:
 
 
 def interval_of(
-    car: Car, tires: Mapping[str, Tire], unknowns: Unknowns, *, pose: bool, spins: bool, step: float
+    car: Car, tires: Mapping[str, Tire], unknowns: Unknowns, *, pose: bool, spins: tuple[str, ...], step: float
 ) -> Interval:
     """Return the function of the intervals of a drive.
 
-    `pose`, `spins`: whether position and heading, and wheel speeds are logged. `step`: s.
+    `pose`: whether position and heading are logged. `spins`: the wheels whose spin is. `step`: s.
     """
     states, n = MOTION + POSE * pose, len(MEASURED)
     left, right = ca.SX.sym("left", len(states)), ca.SX.sym("right", len(states))
-    data, z = ca.SX.sym("data", 2 * n + 8), ca.SX.sym("z", len(unknowns))
+    data, z = ca.SX.sym("data", 2 * n + 10), ca.SX.sym("z", len(unknowns))
     used = ca.SX.sym("used", 2)
     p = _entries(car, unknowns, z)
     middle, rate = ca.vertsplit((left + right) / 2), ca.vertsplit((right - left) / step)
@@ -89,8 +90,8 @@ def interval_of(
     steer, turning = p["offset"] + scale * (ends[0] + ends[1]) / 2, scale * (ends[1] - ends[0]) / step
     wheels = _wheels(middle, rate, steer, turning, p, tires)
     pulls = _pulls(middle, rate, steer, car, p)
-    rims = [data[2 * n + 6 + i] for i in (0, 1)]
-    kappa = _kappa_of_spins(rims, wheels) if spins else _kappa_of_pulls(pulls, p, tires)
+    rims = dict(zip(CORNERS, ca.vertsplit(data[2 * n + 6 :]), strict=True))
+    kappa = _kappa_of_spins(rims, wheels, spins) if spins else _kappa_of_pulls(pulls, p, tires)
     factors = {axle: {name: _factor(unknowns, axle, name, z) for name in FACTORS} for axle in AXLES}
     forces = {axle: _forces(tires[axle], axle, wheels, kappa[i], factors[axle]) for i, axle in enumerate(AXLES)}
     body, motion = [p[entry] for entry in BODY.values()], (*middle[:3], *rate[:3])
@@ -163,7 +164,7 @@ def relaxation_length(tire: Tire) -> float:
 
 
 def _forces(
-    tire: Tire, axle: str, wheels: Mapping[str, Any], kappa: Any, factors: Mapping[str, Any]
+    tire: Tire, axle: str, wheels: Mapping[str, Any], kappa: list[Any], factors: Mapping[str, Any]
 ) -> tuple[list[Any], list[Any], list[Any]]:
     """Return Fx and Fy of the left and of the right wheel, and of a wheel that is the mean of both."""
     model = tire.symbolic_model
@@ -171,12 +172,14 @@ def _forces(
     for name in FACTORS:
         parameters[list(model.coefficients).index(name)] *= factors[name]
     results = []
-    pair = [{name: wheels[f"{name}_{axle[0]}{side}"] for name in ("alpha", "V", "Fz")} for side in "lr"]
+    pair = [
+        {"kappa": slip, **{name: wheels[f"{name}_{axle[0]}{side}"] for name in ("alpha", "V", "Fz")}}
+        for slip, side in zip(kappa, "lr", strict=True)
+    ]
     mean = (pair[0]["Fz"] + pair[1]["Fz"]) / 2
     for wheel in pair:
         wheel["Fz"] = (wheel["Fz"] + ca.sqrt(wheel["Fz"] ** 2 + (LIFTED * mean) ** 2)) / 2
-    for state in (*pair, {name: (pair[0][name] + pair[1][name]) / 2 for name in pair[0]}):
-        given = {**state, "kappa": kappa}
+    for given in (*pair, {name: (pair[0][name] + pair[1][name]) / 2 for name in pair[0]}):
         inputs = ca.vertcat(*(given[name] if name in given else tire.nominal(name) for name in tire.inputs))
         results.append(casadi_expression(model, "forces", inputs, parameters, straight=True)[:2])
     return [result[0] for result in results], [result[1] for result in results], pair
@@ -223,16 +226,19 @@ def _pulls(middle: list[Any], rate: list[Any], steer: Any, car: Car, p: Mapping[
     return [share * force, (1 - share) * force]
 
 
-def _kappa_of_spins(rims: list[Any], wheels: Mapping[str, Any]) -> list[Any]:
-    """Return the longitudinal slip of each axle from the speed of its rims (spin times rolling radius)."""
-    return [rims[i] / ((wheels[f"V_{axle[0]}l"] + wheels[f"V_{axle[0]}r"]) / 2) - 1 for i, axle in enumerate(AXLES)]
+def _kappa_of_spins(rims: Mapping[str, Any], wheels: Mapping[str, Any], spins: tuple[str, ...]) -> list[list[Any]]:
+    """Return the longitudinal slip of both wheels of each axle from the speed of rims (spin times rolling radius)."""
+    slips = {corner: rims[corner] / wheels[f"V_{corner}"] - 1 for corner in spins}
+    pairs = [(f"{axle[0]}l", f"{axle[0]}r") for axle in AXLES]
+    # A wheel without a logged spin has the slip of the other one.
+    return [[slips[a if a in spins else b] for a, b in (pair, pair[::-1])] for pair in pairs]
 
 
-def _kappa_of_pulls(pulls: list[Any], p: Mapping[str, Any], tires: Mapping[str, Tire]) -> list[Any]:
+def _kappa_of_pulls(pulls: list[Any], p: Mapping[str, Any], tires: Mapping[str, Tire]) -> list[list[Any]]:
     """Return the longitudinal slip of each axle that gives its longitudinal force, to first order in the slip."""
     rear = p["cg_to_front"] / p["wheelbase"] * GRAVITY * p["mass"]
     loads = (GRAVITY * p["mass"] - rear, rear)
-    return [pulls[i] / (loads[i] * slip_stiffness(tires[axle])) for i, axle in enumerate(AXLES)]
+    return [[pulls[i] / (loads[i] * slip_stiffness(tires[axle]))] * 2 for i, axle in enumerate(AXLES)]
 
 
 def slip_stiffness(tire: Tire) -> float:
@@ -250,14 +256,17 @@ def _kinematics(middle: list[Any], rate: list[Any]) -> dict[str, Any]:
     }
 
 
-def _outputs(wheels: Mapping[str, Any], forces: Mapping[str, Any], kappa: list[Any], required: list[Any]) -> list[Any]:
+def _outputs(
+    wheels: Mapping[str, Any], forces: Mapping[str, Any], kappa: list[list[Any]], required: list[Any]
+) -> list[Any]:
     means = {
         name: [(wheels[f"{name}_{axle[0]}l"] + wheels[f"{name}_{axle[0]}r"]) / 2 for axle in AXLES]
         for name in ("alpha", "V", "Fz")
     }
     Fy = [forces[axle][1][2] for axle in AXLES]
     whole = [Fy[i] + required[i] for i in (0, 1)]
-    return [*means["alpha"], *kappa, *means["V"], *means["Fz"], *whole, *Fy]
+    slips = [(left + right) / 2 for left, right in kappa]
+    return [*means["alpha"], *slips, *means["V"], *means["Fz"], *whole, *Fy]
 
 
 @dataclass(frozen=True)
@@ -285,10 +294,12 @@ class Added:
     """Side forces per static load beyond the tires': `offset`, shape (n, 2), and `columns`, shape (n, 2, n_u).
 
     The columns are for further unknowns u, the last ones of z, whose prior is the standard normal distribution.
+    `correction`, shape (n, n_residuals): added to all residuals.
     """
 
     offset: FloatArray
     columns: FloatArray
+    correction: FloatArray | float = 0.0
 
     def tires(self, z: FloatArray) -> FloatArray:
         """Return the unknowns before u."""
@@ -298,6 +309,7 @@ class Added:
         """Return residuals, per static load, with these forces, from those without them."""
         n = self.columns.shape[2]
         linear = of_tires.with_columns(n)
+        linear.values[:] += self.correction
         linear.values[:, -len(BALANCE) :] -= self.offset + self.columns @ z[len(z) - n :]
         linear.jacobian[:, -len(BALANCE) :, linear.jacobian.shape[2] - n :] = -self.columns
         return linear

@@ -77,7 +77,6 @@ def unknowns_of(car: Car, log: Log) -> Unknowns:
         for name, uncertainty in car.uncertainties.items()
         if uncertainty > 0.0
         and any(channel.startswith(start) for start in NEEDS.get(name, ("",)) for channel in log.channels)
-        and not (name == "brake_front" and log.has_wheel_speeds())
     )
     factors = tuple((axle, name) for axle in AXLES for name in FACTORS)
     center = np.array([car.values[name] for name in names] + [0.0] * len(factors))

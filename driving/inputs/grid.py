@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.boundary.errors import DataError
+from tirefmu.symbolic.vehicle.quantities import CORNERS
 
 from .car import Car
 from .log import Log
-from .log_channels import LOG_CHANNELS, WHEEL_SPEEDS
+from .log_channels import LOG_CHANNELS
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -22,6 +23,8 @@ IntArray = npt.NDArray[np.intp]
 STEPS, STEP_ERROR = (0.1, 0.05, 0.025), 0.01
 #: The slowest part of a drive is not used: a share of the speed that 5 % exceed, and m/s.
 SLOW_SHARE, SLOWEST = 0.1, 0.3
+#: Longitudinal slip beyond which a wheel locks or spins: its inertia and its forces are not those of the model.
+LARGEST_SLIP = 0.2
 #: Shortest chain, s; longest gap in a channel that is bridged, s.
 SHORTEST_CHAIN, LONGEST_GAP = 1.0, 0.25
 #: Time at both ends of a log within which a delayed steering is unknown, s.
@@ -49,7 +52,7 @@ class Grid:
       channel, at both ends.
     - `steer_slopes`, shape (4, n): its derivatives by delay and lag, at both ends.
     - `used`: delay and lag with which the steering was computed, s.
-    - `rims`, shape (2, n): spin times rolling radius of each axle, m/s; 0 without wheel speeds.
+    - `rims`, shape (4, n): spin times rolling radius of each of `CORNERS`, m/s; 0 if not logged.
     """
 
     step: float
@@ -74,35 +77,35 @@ class Grid:
         return np.asarray(self.left - np.arange(len(self.left)), dtype=np.intp)
 
 
-def wheel_means(log: Log) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Return the channels of a log, the spins of the wheels of an axle replaced by their mean."""
+def unwrapped(log: Log) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return the channels of a log, the heading without jumps."""
     channels = dict(log.channels)
-    for axle, names in WHEEL_SPEEDS.items():
-        present = [channels.pop(name) for name in names if name in channels]
-        if present:
-            t = present[0][0]
-            channels[f"omega_{axle}"] = t, np.mean([np.interp(t, *samples) for samples in present], axis=0)
     if "heading" in channels:
         t, heading = channels["heading"]
         channels["heading"] = t, np.unwrap(heading)
     return channels
 
 
-def has_spins(log: Log, car: Car) -> bool:
-    """Return whether the wheel speeds of both axles are logged and their radii are given."""
-    return log.has_wheel_speeds() and all(car.values[f"radius_{axle}"] > 0.0 for axle in WHEEL_SPEEDS)
+def spinning(log: Log, car: Car) -> tuple[str, ...]:
+    """Return the wheels with a logged speed, if both axles have one and their radii are given."""
+    if not (log.has_wheel_speeds() and all(_radius(car, corner) > 0.0 for corner in CORNERS)):
+        return ()
+    return tuple(corner for corner in CORNERS if f"omega_{corner}" in log.channels)
+
+
+def _radius(car: Car, corner: str) -> float:
+    return car.values["radius_front" if corner[0] == "f" else "radius_rear"]
 
 
 def forward_speed(log: Log, car: Car) -> tuple[FloatArray, FloatArray]:
     """Return times and a rough forward speed: as logged, of the wheels, or from the position."""
-    channels = wheel_means(log)
+    channels, wheels = unwrapped(log), spinning(log, car)
     if "speed" in channels:
         return channels["speed"]
-    if has_spins(log, car):
-        t = channels["omega_front"][0]
-        return t, np.mean(
-            [car.values[f"radius_{axle}"] * np.interp(t, *channels[f"omega_{axle}"]) for axle in WHEEL_SPEEDS], axis=0
-        )
+    if wheels:
+        t = channels[f"omega_{wheels[0]}"][0]
+        rims = [_radius(car, corner) * np.interp(t, *channels[f"omega_{corner}"]) for corner in wheels]
+        return t, np.mean(rims, axis=0)
     t = channels["x"][0]
     even = np.arange(t[0], t[-1], 0.1)
     velocity = [np.gradient(np.interp(even, *channels[name]), even) for name in ("x", "y")]
@@ -115,7 +118,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
 
     Raises `DataError` if the car never moves, or moves too briefly for an estimate.
     """
-    channels = wheel_means(log)
+    channels = unwrapped(log)
     start = max(channels[name][0][0] for name in ("steer",))
     end = channels["steer"][0][-1]
     step = _step(log, car)
@@ -128,6 +131,8 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
     usable = (v > max(SLOWEST, SLOW_SHARE * fast)) & (middle > start + MARGIN) & (middle < end - MARGIN)
     for name in ("steer", "yaw_rate" if "yaw_rate" in channels else "heading"):
         usable &= _near_samples(channels[name][0], middle)
+    rims = _rims(log, car, middle, speed)
+    usable &= (np.abs(np.where(rims, rims, v) / v - 1.0) < LARGEST_SLIP).all(axis=0)
     usable = _long_runs(usable, round(SHORTEST_CHAIN / step))
     if not usable.any():
         raise DataError(f"{log.source}: no {SHORTEST_CHAIN:g} s without a gap in which the car moves")
@@ -142,8 +147,7 @@ def gridded(log: Log, car: Car, speed: tuple[FloatArray, FloatArray]) -> Grid:
         means[-1] = np.gradient(_windowed(*speed, middle, RATE_WINDOW), middle)[chosen]
         noise[-1] = RATE_DEVIATION
     empty = np.zeros((4, len(chosen)))
-    rims = _rims(log, car, middle, speed)[:, chosen]
-    grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty, rims)
+    grid = Grid(step, middle[chosen], left, left + 1, means, noise, empty[:2], empty, rims[:, chosen])
     return with_steering(grid, log, car, {})
 
 
@@ -182,19 +186,22 @@ def _step(log: Log, car: Car) -> float:
 
 
 def _rims(log: Log, car: Car, middle: FloatArray, speed: tuple[FloatArray, FloatArray]) -> FloatArray:
-    """Return the speeds of the rims, shape (2, n); the radius is such that a freely rolling wheel has no slip."""
-    if not has_spins(log, car):
-        return np.zeros((2, len(middle)))
-    channels = wheel_means(log)
+    """Return the speeds of the rims, shape (4, n); the radius is such that a freely rolling axle has no slip."""
+    logged, channels = spinning(log, car), log.channels
+    if not logged:
+        return np.zeros((len(CORNERS), len(middle)))
     v = np.interp(middle, *speed)
     ax = np.gradient(_windowed(*speed, middle, 1.0), middle)
     turning = np.interp(middle, *channels["yaw_rate"]) * v if "yaw_rate" in channels else np.zeros_like(v)
     free = (np.abs(ax) < FREE_ROLLING) & (np.abs(turning) < FREE_ROLLING * 4.0) & (v > 0.3 * v.max())
-    rims = []
-    for axle in WHEEL_SPEEDS:
-        rim = car.values[f"radius_{axle}"] * _windowed(*channels[f"omega_{axle}"], middle, SPIN_WINDOW)
-        rims.append(rim * np.median(v[free] / rim[free]) if free.any() else rim)
-    return np.array(rims)
+    rims = np.zeros((len(CORNERS), len(middle)))
+    for axle in "fr":
+        wheels = [i for i, corner in enumerate(CORNERS) if corner in logged and corner[0] == axle]
+        for i in wheels:
+            rims[i] = _radius(car, CORNERS[i]) * _windowed(*channels[f"omega_{CORNERS[i]}"], middle, SPIN_WINDOW)
+        if free.any():
+            rims[wheels] *= np.median(v[free] / rims[wheels][:, free].mean(axis=0))
+    return rims
 
 
 def _windowed(t: FloatArray, values: FloatArray, at: FloatArray, width: float) -> FloatArray:
@@ -248,7 +255,8 @@ def _averaged(
     sums, times = (np.bincount(number[inside], part[inside], len(edges) - 1) for part in (values, t))
     with np.errstate(invalid="ignore", divide="ignore"):
         means, shift = sums / counts, times / counts - middle
-    slope = np.interp(middle, t, np.gradient(values, t))
+    step = edges[1] - edges[0]
+    slope = np.diff(_windowed(t, values, middle[:, None] + np.array([-step, step]), step))[:, 0] / (2 * step)
     differences = np.diff(values, 4)
     scatter = 1.4826 * float(np.median(np.abs(differences - np.median(differences)))) / np.sqrt(70.0)
     deviation = max(scatter, LOG_CHANNELS[name].precision)

@@ -19,7 +19,14 @@ TIRE = {
 }  # fmt: skip
 CAR = {
     "mass": 1250.0, "wheelbase": 2.5, "cg_to_front": 1.2, "cg_height": 0.52, "track_front": 1.5, "track_rear": 1.48,
-    "yaw_inertia": 1700.0, "front_roll_share": 0.56, "ratio": 15.0, "radius_front": 0.3, "radius_rear": 0.3,
+    "yaw_inertia": 1700.0, "front_roll_share": 0.56, "ratio": 15.0, "offset": 0.0, "radius_front": 0.3,
+    "radius_rear": 0.3, "x": 0.15, "y": -0.1,
+}  # fmt: skip
+#: Standard deviations of a workshop's numbers: the default uncertainties of a car file; those of radii are calibrated.
+SPREAD = {
+    "mass": 37.5, "wheelbase": 0.005, "cg_to_front": 0.036, "cg_height": 0.052, "track_front": 0.0075,
+    "track_rear": 0.0074, "yaw_inertia": 170.0, "front_roll_share": 0.1, "ratio": 0.15, "offset": 0.005,
+    "radius_front": 0.0015, "radius_rear": 0.0015, "x": 0.05, "y": 0.05,
 }  # fmt: skip
 WHEEL_INERTIA, STEP = 1.0, 0.002
 KINDS = ("slalom", "sweep", "step", "laps", "brake")
@@ -130,7 +137,7 @@ class Road:
             for name in ("vx", "vy", "yaw_rate", "ax", "ay", "turning", "fl", "fr", "rl", "rr")
         }
         for i in range(n_steps):
-            wheel, later = (steer[min(i + k, n_steps - 1)] / self.car["ratio"] for k in (0, 1))
+            wheel, later = (steer[min(i + k, n_steps - 1)] / self.car["ratio"] + self.car["offset"] for k in (0, 1))
             middle = (wheel + later) / 2
             force = np.clip(
                 2.0 * self.car["mass"] * (speed[i] - state[0]), -0.35 * G * self.car["mass"], 0.3 * G * self.car["mass"]
@@ -149,15 +156,15 @@ class Road:
         return rows
 
 
-def logs(rows, steer, truths, rng, imu=(0.15, -0.1)):
+def logs(rows, steer, truths, rng):
     """Return the logs at 100 Hz with the noise of a consumer IMU, offsets, lever arm and delays."""
     every = round(0.01 / STEP)
     t = STEP * np.arange(len(steer))
     made = []
     for i, truth in enumerate(truths):
-        part = {name: values[:, i] for name, values in rows.items()}
-        ax = part["ax"] - part["turning"] * imu[1] - part["yaw_rate"] ** 2 * imu[0]
-        ay = part["ay"] + part["turning"] * imu[0] - part["yaw_rate"] ** 2 * imu[1]
+        part, car = {name: values[:, i] for name, values in rows.items()}, {**CAR, **truth.car}
+        ax = part["ax"] - part["turning"] * car["y"] - part["yaw_rate"] ** 2 * car["x"]
+        ay = part["ay"] + part["turning"] * car["x"] - part["yaw_rate"] ** 2 * car["y"]
         m = len(t[::every])
         noise = rng.standard_normal((9, m))
         table = {
@@ -197,30 +204,22 @@ def drawn_truth(rng):
     }
     factors["rear"]["LMUY"] = factors["front"]["LMUY"] * rng.uniform(0.97, 1.1)  # a car that does not spin
     factors["rear"]["LKY"] = factors["front"]["LKY"] * rng.uniform(0.97, 1.15)
-    spread = {
-        "mass": 0.03,
-        "cg_to_front": 0.03,
-        "yaw_inertia": 0.1,
-        "cg_height": 0.1,
-        "radius_front": 0.005,
-        "radius_rear": 0.005,
-    }
-    car = {name: CAR[name] * (1 + spread[name] * rng.standard_normal()) for name in spread}
+    car = {name: CAR[name] + spread * rng.standard_normal() for name, spread in SPREAD.items()}
     return Truth(factors, car, steer_log_delay=rng.normal(0.0, 0.02))
 
 
 def used_share(rows, truth, i, axle):
-    """Return the largest side force of an axle over its peak, exceeded for half a second in a drive."""
-    car = {**CAR, **truth.car}
-    lf = car["cg_to_front"]
-    lr = car["wheelbase"] - lf
-    sign, arm = (1.0, lr) if axle == "front" else (-1.0, lf)
-    force = (arm * car["mass"] * rows["ay"][:, i] + sign * car["yaw_inertia"] * rows["turning"][:, i]) / car[
-        "wheelbase"
-    ]
-    load = car["mass"] * G * arm / car["wheelbase"]
-    peak = (TIRE["PDY1"] + TIRE["PDY2"] * (load / 2 / TIRE["FNOMIN"] - 1.0)) * truth.factors[axle]["LMUY"] * load
-    return float(np.sort(np.abs(force) / peak)[-round(0.5 / STEP)])
+    """Return the largest side force of an axle over its peak at the loads of its wheels, exceeded for half a second."""
+    c, ax, ay = {**CAR, **truth.car}, rows["ax"][:, i], rows["ay"][:, i]
+    lf, roll = c["cg_to_front"], c["front_roll_share"]
+    lr = c["wheelbase"] - lf
+    sign, arm, share = (1.0, lr, roll) if axle == "front" else (-1.0, lf, 1.0 - roll)
+    force = (arm * c["mass"] * ay + sign * c["yaw_inertia"] * rows["turning"][:, i]) / c["wheelbase"]
+    mean = c["mass"] * (G * arm - sign * ax * c["cg_height"]) / c["wheelbase"] / 2
+    moved = c["mass"] * ay * c["cg_height"] * share / c[f"track_{axle}"]
+    loads = np.maximum([mean - moved, mean + moved], 0.0)
+    friction = (TIRE["PDY1"] + TIRE["PDY2"] * (loads / TIRE["FNOMIN"] - 1.0)) * truth.factors[axle]["LMUY"]
+    return float(np.sort(np.abs(force) / (friction * loads).sum(axis=0))[-round(0.5 / STEP)])
 
 
 def car_content():
@@ -239,7 +238,7 @@ def car_content():
         "body": {name: CAR[name] for name in body},
         "steering": {"ratio": CAR["ratio"]},
         "wheels": {name: CAR[name] for name in ("radius_front", "radius_rear")},
-        "sensors": {"x": 0.15, "y": -0.1},
+        "sensors": {name: CAR[name] for name in ("x", "y")},
     }
 
 
