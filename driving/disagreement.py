@@ -8,8 +8,8 @@ import numpy.typing as npt
 from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import Grid
+from .inputs.unknowns import AXLES
 from .interval import OUTPUTS
-from .unknowns import AXLES
 
 FloatArray = npt.NDArray[np.float64]
 

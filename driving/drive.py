@@ -20,11 +20,11 @@ from .inputs.car import Car, read_car
 from .inputs.grid import Grid, forward_speed, gridded, spinning, unwrapped
 from .inputs.log import Log, LogLike, read_log
 from .inputs.plausibility import check_log
+from .inputs.unknowns import Unknowns, check_factors, unknowns_of
 from .interval import BALANCE, POSE, interval_of
 from .result import Drive, wheel_table
 from .rivals import Explanation, answer_of, explanations, probabilities_of
 from .simulation import simulated
-from .unknowns import Unknowns, check_factors, unknowns_of
 from .verdict import verdict_on
 
 FloatArray = npt.NDArray[np.float64]

@@ -19,8 +19,8 @@ from tirefmu.tires.code.modules import two_track
 from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import Grid
+from .inputs.unknowns import AXLES, FACTORS, Unknowns
 from .interval import BODY, OUTPUTS, Added
-from .unknowns import AXLES, FACTORS, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 

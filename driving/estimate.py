@@ -20,12 +20,12 @@ from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_bande
 
 from tirefmu.estimation.correlation import correlation_length
 
+from .evaluation import curved, evaluated, interval_data
 from .inputs.car import Car
-from .inputs.evaluation import curved, evaluated, interval_data
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
+from .inputs.unknowns import Unknowns
 from .interval import BALANCE, Added, Interval, Linear
-from .unknowns import Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 

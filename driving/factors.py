@@ -11,8 +11,8 @@ import numpy.typing as npt
 from tirefmu.tires import Tire
 
 from .estimate import Estimate
+from .inputs.unknowns import AXLES, CHANGED, FACTORS, LATERAL, Unknowns
 from .interval import OUTPUTS
-from .unknowns import AXLES, CHANGED, FACTORS, LATERAL, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -10,9 +10,9 @@ import numpy.typing as npt
 from tirefmu.tires.drawing.figure import Figure, Panel, Series, band
 from tirefmu.tires.drawing.style import DASHED
 
+from .inputs.unknowns import AXLES
 from .interval import OUTPUTS
 from .simulation import estimated_motion
-from .unknowns import AXLES
 
 if TYPE_CHECKING:
     from .result import Drive

@@ -25,7 +25,7 @@ from tirefmu.tires.code.modules import two_track
 
 from .inputs.car import Car
 from .inputs.grid import MEASURED
-from .unknowns import AXLES, FACTORS, Unknowns
+from .inputs.unknowns import AXLES, FACTORS, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 

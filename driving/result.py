@@ -23,9 +23,9 @@ from .factors import Factor
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.log import Log
+from .inputs.unknowns import AXLES, Unknowns
 from .interval import OUTPUTS
 from .simulation import VehicleSimulation
-from .unknowns import AXLES, Unknowns
 from .verdict import DriveVerdict, worst_car_deviation
 
 FloatArray = npt.NDArray[np.float64]

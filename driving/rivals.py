@@ -24,8 +24,8 @@ from .effects import Missing, effect_columns, factor_values, motion_of, scaled
 from .estimate import Estimate, Forces
 from .inputs.car import Car
 from .inputs.grid import Grid
+from .inputs.unknowns import CHANGED, LATERAL, Unknowns
 from .interval import BALANCE, Added
-from .unknowns import CHANGED, LATERAL, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -27,8 +27,8 @@ from .effects import Motion, motion_of
 from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import MEASURED, Grid
+from .inputs.unknowns import AXLES, Unknowns
 from .interval import BODY, OUTPUTS
-from .unknowns import AXLES, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from .estimate import Estimate
 from .factors import Factor
 from .inputs.car import Car
 from .inputs.car_entries import ENTRIES
+from .inputs.unknowns import AXLES, Unknowns
 from .rivals import CERTAIN, Explanation, lacking
-from .unknowns import AXLES, Unknowns
 
 FloatArray = npt.NDArray[np.float64]
 

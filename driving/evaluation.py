@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..interval import CHUNK, Added, Interval, Linear
-from .grid import Grid
+from .inputs.grid import Grid
+from .interval import CHUNK, Added, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -12,9 +12,9 @@ import numpy.typing as npt
 from tirefmu.boundary.errors import TireError
 from tirefmu.tires import Tire
 
-from .inputs.car import Car
-from .inputs.car_entries import ENTRIES
-from .inputs.log import Log
+from .car import Car
+from .car_entries import ENTRIES
+from .log import Log
 
 FloatArray = npt.NDArray[np.float64]
 
