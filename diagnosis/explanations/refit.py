@@ -25,7 +25,7 @@ FloatArray = npt.NDArray[np.float64]
 
 #: How the names of the columns of the discrepancy, and of fast drift and noise of the inputs, begin.
 DISCREPANCY, BENCH = "discrepancy_", "bench_"
-#: Iterations of a refit, from all and from some rows; corrections of the skew.
+#: Iterations of a refit under the common noise, and before it with independent rows; corrections of the skew.
 ITERATIONS, COARSE_ITERATIONS, ALIGNMENTS = 3, 8, 3
 #: A smaller change of the evidence is none: a factor of 1.1 between two explanations.
 SAME_EVIDENCE = 0.1

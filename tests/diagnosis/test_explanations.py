@@ -186,14 +186,25 @@ def test_an_explanation_without_an_effect_has_no_terms_of_a_part_that_is_gone():
 # ------------------------------------------------------------------ the comparison
 
 
-@pytest.fixture(scope="module")
-def sideways():
-    """Return the baseline problem of a made recording whose tire has a conicity, its solution, and the candidates."""
-    case = make_case(13, ("conicity",))
+def of_case(hidden):
+    """Return the baseline problem of a made recording, its solution, and some candidates."""
+    case = make_case(13, hidden)
     start = _start_model("mf96", case.effects, case.nominal, None, ())
     problem, solution = fit_baseline(start, signals_of(case.table, start, case.signs), fitted=False)
     names = ("conicity", "plysteer", "camber_thrust", "pressure_friction", "load_lag")
     return problem, solution, {name: one for name, one in candidates_for(start).items() if name in names}
+
+
+@pytest.fixture(scope="module")
+def sideways():
+    """Return the problem of a recording whose tire has a conicity."""
+    return of_case(("conicity",))
+
+
+def test_noise_alone_has_neither_an_effect_nor_a_formula():
+    comparison = compared(*of_case(()), lambda sentence: None)
+    assert comparison.leader.explanation.effects == ()
+    assert max(comparison.answer.probabilities.values()) < 0.1
 
 
 def test_the_best_explanation_is_the_true_one(sideways):
@@ -201,6 +212,7 @@ def test_the_best_explanation_is_the_true_one(sideways):
     assert comparison.leader.explanation.effects == ("conicity",)
     assert comparison.answer.probabilities["conicity"] > 0.9
     assert comparison.answer.explanations[0].effects == ("conicity",)
+    assert comparison.shared.explained > 0.0  # the last comparison counts by what the leader explains
 
 
 def test_a_misfit_counts_less_where_more_is_explained(sideways):
