@@ -106,7 +106,7 @@ FORM_ERROR, PAST_ERROR = 0.1, 1.0
 DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
 #: Number of effects that are refitted in place of each identified one, and logarithm of the evidence relative to the
 #: best explanation from which an addition is refitted. Conventions: computing time.
-RIVALS, REFIT_MARGIN = 3, -4.0
+RIVALS, REFIT_MARGIN = 3, -3.0
 #: Maximum number of rows of the comparison; iterations of the final fit. Conventions: computing time.
 SEARCH_ROWS, FINAL_ITERATIONS = 3000, 6
 

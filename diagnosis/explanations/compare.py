@@ -7,7 +7,7 @@ both are estimated again and the comparison is repeated.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -62,21 +62,19 @@ def compared(
     few = problem.subsampled(some_rows(problem.simulator))
     at_few = few.at(baseline.parameters, baseline.free)
     linear = Linearization(Explanation(), few, at_few, dict(sorted(candidates.items())))
-    first, explained = set[tuple[str, ...]](), 0.0
+    seen, explained = set[tuple[str, ...]](), 0.0
     for _ in range(ESTIMATES):
         table = _table(linear, baseline, explained, progress)
         table.climb(linear)
-        if table.leader.explanation.parts == linear.explanation.parts:
+        seen.add(linear.explanation.parts)
+        # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
+        if table.leads_again(seen, linear.explanation):
             table.compare()
             table.propose()
-        leader, first = table.leader, first | {linear.explanation.parts}
-        explained = table.explained
-        parts = leader.explanation.parts
-        # Two explanations may lead in turn, each under the noise of the other one: then the smaller one is the leader.
-        if parts in first and len(parts) <= len(linear.explanation.parts):
-            break
-        linear = _with_own_noise(leader, few)
-    return Comparison(answer_of(table.scores, candidates), leader, table.shared)
+            if table.leads_again(seen, linear.explanation):
+                break
+        explained, linear = table.explained, _with_own_noise(table.leader, few)
+    return Comparison(answer_of(table.scores, candidates), table.leader, table.shared)
 
 
 def _table(linear: Linearization, baseline: Solution, explained: float, progress: Callable[[str], None]) -> _Table:
@@ -142,6 +140,11 @@ class _Table:
     def leader(self) -> Refitted:
         """The refitted explanation with the largest score."""
         return self.refits[max(self.refits, key=lambda parts: self.scores[parts])]
+
+    def leads_again(self, seen: Collection[tuple[str, ...]], explanation: Explanation) -> bool:
+        """Return whether the leader is one of those seen, and not larger than the explanation of the noise."""
+        parts = self.leader.explanation.parts
+        return parts in seen and len(parts) <= len(explanation.parts)
 
     def climb(self, linear: Linearization) -> None:
         """Extend the leading explanation, from a given one on, while another one leads then; reduce it at the end.
