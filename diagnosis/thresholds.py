@@ -95,7 +95,7 @@ COARSENED_ROWS = 2000
 #: docs/discovery.md, where 0.0003 to 0.002 name most effects correctly.
 INEXACT_SHARE = 0.001
 #: Prior odds of each effect and of an unknown component. Convention: about one of all effects is missing.
-EFFECT_ODDS, UNKNOWN_ODDS = 1.0 / 40.0, 1.0 / 40.0
+EFFECT_ODDS = 1.0 / 40.0
 #: Prior standard deviation of a term of the unknown component, as a share of all forces. Convention.
 UNKNOWN_SHARE = 0.1
 #: Prior standard deviation of errors of the form of an effect, as a share of its response: of any effect, and of one
@@ -104,8 +104,8 @@ FORM_ERROR, PAST_ERROR = 0.1, 1.0
 #: Prior standard deviations of the discrepancy of the model, as a share of the forces; the evidence selects one of them
 #: for each channel. Conventions.
 DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
-#: Number of effects that are refitted in place of each identified one, and logarithm of the evidence relative to the
-#: best explanation from which an addition is refitted. Conventions: computing time.
+#: Number of effects that act through time and are refitted in place of each identified one. Logarithm of the evidence
+#: relative to the best explanation from which an addition is refitted: a twentieth. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -3.0
 #: Maximum number of rows of the comparison; iterations of the final fit. Conventions: computing time.
 SEARCH_ROWS, FINAL_ITERATIONS = 3000, 6

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .explanation import FORM, UNKNOWN
+from .explanation import UNKNOWN
 
 
 @dataclass(frozen=True)
@@ -72,14 +72,10 @@ class Answer:
 
 
 def answer_of(evidences: Mapping[tuple[str, ...], float], candidates: Iterable[str]) -> Answer:
-    """Return the answer from the logarithm of the evidence of each explanation, prior odds included, by its parts.
-
-    Explanations that differ in errors of the functional form only are one.
-    """
+    """Return the answer from the logarithm of the evidence of each explanation, prior odds included, by its parts."""
     values = np.array(list(evidences.values()))
-    weights, sums = np.exp(values - values.max()), dict[tuple[tuple[str, ...], bool], float]()
+    weights, ranked = np.exp(values - values.max()), list[RankedExplanation]()
     for parts, weight in zip(evidences, weights / weights.sum(), strict=True):
-        key = tuple(part for part in parts if part not in (UNKNOWN, FORM)), UNKNOWN in parts
-        sums[key] = sums.get(key, 0.0) + float(weight)
-    ranked = [RankedExplanation(effects, unknown, probability) for (effects, unknown), probability in sums.items()]
+        effects = tuple(part for part in parts if part != UNKNOWN)
+        ranked.append(RankedExplanation(effects, UNKNOWN in parts, float(weight)))
     return Answer(tuple(sorted(ranked, key=lambda explanation: -explanation.probability)), tuple(candidates))

@@ -6,7 +6,6 @@ both are estimated again and the comparison is repeated.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -16,11 +15,11 @@ import numpy.typing as npt
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
-from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS, UNKNOWN_ODDS, UNKNOWN_SHARE
+from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS, UNKNOWN_SHARE
 from ..unexplained.proposal import Dictionary
 from .answer import Answer, answer_of
 from .evidence import Projected, inflation
-from .explanation import FORM, UNKNOWN, Explanation, Term
+from .explanation import UNKNOWN, Explanation, Term
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
 from .terms import form_errors, relative_size
@@ -118,18 +117,12 @@ class _Table:
     expanded: set[tuple[str, ...]] = field(default_factory=set)
 
     def _possible(self, linear: Linearization) -> list[Addition]:
-        """Return the effects and terms that an explanation lacks."""
+        """Return the effects that an explanation lacks."""
         lacking = [name for name in linear.candidates if name not in linear.explanation.effects]
         for name in lacking:
             if name not in self.additions:
                 self.additions[name] = [addition.weighted(self.shared.problem) for addition in linear.of_effect(name)]
-        contained = {(term.location.name, term.feature.text) for term in linear.explanation.terms}
-        terms = [
-            addition
-            for addition in self.additions[""]
-            if (addition.term.location.name, addition.term.feature.text) not in contained
-        ]
-        return [*(addition for name in lacking for addition in self.additions[name]), *terms]
+        return [addition for name in lacking for addition in self.additions[name]]
 
     @property
     def explained(self) -> float:
@@ -179,7 +172,8 @@ class _Table:
         leader = self.leader
         if UNKNOWN in leader.explanation.parts:
             return
-        less = [self._without(leader.explanation, part).parts for part in leader.explanation.effects]
+        self._reduce(leader)
+        less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
         for parts in dict.fromkeys([leader.explanation.parts, *less, ()]):
             self._propose(self.refits[parts])
         self.compare()
@@ -202,13 +196,13 @@ class _Table:
         ]
         chosen = list[int]()
         while possible and len(chosen) < TERMS:
-            prior = float(np.log((1.0 if chosen else UNKNOWN_ODDS) / len(dictionary.terms)))
+            prior = float(np.log((1.0 if chosen else EFFECT_ODDS) / len(dictionary.terms)))
             tried = dictionary.shortlisted(_screen(best), possible)
             i, gain = self._best_term(best, dictionary, tried)
             if gain + prior <= 0.0:
                 break
             term = self._term(dictionary, i, prior)
-            explanation = best.explanation.extended(UNKNOWN, term)
+            explanation = best.explanation.with_term(term)
             more = refitted(self.shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
             if more.evidence + prior <= best.evidence:
                 break
@@ -219,15 +213,13 @@ class _Table:
         if not chosen:
             return
         formula = np.stack([dictionary.column(i) for i in chosen], axis=-1)
-        if not self._reproduced(refit.linear, formula @ np.array(best.term_sizes(UNKNOWN))):
+        if not self._reproduced(refit.linear, formula @ np.array(best.term_sizes)):
             self._add(best)
 
     def _reproduced(self, linear: Linearization, change: FloatArray) -> bool:
         """Return whether an effect of the library reproduces a change of the forces, shape (n_channels, n)."""
-        effects = [addition for addition in self._possible(linear) if not isinstance(addition.part, Term)]
-        if not effects:
-            return False
-        alone = Addition(UNKNOWN, effects[0].part, change[:, :, None], np.ones(1), 0.0)
+        effects = self._possible(linear)
+        alone = Addition(UNKNOWN, change[:, :, None], np.ones(1))
         sizes = [1, *(len(addition.deviation) for addition in effects)]
         projected = Projected.of(linear.equations([alone, *effects]), sizes)
         return any(projected.correlations(group)[0] > CONFOUNDED for group in projected.groups[1:])
@@ -235,9 +227,7 @@ class _Table:
     def _best_term(self, refit: Refitted, dictionary: Dictionary, tried: Sequence[int]) -> tuple[int, float]:
         """Return the term with the largest gain in the linear problem, and this gain."""
         terms = [self._term(dictionary, i, 0.0) for i in tried]
-        additions = [
-            Addition(UNKNOWN, term, term.column[:, :, None], np.array([term.deviation]), 0.0) for term in terms
-        ]
+        additions = [Addition(UNKNOWN, term.column[:, :, None], np.array([term.deviation])) for term in terms]
         projected = Projected.of(refit.linear.equations(additions), [1] * len(additions))
         gained = [projected.gain(group)[0] for group in projected.groups]
         return tried[int(np.argmax(gained))], max(gained)
@@ -245,7 +235,7 @@ class _Table:
     def _term(self, dictionary: Dictionary, i: int, log_prior: float) -> Term:
         (location, feature), column = dictionary.terms[i], dictionary.column(i)
         deviation = UNKNOWN_SHARE * relative_size(self.shared.problem, column)
-        return Term(UNKNOWN, location, feature, column, deviation, log_prior)
+        return Term(location, feature, column, deviation, log_prior)
 
     def _near(self) -> list[tuple[str, ...]]:
         """Return the leading explanation, those with one part less, and those with nearly its score."""
@@ -263,7 +253,7 @@ class _Table:
         """Refit an explanation without each of its parts."""
         simulator, explanation = refit.linear.simulator, refit.explanation
         for part in explanation.parts:
-            less = self._without(explanation, part)
+            less = explanation.without(part)
             if less.parts not in self.refits:
                 start = refit.linear.solution.parameters.copy()
                 forms = [form for effect, form in explanation.forms if effect == part]
@@ -272,44 +262,35 @@ class _Table:
                 self.progress(f"comparing {part} with other explanations")
                 self._add(refitted(self.shared, less, [start], simulator))
 
-    def _without(self, explanation: Explanation, part: str) -> Explanation:
-        """Return an explanation without a part, and without errors of form in the inputs of this part alone."""
-        less = explanation.without(part)
-        errors = form_errors(less, self.shared.candidates, self.shared.problem.simulator.symbolic_model)
-        terms = tuple(
-            term for term in less.terms if term.part == UNKNOWN or errors.contain(term.location, term.depends_on)
-        )
-        return replace(less, terms=terms)
-
     def _extend(self, refit: Refitted) -> None:
-        """Compare an explanation with those that have one part more; the best ones are refitted.
+        """Compare an explanation with those that have one effect more; the best ones are refitted.
 
-        Others are from `REFIT_MARGIN` on; the first `RIVALS` ones always if they are rivals of the leading explanation.
+        Others are from `REFIT_MARGIN` on. Rivals of the leading explanation also are if they are among the first
+        `RIVALS` effects that act through time: these are not linear in their coefficients.
         """
-        always = RIVALS if len(refit.explanation.parts) <= max(len(self.leader.explanation.parts) - 1, 0) else 0
+        candidates, model = refit.linear.candidates, refit.linear.simulator.symbolic_model
+        nearly = len(refit.explanation.parts) < len(self.leader.explanation.parts) or not self.leader.explanation.parts
         base = self.scores[refit.explanation.parts]
         scored = gains(refit.linear, self._possible(refit.linear))
         totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
-        for number, name in enumerate(sorted(totals, key=lambda part: -totals[part])):
+        through_time = 0
+        for name in sorted(totals, key=lambda part: -totals[part]):
             best = max(scored[name], key=lambda form: form.gain)
             parts, score = self._extended(refit, best).parts, base + totals[name]
             if parts in self.refits:
                 continue
             self.scores[parts] = max(score, self.scores.get(parts, -np.inf))
-            if number < always or score > max(self.scores.values()) + REFIT_MARGIN:
-                if isinstance(best.addition.part, Term):
-                    self._add(self._with_form(refit, best, totals[name] - best.gain))
-                else:
-                    self._add(self._with_effect(refit, best))
+            rival = nearly and (candidates[name].has_states or name in model.relaxing_effects)
+            through_time += rival
+            if score > max(self.scores.values()) + REFIT_MARGIN or (rival and through_time <= RIVALS):
+                self._add(self._with_effect(refit, best))
 
     def _extended(self, refit: Refitted, gain: Gain) -> Explanation:
-        """Return an explanation with an addition; terms that are errors of its form then are unknown no longer."""
-        more = refit.explanation.extended(gain.addition.name, gain.addition.part)
+        """Return an explanation with an addition, without terms that are errors of its form."""
+        more = refit.explanation.with_effect(gain.addition.name, gain.addition.form)
         errors = form_errors(more, self.shared.candidates, self.shared.problem.simulator.symbolic_model)
-        terms = [
-            replace(term, part=FORM) if errors.contain(term.location, term.depends_on) else term for term in more.terms
-        ]
-        return replace(more, terms=tuple(terms))
+        terms = tuple(term for term in more.terms if not errors.contain(term.location, term.depends_on))
+        return replace(more, terms=terms)
 
     def _with_effect(self, refit: Refitted, best: Gain) -> Refitted:
         """Refit an addition of an effect; coefficients of a grid are fitted, so that its points are one explanation."""
@@ -317,27 +298,6 @@ class _Table:
         explanation = self._extended(refit, best)
         begins = starts(simulator, refit.linear.solution, addition.form, best.estimate * addition.deviation)
         return refitted(self.shared, explanation, begins, simulator)
-
-    def _with_form(self, refit: Refitted, best: Gain, others: float) -> Refitted:
-        """Refit an error of form, and further terms of it while they gain.
-
-        `others`: logarithm of the evidence of all terms relative to that of the best one.
-        """
-        while True:
-            term = replace(best.addition.term, log_prior=best.log_prior + others)
-            explanation = refit.explanation.extended(FORM, term)
-            more = refitted(self.shared, explanation, [refit.linear.solution.parameters], refit.linear.simulator)
-            gained = more.evidence + more.explanation.log_prior - refit.evidence - refit.explanation.log_prior
-            number = len(explanation.terms_of(FORM))
-            if number > 1 and gained <= 0.0:
-                return refit
-            if number == TERMS:
-                return more
-            refit, others = more, 0.0
-            further = gains(refit.linear, self._possible(refit.linear)).get(FORM, [])
-            best = max(further, key=lambda form: form.gain, default=best)
-            if not further or best.gain <= 0.0:
-                return refit
 
 
 def _screen(refit: Refitted) -> Screen:
@@ -348,36 +308,20 @@ def _screen(refit: Refitted) -> Screen:
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """An addition with its prior odds, the increase of the logarithm of the evidence with these, and its estimate."""
+    """An addition with the increase of the logarithm of the evidence, prior odds included, and its estimate."""
 
     gain: float
     addition: Addition
-    log_prior: float
     estimate: FloatArray
 
 
 def gains(linear: Linearization, additions: Sequence[Addition]) -> dict[str, list[Gain]]:
-    """Return what could be added to an explanation, by name, with its gain in the linear problem.
-
-    Terms are errors of form: others are unknown, and those that an effect of the library reproduces are neither. All
-    terms share the prior odds of an error of form; an explanation with one has them already.
-    """
-    possible = [linear.named(addition) for addition in additions]
-    if not possible:
+    """Return what could be added to an explanation, by name, with its gain in the linear problem."""
+    if not additions:
         return {}
-    projected = Projected.of(linear.equations(possible), [len(addition.deviation) for addition in possible])
-    reproduced = np.zeros(len(projected.target), dtype=bool)
-    for addition, group in zip(possible, projected.groups, strict=True):
-        if not isinstance(addition.part, Term):
-            reproduced |= projected.correlations(group) > CONFOUNDED
-    scored, counts = dict[str, list[Gain]](), Counter(addition.name for addition in possible)
-    for addition, group in zip(possible, projected.groups, strict=True):
-        prior = addition.log_prior
-        if isinstance(addition.part, Term):
-            if addition.name == UNKNOWN or reproduced[group].any():
-                continue
-            odds = 1.0 if linear.explanation.terms_of(FORM) else UNKNOWN_ODDS
-            prior = float(np.log(odds / counts[FORM]))
+    projected = Projected.of(linear.equations(additions), [len(addition.deviation) for addition in additions])
+    scored = dict[str, list[Gain]]()
+    for addition, group in zip(additions, projected.groups, strict=True):
         gain, estimate = projected.gain(group)
-        scored.setdefault(addition.name, []).append(Gain(gain + prior, addition, prior, estimate))
+        scored.setdefault(addition.name, []).append(Gain(gain + addition.log_prior, addition, estimate))
     return scored

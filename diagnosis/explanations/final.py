@@ -24,7 +24,7 @@ from ..unexplained.formula_proposal import Added, Unknown, effect_of, unknown_of
 from ..unexplained.structure import Structure
 from .compare import Comparison
 from .effect_evidence import Evidence, effect_evidence
-from .explanation import UNKNOWN, Explanation
+from .explanation import Explanation
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -122,11 +122,10 @@ def _unknown(
     no_formula: str,
 ) -> tuple[tuple[Unknown, ...], Added | None]:  # fmt: skip
     """Return the report of the unknown component, and the model with its formula if possible."""
-    terms = comparison.leader.explanation.terms_of(UNKNOWN)
+    terms = comparison.leader.explanation.terms
     if not terms:
         return (), None
-    sizes = comparison.leader.term_sizes(UNKNOWN)
-    structure = Structure(terms[0].location, tuple(term.feature for term in terms), sizes)
+    structure = Structure(terms[0].location, tuple(term.feature for term in terms), comparison.leader.term_sizes)
     effect = effect_of(structure)
     report("adding the proposed formula to the model equations")
     added = no_formula or with_formula(structure, effect, start, problem, solution)

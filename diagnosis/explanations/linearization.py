@@ -20,7 +20,7 @@ from ..thresholds import EFFECT_ODDS, FORM_ERROR, PAST_ERROR
 from ..unexplained.features import CORE_INPUTS
 from .discrepancy import bench_errors, effect_discrepancy, envelope
 from .evidence import NormalEquations
-from .explanation import FORM, UNKNOWN, Explanation, Term
+from .explanation import UNKNOWN, Explanation
 from .terms import FormErrors, form_errors, unknown_terms
 
 FloatArray = npt.NDArray[np.float64]
@@ -29,12 +29,15 @@ FloatArray = npt.NDArray[np.float64]
 TERM = "term_"
 #: Factor between the memories of an effect of the past. Convention.
 OTHER_MEMORY = 3.0
+#: The form of what is no effect.
+NO_FORM = Form((), ())
 
 
 @dataclass(frozen=True, eq=False)
 class Addition:
-    """A form of an effect at a point of its grid, or a term of the unknown component, that could be added.
+    """A form of an effect at a point of its grid, or terms of the unknown component, that could be added.
 
+    - `form`: of an effect.
     - `columns`, shape (n_channels, n, k): change of the forces, N and N m.
     - `deviation`, shape (k,): of the priors of their coefficients.
     - `log_prior`: logarithm of the prior odds of the explanation with it.
@@ -42,23 +45,11 @@ class Addition:
     """
 
     name: str
-    part: Form | Term
     columns: FloatArray
     deviation: FloatArray
-    log_prior: float
+    form: Form = NO_FORM
+    log_prior: float = 0.0
     rows: FloatArray | None = None
-
-    @property
-    def form(self) -> Form:
-        """The form of an effect."""
-        assert isinstance(self.part, Form)
-        return self.part
-
-    @property
-    def term(self) -> Term:
-        """The term of an unknown component or of an error of form."""
-        assert isinstance(self.part, Term)
-        return self.part
 
     def weighted(self, problem: LeastSquares) -> Addition:
         """Return the addition with its columns in the noise standard deviations of a problem."""
@@ -311,40 +302,15 @@ class Linearization:
         return np.stack(columns, axis=-1), np.array(deviations)
 
     def additions(self) -> dict[str, list[Addition]]:
-        """Return what could be added to the explanation: effects that it lacks by name, and first terms."""
-        added = {name: self.of_effect(name) for name in self.candidates if name not in self.explanation.effects}
-        return added | {"": self.terms()}
+        """Return the effects that the explanation lacks, by name."""
+        return {name: self.of_effect(name) for name in self.candidates if name not in self.explanation.effects}
 
-    def terms(self) -> list[Addition]:
-        """Return the terms that an explanation could have."""
+    def unknown(self) -> Addition:
+        """Return all terms that an unknown component could have, features alone, as one addition."""
         terms = unknown_terms(self.problem, self.solution)
-        return [Addition("", term, term.column[:, :, None], np.array([term.deviation]), 0.0) for term in terms]
-
-    def named(self, addition: Addition) -> Addition:
-        """Return an addition with its name: terms in the inputs of the core and of the effects are errors of form.
-
-        An error of the form of an effect is small where the effect is.
-        """
-        part = addition.part
-        if not isinstance(part, Term):
-            return addition
-        if not self.form_errors.contain(part.location, part.depends_on):
-            return replace(addition, name=UNKNOWN, part=replace(part, part=UNKNOWN))
-        share = 1.0 if part.depends_on <= CORE_INPUTS else self._share_of_effects
-        return replace(
-            addition, name=FORM, deviation=share * addition.deviation,
-            part=replace(part, part=FORM, deviation=share * part.deviation),
-        )  # fmt: skip
-
-    @cached_property
-    def _share_of_effects(self) -> float:
-        """The size of the responses of all effects of the explanation, as a share of the measured forces."""
-        responses = sum((self._response(name) for name in self.explanation.effects), np.zeros_like(self.forces))
-        norms = [
-            float(np.linalg.norm(self.problem.inverse_noise * forces))
-            for forces in (responses, self.simulator.signals.measured)
-        ]
-        return max(norms[0] / norms[1], 1e-6)
+        return Addition(
+            UNKNOWN, np.stack([term.column for term in terms], axis=-1), np.array([term.deviation for term in terms])
+        )
 
     @cached_property
     def form_errors(self) -> FormErrors:
@@ -366,5 +332,5 @@ class Linearization:
             columns, deviation = self._probes(form)
             alone = [slice(0, None)] if form.scalable else [slice(i, i + 1) for i in range(len(deviation))]
             prior = float(np.log(EFFECT_ODDS / (len(points) * len(alone))))
-            added += [Addition(name, form, columns[:, :, probes], deviation[probes], prior) for probes in alone]
+            added += [Addition(name, columns[:, :, probes], deviation[probes], form, prior) for probes in alone]
         return added

@@ -18,7 +18,7 @@ from ..recording.simulation import Simulator
 from ..thresholds import DISCREPANCIES, MAX_SKEW, SEARCH_ROWS
 from .discrepancy import fast_drift, input_noise_responses, model_discrepancy
 from .evidence import NormalEquations, inflation, likelihood_power
-from .explanation import Explanation, Term
+from .explanation import Explanation
 from .linearization import TERM, Addition, Linearization
 
 FloatArray = npt.NDArray[np.float64]
@@ -61,13 +61,13 @@ class Refitted:
         """The explanation."""
         return self.linear.explanation
 
-    def term_sizes(self, part: str) -> tuple[float, ...]:
-        """Return the fitted coefficients of the terms of a part."""
+    @property
+    def term_sizes(self) -> tuple[float, ...]:
+        """The fitted coefficients of the terms of the unknown component."""
         named = dict(
             zip(self.linear.problem.disturbances.names, self.linear.solution.disturbance.tolist(), strict=True)
         )
-        terms = enumerate(self.explanation.terms)
-        return tuple(named[f"{TERM}{i}"] for i, term in terms if term.part == part)
+        return tuple(named[f"{TERM}{i}"] for i in range(len(self.explanation.terms)))
 
 
 def refitted(shared: Shared, explanation: Explanation, starts: Sequence[FloatArray], simulator: Simulator) -> Refitted:
@@ -120,18 +120,16 @@ def _evaluated(
     return Refitted(linear, evidence), estimate
 
 
-def shared_problem(
-    linear: Linearization, baseline: Solution, additions: Sequence[Addition], explained: float
-) -> Shared:
+def shared_problem(linear: Linearization, baseline: Solution, effects: Sequence[Addition], explained: float) -> Shared:
     """Return the common noise and discrepancy.
 
     The noise is what no combination of all columns explains, so that no explanation has an advantage by it. The
     deviation of each channel's discrepancy is that of the largest evidence.
 
     `linear`: at the leading explanation, with rows of independent noise. `baseline`: solution of the baseline model.
-    `additions`: to the leading explanation. `explained`: logarithm of the likelihood that the latter explains.
+    `effects`: that it lacks. `explained`: logarithm of the likelihood that it explains.
     """
-    problem, signals = linear.problem, linear.simulator.signals
+    problem, signals, additions = linear.problem, linear.simulator.signals, [*effects, linear.unknown()]
     drift, of_drift = fast_drift(signals, problem.inverse_noise)
     noise = input_noise_responses(problem.simulator, linear.solution.parameters)
     names = tuple(f"{BENCH}{i}" for i in range(len(of_drift) + noise.shape[-1]))
@@ -144,7 +142,6 @@ def shared_problem(
     size = _sizes(extended, saturated_residual(replace(linear, problem=extended), additions))
     extended = replace(extended, inverse_noise=extended.inverse_noise / size[:, None])
     noisy = _with_noise(extended, saturated_residual(replace(linear, problem=extended), additions), explained)
-    effects = [addition for addition in additions if not isinstance(addition.part, Term)]
     normal = replace(linear, problem=noisy).equations(effects)
     chosen = noisy.with_deviation(_best_deviation(normal, noisy.disturbances))
     of_terms = {name for name in chosen.disturbances.names if name.startswith(TERM)}  # of the leading explanation only

@@ -1,4 +1,4 @@
-"""Terms of explanations: features at locations of the model, and which of them are errors of form."""
+"""Terms of unknown components: features at locations of the model, and which of them are errors of form."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
     even, odd = features(signals, tire)
     acting = directions(simulator, solution.parameters)
     return [
-        Term("", location, feature, column, UNKNOWN_SHARE * size)
+        Term(location, feature, column, UNKNOWN_SHARE * size)
         for location in locations_of(simulator.symbolic_model)
         for feature in (even if location.how == "factor" else [*odd, *even])
         if determined(location, feature, signals, tire)
