@@ -265,24 +265,23 @@ class _Table:
     def _extend(self, refit: Refitted) -> None:
         """Compare an explanation with those that have one effect more; the best ones are refitted.
 
-        Others are from `REFIT_MARGIN` on. Rivals of the leading explanation also are if they are among the first
-        `RIVALS` effects that act through time: these are not linear in their coefficients.
+        Others are from `REFIT_MARGIN` on. In rivals of the leading explanation the first `RIVALS` effects also are if
+        they act through time: these are not linear in their coefficients.
         """
         candidates, model = refit.linear.candidates, refit.linear.simulator.symbolic_model
-        nearly = len(refit.explanation.parts) < len(self.leader.explanation.parts) or not self.leader.explanation.parts
+        parts = self.leader.explanation.parts
+        rivals = RIVALS if len(refit.explanation.parts) < len(parts) or not parts else 0
         base = self.scores[refit.explanation.parts]
         scored = gains(refit.linear, self._possible(refit.linear))
         totals = {name: float(np.logaddexp.reduce([form.gain for form in forms])) for name, forms in scored.items()}
-        through_time = 0
-        for name in sorted(totals, key=lambda part: -totals[part]):
+        for number, name in enumerate(sorted(totals, key=lambda part: -totals[part])):
             best = max(scored[name], key=lambda form: form.gain)
             parts, score = self._extended(refit, best).parts, base + totals[name]
             if parts in self.refits:
                 continue
             self.scores[parts] = max(score, self.scores.get(parts, -np.inf))
-            rival = nearly and (candidates[name].has_states or name in model.relaxing_effects)
-            through_time += rival
-            if score > max(self.scores.values()) + REFIT_MARGIN or (rival and through_time <= RIVALS):
+            rival = number < rivals and (candidates[name].has_states or name in model.relaxing_effects)
+            if rival or score > max(self.scores.values()) + REFIT_MARGIN:
                 self._add(self._with_effect(refit, best))
 
     def _extended(self, refit: Refitted, gain: Gain) -> Explanation:

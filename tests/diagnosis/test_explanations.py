@@ -11,9 +11,10 @@ from tirefmu.diagnosis.explanations.answer import answer_of
 from tirefmu.diagnosis.explanations.compare import compared
 from tirefmu.diagnosis.explanations.discrepancy import effect_discrepancy, model_discrepancy, smooth_functions
 from tirefmu.diagnosis.explanations.evidence import NormalEquations, Projected
-from tirefmu.diagnosis.explanations.explanation import FORM, UNKNOWN, Explanation, Term
+from tirefmu.diagnosis.explanations.explanation import UNKNOWN, Explanation, Term
 from tirefmu.diagnosis.explanations.linearization import Linearization
 from tirefmu.diagnosis.explanations.refit import shared_problem
+from tirefmu.diagnosis.explanations.terms import unknown_terms
 from tirefmu.diagnosis.probing.baseline_fit import fit_baseline
 from tirefmu.diagnosis.probing.candidates import candidates_for
 from tirefmu.diagnosis.recording.signals import signals_of
@@ -159,28 +160,33 @@ def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
 def test_terms_in_the_inputs_of_the_explanation_are_errors_of_form(at_true_values, tire):
     problem, solution = at_true_values.problem, at_true_values.solution
     candidates = candidates_for(replace(tire, effects=tuple(tire.has - {"camber_thrust"})))
-    parts = []
+    terms = unknown_terms(problem, solution)
+    assert all(np.isfinite(one.column).all() and one.deviation > 0.0 for one in terms)
+    errors = []
     for forms in ((), (("camber_thrust", candidates["camber_thrust"].forms[0]),)):
-        linear = Linearization(Explanation(forms), problem, solution, candidates)
-        terms = [linear.named(one) for one in linear.terms()]
-        assert all(np.isfinite(one.columns).all() and one.deviation[0] > 0.0 for one in terms)
-        parts.append({(one.part.location.name, one.part.feature.text): one.name for one in terms})
-    nothing, leaning = parts
-    assert nothing["friction", "Fz/FNOMIN - 1"] == nothing["side force", "5*tan(alpha)"] == FORM
-    assert nothing["friction", "10*absolute(gamma)"] == nothing["side force", "10*gamma"] == UNKNOWN
-    assert leaning["friction", "10*absolute(gamma)"] == leaning["side force", "10*gamma"] == FORM
-    assert leaning["friction", "slip of the last 1 s"] == UNKNOWN
+        of_form = Linearization(Explanation(forms), problem, solution, candidates).form_errors
+        errors.append(
+            {(one.location.name, one.feature.text): of_form.contain(one.location, one.depends_on) for one in terms}
+        )
+    nothing, leaning = errors
+    assert nothing["friction", "Fz/FNOMIN - 1"]
+    assert nothing["side force", "5*tan(alpha)"]
+    assert not nothing["friction", "10*absolute(gamma)"]
+    assert not nothing["side force", "10*gamma"]
+    assert leaning["friction", "10*absolute(gamma)"]
+    assert leaning["side force", "10*gamma"]
+    assert not leaning["friction", "slip of the last 1 s"]
 
 
-def test_an_explanation_without_an_effect_has_no_terms_of_a_part_that_is_gone():
-    place, feature = (None, None)
-    terms = tuple(Term(part, place, feature, np.zeros((1, 1)), 1.0, -2.0) for part in (FORM, UNKNOWN, UNKNOWN))
-    one = Explanation((("conicity", Form((), ())),), terms)
-    assert one.parts == ("conicity", FORM, UNKNOWN)
-    assert one.without(UNKNOWN).parts == ("conicity", FORM)
-    assert one.without("conicity").terms == terms
-    assert one.log_prior == pytest.approx(np.log(EFFECT_ODDS) - 6.0)
-    assert one.extended("plysteer", Form((), ())).effects == ("conicity", "plysteer")
+def test_an_explanation_without_a_part():
+    term = Term(None, None, np.zeros((1, 1)), 1.0, -2.0)
+    one = Explanation((("conicity", Form((), ())),), (term, term))
+    assert one.parts == ("conicity", UNKNOWN)
+    assert one.without(UNKNOWN).parts == ("conicity",)
+    assert one.without("conicity").terms == (term, term)
+    assert one.log_prior == pytest.approx(np.log(EFFECT_ODDS) - 4.0)
+    assert one.with_effect("plysteer", Form((), ())).effects == ("conicity", "plysteer")
+    assert one.with_term(term).terms == (term, term, term)
 
 
 # ------------------------------------------------------------------ the comparison
