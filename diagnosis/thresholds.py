@@ -104,7 +104,7 @@ FORM_ERROR, PAST_ERROR = 0.1, 1.0
 #: Prior standard deviations of the discrepancy of the model, as a share of the forces; the evidence selects one of them
 #: for each channel. Conventions.
 DISCREPANCIES = (0.002, 0.006, 0.02, 0.06)
-#: Number of effects that are refitted in place of each identified one if they act through time. Logarithm of the evidence
+#: Number of effects that are refitted in place of an identified one if they act through time. Logarithm of the evidence
 #: relative to the best explanation from which an addition is refitted: a twentieth. Conventions: computing time.
 RIVALS, REFIT_MARGIN = 3, -3.0
 #: Maximum number of rows of the comparison; iterations of the final fit. Conventions: computing time.
