@@ -15,7 +15,7 @@ import numpy.typing as npt
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
-from ..thresholds import CONFOUNDED, EFFECT_ODDS, REFIT_MARGIN, RIVALS, UNKNOWN_SHARE
+from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS, UNKNOWN_SHARE
 from ..unexplained.proposal import Dictionary
 from .answer import Answer, answer_of
 from .evidence import Projected, inflation
@@ -179,42 +179,59 @@ class _Table:
         self.compare()
 
     def _propose(self, refit: Refitted) -> None:
-        """Refit an explanation with the formula that explains most of what it does not.
+        """Compare an explanation with the formula that explains most of what it does not.
 
-        Terms at one location are added while the evidence grows; each is one of all that were tested.
+        An error of form is no unknown effect, nor is what an effect of the library reproduces.
         """
         parts = (*refit.explanation.parts, UNKNOWN)
         if parts in self.proposed:
             return
         self.proposed.add(parts)
         self.progress(f"searching for a formula in addition to {', '.join(parts[:-1]) or 'the baseline model'}")
+        formula, errors = self._without_idle_terms(self._formula(refit)), refit.linear.form_errors
+        terms = formula.explanation.terms
+        if all(errors.contain(term.location, term.depends_on) for term in terms):
+            return
+        columns = np.stack([term.column for term in terms], axis=-1)
+        if not self._reproduced(refit.linear, columns @ np.array(formula.term_sizes)):
+            self._add(formula)
+
+    def _formula(self, refit: Refitted) -> Refitted:
+        """Return a refit with terms at one location, which are added while the score grows.
+
+        Each is one of all that were tested. The first one is no error of form.
+        """
         dictionary, best, errors = Dictionary(_screen(refit)), refit, refit.linear.form_errors
         possible = [
             i
             for i, (location, feature) in enumerate(dictionary.terms)
             if not errors.contain(location, feature.depends_on.union(location.proportional_to))
         ]
-        chosen = list[int]()
-        while possible and len(chosen) < TERMS:
-            prior = float(np.log((1.0 if chosen else EFFECT_ODDS) / len(dictionary.terms)))
-            tried = dictionary.shortlisted(_screen(best), possible)
-            i, gain = self._best_term(best, dictionary, tried)
-            if gain + prior <= 0.0:
+        while possible and len(best.explanation.terms) < TERMS:
+            i, gain = self._best_term(best, dictionary, dictionary.shortlisted(_screen(best), possible))
+            explanation = best.explanation.with_term(self._term(dictionary, i))
+            if gain + explanation.log_prior <= best.explanation.log_prior:
                 break
-            term = self._term(dictionary, i, prior)
-            explanation = best.explanation.with_term(term)
             more = refitted(self.shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
-            if more.evidence + prior <= best.evidence:
+            if more.score <= best.score:
                 break
-            best, chosen = more, [*chosen, i]
-            possible = [
-                k for k, (at, _) in enumerate(dictionary.terms) if at == dictionary.terms[i][0] and k not in chosen
+            place, texts = dictionary.terms[i][0], {term.feature.text for term in explanation.terms}
+            possible = [k for k, (at, term) in enumerate(dictionary.terms) if at == place and term.text not in texts]
+            best = more
+        return best
+
+    def _without_idle_terms(self, best: Refitted) -> Refitted:
+        """Return the refit of a formula without the terms without which its score is larger."""
+        while len(best.explanation.terms) > 1:
+            fewer = [
+                refitted(self.shared, explanation, [best.linear.solution.parameters], best.linear.simulator)
+                for explanation in best.explanation.with_a_term_less()
             ]
-        if not chosen:
-            return
-        formula = np.stack([dictionary.column(i) for i in chosen], axis=-1)
-        if not self._reproduced(refit.linear, formula @ np.array(best.term_sizes)):
-            self._add(best)
+            other = max(fewer, key=lambda refit: refit.score)
+            if other.score <= best.score:
+                break
+            best = other
+        return best
 
     def _reproduced(self, linear: Linearization, change: FloatArray) -> bool:
         """Return whether an effect of the library reproduces a change of the forces, shape (n_channels, n)."""
@@ -226,16 +243,16 @@ class _Table:
 
     def _best_term(self, refit: Refitted, dictionary: Dictionary, tried: Sequence[int]) -> tuple[int, float]:
         """Return the term with the largest gain in the linear problem, and this gain."""
-        terms = [self._term(dictionary, i, 0.0) for i in tried]
+        terms = [self._term(dictionary, i) for i in tried]
         additions = [Addition(UNKNOWN, term.column[:, :, None], np.array([term.deviation])) for term in terms]
         projected = Projected.of(refit.linear.equations(additions), [1] * len(additions))
         gained = [projected.gain(group)[0] for group in projected.groups]
         return tried[int(np.argmax(gained))], max(gained)
 
-    def _term(self, dictionary: Dictionary, i: int, log_prior: float) -> Term:
+    def _term(self, dictionary: Dictionary, i: int) -> Term:
         (location, feature), column = dictionary.terms[i], dictionary.column(i)
         deviation = UNKNOWN_SHARE * relative_size(self.shared.problem, column)
-        return Term(location, feature, column, deviation, log_prior)
+        return Term(location, feature, column, deviation, -float(np.log(len(dictionary.terms))))
 
     def _near(self) -> list[tuple[str, ...]]:
         """Return the leading explanation, those with one part less, and those with nearly its score."""
@@ -245,9 +262,9 @@ class _Table:
         return list(dict.fromkeys([parts, *less, *sorted(near, key=lambda other: -self.scores[other])]))
 
     def _add(self, refit: Refitted) -> None:
-        parts, score = refit.explanation.parts, refit.evidence + refit.explanation.log_prior
-        if parts not in self.refits or score > self.scores[parts]:
-            self.refits[parts], self.scores[parts] = refit, score
+        parts = refit.explanation.parts
+        if parts not in self.refits or refit.score > self.scores[parts]:
+            self.refits[parts], self.scores[parts] = refit, refit.score
 
     def _reduce(self, refit: Refitted) -> None:
         """Refit an explanation without each of its parts."""

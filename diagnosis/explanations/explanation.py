@@ -24,7 +24,7 @@ class Term:
 
     - `column`, shape (n_channels, n): change of the forces per unit of its coefficient, N and N m.
     - `deviation`: prior standard deviation of the coefficient.
-    - `log_prior`: logarithm of its prior odds.
+    - `log_prior`: logarithm of its prior probability among all that were tested.
     """
 
     location: Location
@@ -63,7 +63,7 @@ class Explanation:
     @property
     def log_prior(self) -> float:
         """Logarithm of the prior odds."""
-        return len(self.forms) * float(np.log(EFFECT_ODDS)) + sum(term.log_prior for term in self.terms)
+        return len(self.parts) * float(np.log(EFFECT_ODDS)) + sum(term.log_prior for term in self.terms)
 
     def with_effect(self, name: str, form: Form) -> Explanation:
         """Return the explanation with an effect of a form."""
@@ -72,6 +72,10 @@ class Explanation:
     def with_term(self, term: Term) -> Explanation:
         """Return the explanation with a term of the unknown component."""
         return replace(self, terms=(*self.terms, term))
+
+    def with_a_term_less(self) -> list[Explanation]:
+        """Return the explanations that lack one of the terms."""
+        return [replace(self, terms=tuple(other for other in self.terms if other is not term)) for term in self.terms]
 
     def without(self, part: str) -> Explanation:
         """Return the explanation without an effect, or without the unknown component.

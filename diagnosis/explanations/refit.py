@@ -62,6 +62,11 @@ class Refitted:
         return self.linear.explanation
 
     @property
+    def score(self) -> float:
+        """Logarithm of the evidence with the prior odds."""
+        return self.evidence + self.explanation.log_prior
+
+    @property
     def term_sizes(self) -> tuple[float, ...]:
         """The fitted coefficients of the terms of the unknown component."""
         named = dict(

@@ -179,14 +179,15 @@ def test_terms_in_the_inputs_of_the_explanation_are_errors_of_form(at_true_value
 
 
 def test_an_explanation_without_a_part():
-    term = Term(None, None, np.zeros((1, 1)), 1.0, -2.0)
-    one = Explanation((("conicity", Form((), ())),), (term, term))
+    term, other = (Term(None, None, np.zeros((1, 1)), 1.0, -2.0) for _ in range(2))
+    one = Explanation((("conicity", Form((), ())),), (term, other))
     assert one.parts == ("conicity", UNKNOWN)
     assert one.without(UNKNOWN).parts == ("conicity",)
-    assert one.without("conicity").terms == (term, term)
-    assert one.log_prior == pytest.approx(np.log(EFFECT_ODDS) - 4.0)
+    assert one.without("conicity").terms == (term, other)
+    assert one.log_prior == pytest.approx(2.0 * np.log(EFFECT_ODDS) - 4.0)
+    assert [other.terms for other in one.with_a_term_less()] == [(other,), (term,)]
     assert one.with_effect("plysteer", Form((), ())).effects == ("conicity", "plysteer")
-    assert one.with_term(term).terms == (term, term, term)
+    assert one.with_term(term).terms == (term, other, term)
 
 
 # ------------------------------------------------------------------ the comparison
