@@ -39,7 +39,8 @@ OF_SIDE_FORCE = ("Mz", "Mx")
 def model_discrepancy(signals: Signals, forces: FloatArray) -> FloatArray:
     """Return the features of each channel, N and N m, shape (n_channels, n, k).
 
-    A moment may also have an even part, which does not change its sign with the side force.
+    A moment may also have an even part, which does not change its sign with the side force: it is in proportion to the
+    magnitude of the force in the plane of the road.
 
     `forces`, shape (n_channels, n): of the baseline model.
     """
@@ -47,10 +48,11 @@ def model_discrepancy(signals: Signals, forces: FloatArray) -> FloatArray:
     proportional, even = forces.copy(), np.zeros_like(forces)
     if "Fy" in signals.channels:
         side = signals.channels.index("Fy")
+        plane = np.hypot(forces[side], forces[signals.channels.index("Fx")] if "Fx" in signals.channels else 0.0)
         for i, name in enumerate(signals.channels):
             if name in OF_SIDE_FORCE:
                 proportional[i] = forces[side] * size[i] / max(size[side], 1e-12)
-                even[i] = np.abs(proportional[i])
+                even[i] = plane * size[i] / max(size[side], 1e-12)
     named = signals.named()
     functions = smooth_functions({name: named[name] for name in sorted(CORE_INPUTS)}, MODEL_FEATURES)
     columns = np.concatenate([_by_channel(rows, functions) for rows in (proportional, even)], axis=-1)
