@@ -6,6 +6,7 @@ quantity, so that it can be added to the model equations.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from tirefmu.tires.tire import Tire
 from ..probing.candidates import excited, varies
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
-from .past import Past, add_rates_and_memory
+from .past import Adding, Past, add_rates_and_memory
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -233,18 +234,10 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     has_speed = "V" in named and varies(signals, tire, "V") and "LONGVL" in nominal
     speed = np.abs(named["V"]) / nominal["LONGVL"] if has_speed else np.ones_like(load)
     add("Fz/FNOMIN - 1", "Fz", load - 1.0)
-    if "p" in named and "p" in signals.recorded and "NOMPRES" in nominal:
-        add("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
+    _add_conditions(add, signals, tire, named)
     if has_speed:
         add("5*absolute(tan(alpha))*absolute(V)/LONGVL", "alpha V", 5.0 * np.abs(np.tan(named["alpha"])) * speed)
         add("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
-    if "phit" in signals.recorded and "phit" in named:
-        add("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
-    if "T" in signals.recorded and "T" in named:
-        middle = round(float(named["T"].mean()))
-        add(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
-    if signals.timed and "distance" in named:
-        add("distance/1000", "distance", named["distance"] / 1000.0)
     if "gamma" in named:
         add("10*absolute(gamma)", "gamma", 10.0 * np.abs(named["gamma"]))
     add("5*absolute(tan(alpha))", "alpha", 5.0 * np.abs(np.tan(named["alpha"])))
@@ -263,3 +256,17 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     if signals.timed:
         add_rates_and_memory(add, signals.t, named)
     return even_ones, odd_ones
+
+
+def _add_conditions(add: Adding, signals: Signals, tire: Tire, named: Mapping[str, FloatArray]) -> None:
+    """Add features of the recorded operating conditions: pressure, turn slip, temperature, distance."""
+    nominal = tire.values
+    if "p" in named and "p" in signals.recorded and "NOMPRES" in nominal:
+        add("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
+    if "phit" in signals.recorded and "phit" in named:
+        add("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
+    if "T" in signals.recorded and "T" in named:
+        middle = round(float(named["T"].mean()))
+        add(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
+    if signals.timed and "distance" in named:
+        add("distance/1000", "distance", named["distance"] / 1000.0)

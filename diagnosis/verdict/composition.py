@@ -102,21 +102,14 @@ def composed(outcome: Outcome, began: float) -> Diagnosis:
     where_after = residual_maps(final)
     after = {name: errors["after"] for name, errors in delivery.errors["train"].items()}
     adequacy = adequacies(after, delivery.floors, where_after)
-    unknown = fits.unknown or _unidentified(adequacy, fits)
-    if against:
-        unknown = tuple(
-            replace(part, added=False, not_added_because=NOT_DELIVERED) if part.added else part for part in unknown
-        )
+    unknown = _unknown(fits, adequacy, delivered=not against)
     lacking = {name: candidate for name, candidate in outcome.candidates.items() if name not in fits.effects}
     tested = tried(fits.after, lacking)
     findings = _in_order(outcome, unknown, adequacy)
     confounded = confounded_with(outcome, tested)
     refined = tuple(f"{name}: {', '.join(form.free)}" for name, form in fits.refinements)
     detectable, not_identifiable = detectable_sizes(fits.after, lacking, tested, fits.start)
-    outliers = delivery.residuals.outlier_rows(signals.channels)
-    of_recording = _recording_errors(outcome, final) | {
-        "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
-    }  # fmt: skip
+    of_recording = _recording_errors(outcome, delivery)
     return Diagnosis(
         verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, of_recording),
         found=findings,
@@ -197,16 +190,30 @@ def _next_measurements(
     return tuple(dict.fromkeys([*separating, *(part.next_measurement for part in unknown if part.next_measurement)]))
 
 
-def _recording_errors(outcome: Outcome, final: Screen) -> dict[str, Any]:
+def _recording_errors(outcome: Outcome, delivery: _Delivery) -> dict[str, Any]:
     """Return the errors of the recording as estimated with the delivered tire, and what the baseline tire removes."""
-    before = outcome.final.before
+    before, final = outcome.final.before, delivery.final
     problem, solution = final.problem, final.solution
     errors = recording_errors(
         outcome.recording, final.signals, problem.disturbances, solution.disturbance, solution.residual,
         outcome.final.start,
     )  # fmt: skip
     base = reported_disturbances(before.problem.disturbances, before.solution.disturbance, before.signals)
-    return errors | {f"{key}_base": base[key] for key in ("removed", "cross_talk", "periodic")}
+    outliers = delivery.residuals.outlier_rows(final.signals.channels)
+    return {
+        **errors,
+        **{f"{key}_base": base[key] for key in ("removed", "cross_talk", "periodic")},
+        "outlier_rows": outliers,
+        "outliers": {name: len(rows) for name, rows in outliers.items()},
+    }
+
+
+def _unknown(fits: Final, adequacy: tuple[Adequacy, ...], *, delivered: bool) -> tuple[Unknown, ...]:
+    """Return the unknown component, or that there is one if a channel is far above its noise floor."""
+    parts = fits.unknown or _unidentified(adequacy, fits)
+    if delivered:
+        return parts
+    return tuple(replace(part, added=False, not_added_because=NOT_DELIVERED) if part.added else part for part in parts)
 
 
 def _unidentified(adequacy: tuple[Adequacy, ...], fits: Final) -> tuple[Unknown, ...]:

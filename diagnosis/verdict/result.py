@@ -22,7 +22,16 @@ from ..explanations.answer import Answer
 from ..explanations.effect_evidence import Evidence
 from ..unexplained.formula_proposal import Unknown
 from .adequacy import Adequacy
-from .content import VERSION, DiagnosisContent
+from .content import (
+    VERSION,
+    AdequacyContent,
+    DiagnosisContent,
+    EvidenceContent,
+    ExtrapolationContent,
+    FoundContent,
+    Size,
+    UnknownContent,
+)
 from .extrapolation import Extrapolation
 from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
@@ -215,92 +224,32 @@ class Diagnosis:
         dict
             JSON types only; a number that does not exist is null.
         """
-        content: DiagnosisContent = {
-            "version": VERSION,
-            "verdict": self.verdict,
-            "found": [
-                {
-                    "effect": finding.effect,
-                    "probability": finding.probability,
-                    "channels": finding.channels,
-                    "coefficients": finding.coefficients,
-                    "p": finding.p,
-                    "cv_gain": finding.cv_gain,
-                    "cv_gain_se": finding.cv_gain_se,
-                    "when": finding.when,
-                    "size": {name: {"rms": rms, "largest": largest} for name, (rms, largest) in finding.size.items()},
-                }
-                for finding in self.found
-            ],
-            "explanations": self.answer.reported,
-            "probabilities": self.answer.probabilities,
-            "confounded_with": {
+        content = _content(
+            DiagnosisContent,
+            self,
+            version=VERSION,
+            found=[_content(FoundContent, finding, size=_sizes(finding)) for finding in self.found],
+            explanations=self.answer.reported,
+            probabilities=self.answer.probabilities,
+            confounded_with={
                 name: sorted(others, key=lambda x: -others[x]) for name, others in self.confounded_with.items()
             },
-            "correlation": self.confounded_with,
-            "next_measurement": self.next_measurement,
-            "unknown": [
-                {
-                    "depends_on": part.depends_on,
-                    "formula": part.formula,
-                    "added": part.added,
-                    "file": f"{part.effect.name}.toml" if part.effect else None,
-                    "not_added_because": part.not_added_because,
-                }
+            correlation=self.confounded_with,
+            unknown=[
+                _content(UnknownContent, part, file=f"{part.effect.name}.toml" if part.effect else None)
                 for part in self.unknown
             ],
-            "not_identifiable": sorted(self.not_identifiable),
-            "not_identifiable_because": self.not_identifiable,
-            "refined": self.refined,
-            "gap": self.gap,
-            "adequacy": {
-                rated.channel: {
-                    "ratio": rated.ratio,
-                    "residual": rated.residual,
-                    "floor": rated.floor,
-                    "adequate": rated.adequate,
-                    "where": rated.location,
-                    "memory": rated.memory,
-                }
-                for rated in self.adequacy
-            },
-            "delivered": self.delivered,
-            "not_delivered_because": self.not_delivered_because,
-            "confirmed": {
-                name: {
-                    "z": evidence.z,
-                    "stretches": evidence.stretches,
-                    "holdout_gain": evidence.holdout_gain,
-                    "holdout_error": evidence.holdout_error,
-                }
-                for name, evidence in self.evidence.items()
-            },
-            "detectable": self.detectable,
-            "where": self.where,
-            "where_after": self.where_after,
-            "time_course": self.time_course,
-            "recording": self.recording,
-            "extrapolation": [
-                {
-                    "effect": extrapolated.effect,
-                    "input": extrapolated.input,
-                    "lower": extrapolated.lower,
-                    "upper": extrapolated.upper,
-                    "change": extrapolated.change,
-                    "channel": extrapolated.channel,
-                    "doubtful": extrapolated.doubtful,
-                }
-                for extrapolated in self.extrapolation
-            ],
-            "holdout_rows": self.holdout_rows,
-            "signs": self.signs,
-            "recording_signs": self.recording_signs,
-            "tire": tire,
-            "fmu": fmu,
-            "base_tire": base_tire,
-            "base_fmu": base_fmu,
-            "seconds": round(self.seconds, 2),
-        }
+            not_identifiable=sorted(self.not_identifiable),
+            not_identifiable_because=self.not_identifiable,
+            adequacy={rated.channel: _content(AdequacyContent, rated, where=rated.location) for rated in self.adequacy},
+            confirmed={name: _content(EvidenceContent, evidence) for name, evidence in self.evidence.items()},
+            extrapolation=[_content(ExtrapolationContent, part) for part in self.extrapolation],
+            tire=tire,
+            fmu=fmu,
+            base_tire=base_tire,
+            base_fmu=base_fmu,
+            seconds=round(self.seconds, 2),
+        )
         return dict(json_value(content))
 
     def save(self, folder: str | Path) -> Path:
@@ -332,6 +281,19 @@ class Diagnosis:
         except OSError as error:
             raise DataError(f"{path}: cannot be written ({error.strerror or error})") from None
         return path / "diagnosis.json"
+
+
+def _content(kind: type, result: object, **others: Any) -> dict[str, Any]:
+    """Return the keys of a typed dictionary with other values, or the attributes of a result of the same names."""
+    return {
+        key: others.get(key, getattr(result, key, None))
+        for key in kind.__annotations__
+        if key in others or hasattr(result, key)
+    }
+
+
+def _sizes(finding: Finding) -> dict[str, Size]:
+    return {name: {"rms": rms, "largest": largest} for name, (rms, largest) in finding.size.items()}
 
 
 def _mirrored_map(shown: dict[str, Any]) -> dict[str, Any]:
