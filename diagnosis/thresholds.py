@@ -27,8 +27,6 @@ from tirefmu.measurements.virtual_bench.bench_errors import MAX_SKEW as MAX_SKEW
 MIN_ROWS = 200
 #: Maximum number of compared rows; of longer recordings every n-th row is compared. Convention: computing time.
 MAX_ROWS = 6000
-#: Share of nominal load above which a row is compared; below it the tire is lifted. Not recorded.
-MIN_LOAD = 0.02
 #: In time steps: a longer step is a gap in time, which separates segments of smoothing. Not recorded.
 TIME_GAP = 5.0
 #: Length of a time block, s; longer than the modelled correlation (`MAX_CORRELATION_TIME`). Not recorded.
@@ -40,25 +38,25 @@ MIN_BLOCKS, MAX_BLOCKS = 12, 60
 MIN_MEASURED_BLOCKS = 8
 #: Every n-th block is in the hold-out set, which no fit uses. Convention.
 HOLDOUT_EVERY = 8
-#: Longitudinal slip, 1. Below it Fx contains drag and offset only, as its peak is near 0.1. Not recorded.
-MIN_KAPPA = 0.004
-#: Prior standard deviations of offset (practically free) and drift, in noise standard deviations. Not recorded.
-OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
+#: Prior standard deviation of what is practically free: an offset in noise standard deviations, an effect in the linear
+#: test in probe sizes. Convention.
+FREE_PRIOR = 20.0
+#: Prior standard deviation of drift, in noise standard deviations. Not recorded.
+DRIFT_PRIOR = 1.0
 #: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
 #: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
 FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
 #: Prior standard deviation of the relative error of the load that follows the direction of slip: benches hold the load
 #: within 1 %. More is attributed to the tire. Convention.
 LOAD_ERROR_PRIOR = 0.005
-#: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load or speed. Not recorded,
-#: except the last one, a convention: a bench holds a constant speed within 1 %.
+#: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load or speed. Below this load
+#: the tire is lifted; with less slip Fx has no curve. Not recorded, except the last one, a convention: a bench holds a
+#: constant speed within 1 %.
 MIN_VARIATION: Mapping[str, float] = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02, "V": 0.05}
 #: The same in standard deviations of the input's noise. Not recorded.
 MIN_VARIATION_IN_NOISE = 4.0
-
-#: Share of the rows in which all slips and angles of an effect deviate from zero by half of their minimum range.
-#: Derived: about 2 % of the rows is one of 50 blocks, the least that a jackknife over blocks can omit.
-MIN_JOINT_SHARE = 0.02
+#: Slip at which a smooth sign of it has three quarters of its size, 1 or rad. Convention.
+SIDE = 0.02
 
 # ------------------------------------------------------------------ the baseline fit and the probes
 
@@ -66,18 +64,14 @@ MIN_JOINT_SHARE = 0.02
 OUTLIER = 7.0
 #: Rows over which the short-range residual is centred. Not recorded.
 LOCAL_ROWS = 15
-#: Prior standard deviation of an effect in the linear test, in probe sizes: practically free. Convention.
-PROBE_PRIOR = 20.0
 #: Longest lag of the noise covariance in the test, s; the block jackknife covers longer correlations. Not recorded.
 MAX_CORRELATION_TIME = 1.0
 #: Minimum number of rows of a block, or half the median of all blocks if that is smaller. Not recorded; the half is
 #: derived: blocks are intervals of time, and a recording with few rows per second has no blocks of 20 rows.
 MIN_ROWS_OF_BLOCK = 20
-#: Share of a response's norm that is orthogonal to the baseline's tangent space; with less it is not tested. Derived:
-#: the standard error is then 50 times that of the response alone.
-MIN_INDEPENDENT_SHARE = 0.02
-#: The same for an effect's first form; with less it is reported as not identifiable. Convention.
-NOT_IDENTIFIABLE = 0.05
+#: Share of a response's norm that is orthogonal to the baseline's tangent space; with less it is not tested, and an
+#: effect is not identifiable. Derived: the standard error is then 20 times that of the response alone.
+MIN_INDEPENDENT_SHARE = 1.0 / FREE_PRIOR
 #: Correlation from which two explanations are confounded, and from which the other one is reported. Pairs that are
 #: confounded by design had 0.80 to 1 in an independent study; the lower value is not recorded.
 CONFOUNDED, REPORTED = 0.8, 0.7

@@ -12,15 +12,13 @@ from scipy.special import chdtrc, ndtri
 from tirefmu.estimation.block_regression import error_of_sum
 
 from ..probing.effect_probing import Screen
-from ..thresholds import STRETCHES
+from ..thresholds import FINAL_ITERATIONS, STRETCHES
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 #: Probability below which the estimate over its standard error is used as it is: quantiles end at 1e-308.
 MIN_P = 1e-260
-#: Iterations of the fit without an effect.
-ITERATIONS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +84,7 @@ def effect_evidence(after: Screen, coefficients: Collection[str]) -> Evidence:
     indices = [simulator.index[name] for name in coefficients]
     removed = solution.parameters.copy()
     removed[indices] = simulator.tire.parameters()[indices]
-    without = problem.solve_without(solution, coefficients, iterations=ITERATIONS)
+    without = problem.solve_without(solution, coefficients, iterations=FINAL_ITERATIONS)
     screen = Screen(problem, without)
     # In the linear case the change by the effect alone, but right, too, if the other coefficients follow nonlinearly.
     columns = problem.weighted(without.residual - solution.residual)[:, :, None]

@@ -13,7 +13,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
 from ..recording.signals import Signals
-from ..thresholds import MIN_JOINT_SHARE, MIN_VARIATION, MIN_VARIATION_IN_NOISE
+from ..thresholds import MAX_BLOCKS, MIN_VARIATION, MIN_VARIATION_IN_NOISE
 
 #: Inputs whose common deviation from zero an effect of two of them requires.
 SLIPS = ("kappa", "alpha", "gamma", "phit")
@@ -193,7 +193,7 @@ def excited(signals: Signals, tire: Tire, names: Sequence[str]) -> bool:
         return True
     named = signals.named()
     away = [np.abs(named[name]) > 0.5 * _least_variation(signals, tire, name) for name in inputs]
-    return float(np.mean(np.all(away, axis=0))) > MIN_JOINT_SHARE
+    return float(np.mean(np.all(away, axis=0))) > 1.0 / MAX_BLOCKS  # one block, the least that can be left out
 
 
 def varies(signals: Signals, tire: Tire, name: str) -> bool:

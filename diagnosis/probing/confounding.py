@@ -10,7 +10,7 @@ import numpy.typing as npt
 from tirefmu.symbolic.detection import Detection
 
 from ..recording.skew import delay_response
-from ..thresholds import MIN_SHARE
+from ..thresholds import MIN_SHARE, SIDE
 from .effect_probing import Screen
 
 FloatArray = npt.NDArray[np.float64]
@@ -31,8 +31,6 @@ FRICTION_ALIASES: Mapping[str, tuple[str, str]] = {
 #: All explanations that are no effects; the last one is reported where the temperature was not recorded.
 SKEW_OF_FORCES, UNRECORDED_TEMPERATURE = "skew_of_forces", "unrecorded_temperature"
 EXPLANATIONS = (*ALIASES, *FRICTION_ALIASES, SKEW_OF_FORCES, UNRECORDED_TEMPERATURE)
-#: The slip at which such a difference has three quarters of its size, 1 or rad.
-FRICTION_ALIAS_SLIP = 0.02
 
 
 def alias_columns(screen: Screen) -> dict[str, FloatArray]:
@@ -50,7 +48,7 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
         leading = simulator.symbolic_model.leading(role)
         if slip in named and leading in simulator.index:
             response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
-            changes[name] = response * np.tanh(named[slip] / FRICTION_ALIAS_SLIP)
+            changes[name] = response * np.tanh(named[slip] / SIDE)
     if problem.simulator.signals.timed:
         changes[SKEW_OF_FORCES] = delay_response(simulator, parameters)
     return {name: (problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}

@@ -22,7 +22,7 @@ from tirefmu.symbolic.detection import Form, Probe
 
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
-from ..thresholds import MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK, PROBE_PRIOR
+from ..thresholds import FREE_PRIOR, MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK
 from .baseline_fit import readable
 from .candidates import Candidate, counts_from_neutral, is_testable
 
@@ -165,7 +165,7 @@ class Screen:
             )
         sums = self._extended(columns)
         q = self.tangent.shape[-1]
-        prior = np.concatenate([self.prior_precision, np.full(k, PROBE_PRIOR**-2.0)])
+        prior = np.concatenate([self.prior_precision, np.full(k, FREE_PRIOR**-2.0)])
         fit = regression(sums, prior, np.concatenate([self.prior_gradient, np.zeros(k)]))
         inner = fit.inverse[q:, q:]
         coloured = inner @ coloured_covariance(free, self.covariance) @ inner

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from tirefmu.estimation.periodic_lines import PeriodicLine
 from tirefmu.measurements.virtual_bench.bench_errors import cross_talk, half_waves
 
-from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, MAX_CROSS_TALK, OFFSET_PRIOR
+from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, FREE_PRIOR, MAX_CROSS_TALK
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
@@ -90,7 +90,7 @@ class Disturbances:
                 column[i] = wave
                 names.append(f"wave{number}_{part}_{channel}")
                 columns.append(column)
-                deviation.append(OFFSET_PRIOR * noise[i])
+                deviation.append(FREE_PRIOR * noise[i])
         extended = self.with_columns(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
         return replace(extended, lines=(*self.lines, line))
 
@@ -133,7 +133,7 @@ def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Distu
             column[i] = wave
             names.append(f"{_slow_name(k)}_{channel}")
             columns.append(column)
-            deviation.append(noise[i] * (OFFSET_PRIOR if k == 0 else DRIFT_PRIOR))
+            deviation.append(noise[i] * (FREE_PRIOR if k == 0 else DRIFT_PRIOR))
     for pair, target, change in cross_talk(signals.channels, signals.measured, radius):
         column = np.zeros((n_channels, n))
         column[target] = change

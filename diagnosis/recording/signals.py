@@ -27,11 +27,10 @@ from ..thresholds import (
     MAX_BLOCKS,
     MAX_ROWS,
     MIN_BLOCKS,
-    MIN_KAPPA,
-    MIN_LOAD,
     MIN_MEASURED_BLOCKS,
     MIN_ROWS,
     MIN_ROWS_OF_BLOCK,
+    MIN_VARIATION,
     TIME_GAP,
 )
 
@@ -182,12 +181,12 @@ def signals_of(
     inputs = np.stack([columns[name] for name in names])
     channels = tuple(name for name in OUTPUTS if name in given and name in outputs and given[name].notna().any())
     excluded = {}
-    if len(channels) > 1 and "Fx" in channels and np.abs(smoothed["kappa"]).max() < MIN_KAPPA:
+    if len(channels) > 1 and "Fx" in channels and np.ptp(smoothed["kappa"]) < MIN_VARIATION["kappa"]:
         excluded["Fx"] = "kappa is always 0, so the channel contains no slip curve"
         channels = tuple(name for name in channels if name != "Fx")
     if not channels:
         raise DataError(f"the recording has no measured output: one of {', '.join(outputs)} is needed")
-    loaded = np.flatnonzero(smoothed["Fz"] > MIN_LOAD * tire.values["FNOMIN"])
+    loaded = np.flatnonzero(smoothed["Fz"] > MIN_VARIATION["Fz"] * tire.values["FNOMIN"])
     rows = loaded[:: max(1, -(-len(loaded) // MAX_ROWS))]
     if len(rows) < MIN_ROWS:
         raise DataError(f"the recording has {len(rows)} rows under load: a diagnosis needs at least {MIN_ROWS}")

@@ -12,13 +12,14 @@ from tirefmu.tires.drawing.labels import axis_label, drawn_unit, per_si
 from tirefmu.tires.drawing.style import BLACK, BLUE, DASHED, RED, SOLID
 from tirefmu.tires.tire import Tire
 
+from ..thresholds import MIN_ROWS_OF_CELL
 from ..verdict.result import Diagnosis
 from .curves_figure import coincide
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Intervals of slip whose means are drawn, and the least number of rows of an interval: of a residual and of a force.
-INTERVALS, MIN_ROWS, MIN_ROWS_OF_FORCE = 24, 10, 2
+#: Intervals of slip whose means are drawn, and the minimum number of rows of an interval of a force.
+INTERVALS, MIN_ROWS_OF_FORCE = 24, 2
 #: Distance from the most frequent load of the rows whose force is drawn, as a share of the nominal load.
 LOAD_BAND = 0.08
 #: Directions of slip: label, sign of the growth, color, marker and dashes.
@@ -101,7 +102,7 @@ def _residual_panel(diagnosis: Diagnosis, computed: FloatArray, channel: str, sl
     residual = diagnosis.rows[channel].to_numpy(dtype=np.float64) - computed
     series = []
     for label, direction, color, marker, dashes in DIRECTIONS:
-        x, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool), MIN_ROWS)
+        x, mean = _means(diagnosis, residual, slip, direction, np.ones(len(residual), dtype=bool), MIN_ROWS_OF_CELL)
         series.append(Series("line", x, mean, color, label, dashes, marker, size=1.2))
     y = f"mean residual of {channel} ({drawn_unit(channel)})"
     return Panel(axis_label(slip), y, tuple(series), title, across=(0.0,), y_axis="residual", height=2.4)

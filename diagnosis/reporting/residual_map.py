@@ -19,9 +19,10 @@ from tirefmu.tires.drawing.labels import axis_label, drawn_unit, note, per_si
 from tirefmu.tires.drawing.style import BLACK
 from tirefmu.tires.tire import Tire
 
+from ..thresholds import MIN_ROWS_OF_CELL
+
 FloatArray = npt.NDArray[np.float64]
 
-MIN_ROWS_OF_BIN = 10  # for a bin to be the worst one
 _MAX_NUMBERS = 200  # cells with numbers; in more cells the numbers would be too small to read
 
 
@@ -103,7 +104,7 @@ class ResidualMap:
 
     @property
     def _worst(self) -> tuple[int, int]:
-        enough = self.counts >= min(MIN_ROWS_OF_BIN, int(self.counts.max()))
+        enough = self.counts >= min(MIN_ROWS_OF_CELL, int(self.counts.max()))
         i, j = np.unravel_index(np.argmax(np.where(enough, np.abs(self.mean), -1.0)), self.mean.shape)
         return int(i), int(j)
 
@@ -258,7 +259,7 @@ def residual_map_figure(maps: Sequence[tuple[str, ResidualMap]]) -> Figure:
     channel, signs = maps[0][1].channel, maps[0][1].signs
     limit = max(shown.largest_mean for _, shown in maps) or 1.0
     text = (
-        f"numbers: rows in the bin; gray: no data; frame: largest mean of the bins with {MIN_ROWS_OF_BIN} rows or more"
+        f"numbers: rows in the bin; gray: no data; frame: largest mean of the bins with {MIN_ROWS_OF_CELL} rows or more"
     )
     panels = tuple(_map_panel(title, shown, limit) for title, shown in maps)
     return Figure("residual_map", f"Residual of {channel}", (panels,), note(signs, text))

@@ -16,12 +16,12 @@ from scipy.ndimage import uniform_filter1d
 
 from tirefmu.tires.transient import recursion
 
+from ..thresholds import SIDE
+
 FloatArray = npt.NDArray[np.float64]
 
 #: Time constant of the lag whose difference from its input replaces a rate, s.
 RATE_LAG = 0.1
-#: Slip at which its sign has three quarters of its size, 1 or rad.
-SIDE = 0.02
 #: The states of proposed effects by name, which no effect of the library has: the keys of their tables in an effect
 #: file. Each stands behind those that it reads.
 #: Length and widths are those with which a diagnosis starts the effects of the library.

@@ -12,7 +12,7 @@ from tirefmu.tires.tire import Tire
 
 from ..probing.candidates import CHANNELS, Candidate, excited, rows_per_second, varies
 from ..probing.effect_probing import Screen, Tried
-from ..thresholds import EFFECT_P, NOT_IDENTIFIABLE
+from ..thresholds import EFFECT_P, MIN_INDEPENDENT_SHARE
 
 
 def detectable_sizes(
@@ -58,7 +58,7 @@ def detectable_sizes(
             not_identifiable[name] = f"{' and '.join(candidate.requires)} do not vary simultaneously"
         elif not responses or not set(candidate.channels) & set(signals.channels):
             not_identifiable[name] = f"it changes {', '.join(candidate.channels)} only, which was not recorded"
-        elif responses[0].independent_share < NOT_IDENTIFIABLE:
+        elif responses[0].independent_share < MIN_INDEPENDENT_SHARE:
             not_identifiable[name] = "it is confounded with coefficients of the baseline model in this recording"
         else:
             response = responses[0]
