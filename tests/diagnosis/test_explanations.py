@@ -142,6 +142,10 @@ def test_discrepancies_are_proportional_to_what_they_belong_to(at_true_values):
     of_effect = effect_discrepancy(response, {"Fz": simulator.signals.named()["Fz"]})
     assert not of_effect[[0, 2]].any()
     assert of_effect[1].any()
+    without_fy = forces.copy()
+    without_fy[simulator.signals.channels.index("Fy")] = 0.0
+    of_moment = model_discrepancy(simulator.signals, without_fy)[simulator.signals.channels.index("Mz")]
+    assert of_moment.any()  # Fx, too, may act beside the center
 
 
 def test_a_coefficient_at_its_bound_is_a_constant(at_true_values, tire):
@@ -212,6 +216,18 @@ def test_noise_alone_has_neither_an_effect_nor_a_formula():
     comparison = compared(*of_case(()), lambda sentence: None)
     assert comparison.leader.explanation.effects == ()
     assert max(comparison.answer.probabilities.values()) < 0.1
+
+
+def test_an_error_of_the_form_of_a_moment_is_no_effect():
+    problem, solution, candidates = of_case(())
+    signals, values = problem.simulator.signals, problem.simulator.tire.values
+    named, measured = signals.named(), signals.measured.copy()
+    slip = np.hypot(np.tan(named["alpha"]), named["kappa"])
+    measured[signals.channels.index("Mz")] += 0.02 * slip * named["Fz"] * values["UNLOADED_RADIUS"]
+    moved = problem.over(problem.simulator.with_signals(replace(signals, measured=measured)))
+    fitted = moved.solve(solution.parameters, solution.free)
+    comparison = compared(moved, fitted, candidates, lambda sentence: None)
+    assert comparison.leader.explanation.parts == ()
 
 
 def test_the_best_explanation_is_the_true_one(sideways):
