@@ -15,14 +15,14 @@ import numpy.typing as npt
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen, starts
-from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS, UNKNOWN_SHARE
+from ..thresholds import CONFOUNDED, REFIT_MARGIN, RIVALS
 from ..unexplained.proposal import Dictionary
 from .answer import Answer, answer_of
 from .evidence import Projected, inflation
 from .explanation import UNKNOWN, Explanation, Term
 from .linearization import Addition, Linearization
 from .refit import Refitted, Shared, refitted, shared_problem, some_rows, with_terms
-from .terms import form_errors, relative_size
+from .terms import form_errors, prior_deviation
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -251,7 +251,7 @@ class _Table:
 
     def _term(self, dictionary: Dictionary, i: int) -> Term:
         (location, feature), column = dictionary.terms[i], dictionary.column(i)
-        deviation = UNKNOWN_SHARE * relative_size(self.shared.problem, column)
+        deviation = prior_deviation(self.shared.problem, column)
         return Term(location, feature, column, deviation, -float(np.log(len(dictionary.terms))))
 
     def _near(self) -> list[tuple[str, ...]]:

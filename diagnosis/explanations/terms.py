@@ -66,18 +66,28 @@ def unknown_terms(problem: LeastSquares, solution: Solution) -> list[Term]:
     even, odd = features(signals, tire)
     acting = directions(simulator, solution.parameters)
     return [
-        Term(location, feature, column, UNKNOWN_SHARE * size)
+        Term(location, feature, column, deviation)
         for location in locations_of(simulator.symbolic_model)
         for feature in (even if location.how == "factor" else [*odd, *even])
         if determined(location, feature, signals, tire)
         for column in [acting[location.name] * feature.values]
-        if np.isfinite(size := relative_size(problem, column))
+        if (deviation := prior_deviation(problem, column)) > 0.0
     ]
 
 
-def relative_size(problem: LeastSquares, column: FloatArray) -> float:
-    """Return the size of the measured forces as a multiple of a column; infinite if the column is zero."""
+def prior_deviation(problem: LeastSquares, column: FloatArray) -> float:
+    """Return the prior standard deviation of the coefficient of a term; 0 if its column is zero.
+
+    The term is then `UNKNOWN_SHARE` of the measured forces. The deviation is at most 1, as a feature is of order 1 in
+    normal operation: a recording of small slips does not make larger coefficients plausible.
+
+    >>> from types import SimpleNamespace
+    >>> signals = SimpleNamespace(measured=np.full((1, 4), 100.0))
+    >>> problem = SimpleNamespace(inverse_noise=np.ones((1, 4)), simulator=SimpleNamespace(signals=signals))
+    >>> [prior_deviation(problem, np.full((1, 4), size)) for size in (20.0, 1.0, 0.0)]
+    [0.5, 1.0, 0.0]
+    """
     measured, of_column = (
         float(np.linalg.norm(problem.inverse_noise * forces)) for forces in (problem.simulator.signals.measured, column)
     )
-    return measured / of_column if of_column > 0.0 else np.inf
+    return min(UNKNOWN_SHARE * measured / of_column, 1.0) if of_column > 0.0 else 0.0
