@@ -168,14 +168,19 @@ class _Table:
             self.expanded.add(remaining[0])
 
     def propose(self) -> None:
-        """Compare formulas for what the leading explanation, those with one part less, and none of them explain."""
+        """Compare formulas for what the leading explanation, those with one part less, and none of them explain.
+
+        The smallest explanation is the first one. Where another one leads then, the noise is to be estimated again.
+        """
         leader = self.leader
         if UNKNOWN in leader.explanation.parts:
             return
         self._reduce(leader)
         less = [leader.explanation.without(part).parts for part in leader.explanation.effects]
-        for parts in dict.fromkeys([leader.explanation.parts, *less, ()]):
+        for parts in dict.fromkeys([(), *less, leader.explanation.parts]):
             self._propose(self.refits[parts])
+            if self.leader is not leader:
+                break
         self.compare()
 
     def _propose(self, refit: Refitted) -> None:
