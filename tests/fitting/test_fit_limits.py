@@ -7,7 +7,7 @@ from math import inf
 
 import pytest
 
-from tirefmu.boundary.errors import FitError, UnknownName
+from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps
 from tirefmu.symbolic.models import model_named
@@ -86,20 +86,13 @@ def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, 
 def test_invalid_arguments_give_a_message_of_one_line(known, make):
     recording = make.sideways(known)
     cases = [
-        (UnknownName, "'camber_trust': did you mean camber_thrust", {"without": ["camber_trust"]}),
-        (FitError, "nominal Fz0 = -1 is not positive", {"nominal": {"Fz0": -1.0}}),
-        (FitError, "nominal Fz0 = nan is not positive", {"nominal": {"Fz0": float("nan")}}),
-        (
-            FitError,
-            "nominal Fz0 = inf N is far from the median of Fz, 650 N: in another unit?",
-            {"nominal": {"Fz0": inf}},
-        ),
-        (FitError, "nominal Fz0 = 0.7 N is far from the median of Fz", {"nominal": {"Fz0": 0.7}}),
-        (FitError, "nominal R0 = 230 m is outside 0.01 .. 3 m: in another unit?", {"nominal": {"R0": 230.0}}),
-        (FitError, "nominal p0 = 80 Pa is far from the median of p", {"model": "mf61", "nominal": {"p0": 80.0}}),
+        ("nominal Fz0 = nan is not positive", {"nominal": {"Fz0": float("nan")}}),
+        ("nominal Fz0 = inf N is far from the median of Fz, 650 N: in another unit?", {"nominal": {"Fz0": inf}}),
+        ("nominal R0 = 230 m is outside 0.01 .. 3 m: in another unit?", {"nominal": {"R0": 230.0}}),
+        ("nominal p0 = 80 Pa is far from the median of p", {"model": "mf61", "nominal": {"p0": 80.0}}),
     ]
-    for kind, message, options in cases:
-        with pytest.raises(kind) as caught:
+    for message, options in cases:
+        with pytest.raises(FitError) as caught:
             fit([recording], **{"model": "mf96", **options})
         assert message in str(caught.value)
         assert "\n" not in str(caught.value)

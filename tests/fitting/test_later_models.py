@@ -33,7 +33,7 @@ def inputs(seed, n):
     )
 
 
-def measured(tire, seed=0, n=3000, noise=0.0):
+def measured(tire, seed=0, n=1500, noise=0.0):
     table = inputs(seed, n)
     rng = np.random.default_rng(seed + 1)
     forces = tire.forces(**{name: table[name].to_numpy() for name in table})

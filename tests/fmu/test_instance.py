@@ -187,13 +187,6 @@ def test_the_log_can_be_chosen(running):
 # ------------------------------------------------------------------ reset, saved states
 
 
-def test_after_a_reset_the_instance_is_a_new_one(hosts, fmi):
-    used, new = hosts("rolling", fmi).start(), hosts("rolling", fmi).start()
-    used.set(PDX1=used.get("PDX1")[0] * 1.02, **POINT)
-    assert used.step(0.0, 0.25) == used.call("Reset") == OK
-    assert used.start().serialized() == new.serialized()
-
-
 def test_a_serialized_state_restores_everything_in_another_instance(hosts, fmi):
     instance, other = hosts("first", fmi).start(), hosts("first", fmi)
     instance.set(PDX1=instance.get("PDX1")[0] * 1.02, **POINT)

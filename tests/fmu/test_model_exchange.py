@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 import pytest
 from fmpy import simulate_fmu
 
-from .conftest import DISCARD, ERROR, OK
+from .conftest import ERROR, OK
 from .solver import Solver
-
-STATES = ("kappa_lagged", "tan_alpha_lagged")
 
 
 @pytest.fixture
@@ -33,29 +30,6 @@ def test_modes_follow_the_standard(solver):
     assert solver.set("PDY1", solver.get("PDY1")[0]) == OK
     assert solver.call("terminate") == OK
     assert solver.call("enterEventMode") == ERROR
-
-
-def test_states_are_what_the_solver_sets(solver):
-    solver.call("enterContinuousTimeMode")
-    assert solver.set_states(0.03, -0.04) == OK
-    assert solver.states().tolist() == [0.03, -0.04]
-    assert solver.get(*STATES).tolist() == [0.03, -0.04]
-    forces = solver.get("Fx", "Fy")
-    for bad in (np.nan, np.inf):
-        assert solver.set_states(0.0, bad) == DISCARD
-    assert solver.set_states(0.0) == ERROR
-    assert np.array_equal(solver.get("Fx", "Fy"), forces)
-
-
-def test_rates_are_those_of_the_equation(solver, tires, lagging):
-    solver.call("enterContinuousTimeMode")
-    point = {"kappa": 0.05, "alpha": 0.1, "Fz": 4500.0, "V": -13.0}
-    for name, value in point.items():
-        assert solver.set(name, value) == OK
-    assert solver.set_states(0.02, -0.01) == OK
-    sigma = tires[lagging].evaluate(pd.DataFrame([point])).iloc[0]
-    expected = [13.0 / sigma["sigma_kappa"] * (0.05 - 0.02), 13.0 / sigma["sigma_alpha"] * (np.tan(0.1) + 0.01)]
-    np.testing.assert_allclose(solver.get(*(f"der({name})" for name in STATES)), expected, rtol=1e-12)
 
 
 def test_a_slip_that_acts_at_once_is_where_it_acts_after_an_event(fmus, fmi, tmp_path):

@@ -6,9 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.boundary.errors import FmuError
 from tirefmu.fmu.description.units import FACTORS, base_unit
-from tirefmu.symbolic.models import MODELS
 
 
 @pytest.mark.parametrize(
@@ -36,16 +34,3 @@ def test_a_product_divided_by_itself_is_one(a, b, power):
     product = f"{a}^{power} {b}"
     assert base_unit(f"{product}/{product}") == {}
     assert base_unit(f"1/{product}") == {name: -n for name, n in base_unit(product).items()}
-
-
-@pytest.mark.parametrize("unit", ["Nm", "N/m/s", "N*m", "m^x", "lbf"])
-def test_unknown_factors_are_named(unit):
-    with pytest.raises(FmuError, match="unknown factor"):
-        base_unit(unit)
-
-
-@pytest.mark.parametrize("name", sorted(MODELS))
-def test_every_unit_of_every_model_is_known(name):
-    model = MODELS[name]
-    for item in (*model.inputs, *model.outputs, *model.coefficients.values()):
-        base_unit(item.unit)
