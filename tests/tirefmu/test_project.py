@@ -325,7 +325,7 @@ def test_init_and_run(command, bench_csv, tmp_path):
         for file in filter(Path.is_file, [output / written, *(output / written).rglob("*")]):
             assert file.read_bytes() == (tmp_path / "results" / file.relative_to(output)).read_bytes()
     assert "; stage 2 of " in first.err  # what a fit reports
-    assert command("run", path, "--quiet", "--force").err == ""
+    assert command("run", path, "--quiet", "--force", "--only", "inspect").err == ""
     assert first.status in (0, 1)
     check_file("run", tmp_path / "results" / "run.json")
     second = command("run", path, "--json", tmp_path / "run.json")

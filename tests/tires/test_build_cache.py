@@ -238,8 +238,6 @@ def test_concurrent_builds_without_a_lock(cache, caplog, monkeypatch, before):
     assert not caplog.records
 
 
-
-
 def test_a_failed_build_leaves_no_files(cache):
     def make(folder):
         (folder / "half").write_text("half", encoding="ascii")

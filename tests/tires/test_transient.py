@@ -251,8 +251,6 @@ def test_lagged_slips_are_returned_in_the_signs_of_the_table(signs):
     np.testing.assert_allclose(-answer["Fy"], expected["Fy"], rtol=1e-10)
 
 
-
-
 def test_a_time_that_is_not_finite_is_rejected():
     table = recording()
     table.loc[3, "t"] = np.nan
@@ -265,7 +263,3 @@ def test_a_recording_without_rows_is_rejected():
     assert lagging("mf61", "relax_lat").evaluate(recording().iloc[:0]).shape[0] == 0
     row = lagging("mf61", "relax_lat").evaluate(recording().iloc[:1])
     assert row["alpha_lagged"].iloc[0] == pytest.approx(row["alpha"].iloc[0], rel=1e-15)
-
-
-
-
