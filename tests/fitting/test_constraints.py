@@ -233,3 +233,4 @@ def test_operating_range(known, make):
     assert list(ranges) == list(known.inputs)
     assert ranges["kappa"] == (0.0, 0.0)
     assert ranges["Fz"] == (220.0, 1120.0)
+    assert ranges["alpha"] == (table["alpha"].min(), table["alpha"].max())
