@@ -238,6 +238,17 @@ def test_concurrent_builds_without_a_lock(cache, caplog, monkeypatch, before):
     assert not caplog.records
 
 
+def test_an_entry_stored_by_another_process_is_preserved(cache, monkeypatch):
+    monkeypatch.setattr(build_cache, "LONGEST_BUILD", 0.0)  # the other one does not wait
+
+    def make(folder):
+        Maker("ours")(folder)
+        cached("entry", Maker("theirs"))
+
+    assert content_of(cached("entry", make)) == "theirs"
+    assert names(cache) == ["entry"]
+
+
 def test_a_failed_build_leaves_no_files(cache):
     def make(folder):
         (folder / "half").write_text("half", encoding="ascii")
