@@ -34,6 +34,7 @@ def side_alone(table):
 #: In addition to the inputs of docs/awkward_inputs.md, which `test_awkward_inputs.py` compares, and to wrong signs and
 #: units (tests/measurements/column_meaning).
 REFUSED = {
+    "outputs that were not measured": (lambda t: [t.assign(Fx=np.nan, Fy=np.nan, Mz=np.nan)], "a.csv: no measured"),
     "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows excluded: standing (the wheel does not"),
     "infinity in an output": (lambda t: [t.assign(Fx=t["Fx"].where(t.index != 7, np.inf))], "a.csv: line 9: Fx is inf"),
     "one row": (lambda t: [t.iloc[:1]], "is measured over a varying slip: nothing to fit"),

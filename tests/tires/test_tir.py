@@ -16,7 +16,7 @@ from tirefmu.boundary.errors import TireError, TirError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, published, read_tir, tire_from, write_tir
 from tirefmu.tires.definition import RANGES
-from tirefmu.tires.property_file import other_entries
+from tirefmu.tires.property_file import other_entries, reading
 from tirefmu.tires.property_file import text as form
 from tirefmu.tires.property_file.names import MAX_SEARCHED, not_given
 from tirefmu.tires.property_file.reading import read_tir_with_notes
@@ -228,6 +228,29 @@ def test_a_number_may_have_all_digits_of_a_double(tmp_path):
     assert len(exact) > 1000
     (tmp_path / "exact.tir").write_text(BASE + f"[LATERAL_COEFFICIENTS]\nPKY1 = {exact}\n", encoding="ascii")
     assert read_tir(tmp_path / "exact.tir").values["PKY1"] == 5e-324
+
+
+def test_each_key_is_read_once(tmp_path, monkeypatch):
+    """Twice the keys take twice the steps: the search for a coefficient does not visit all keys."""
+    steps = []
+
+    class Counted(dict):
+        def __iter__(self):
+            for key in super().__iter__():
+                steps.append(key)
+                yield key
+
+    def steps_of(n):
+        steps.clear()
+        text = BASE + "[OTHER]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(n))
+        (tmp_path / "many.tir").write_text(text, encoding="ascii")
+        reader = reading._Reader(tmp_path / "many.tir")
+        reader.unread = Counted(reader.unread)
+        assert reader.reading().tire.values == published("trento_hoosier").in_signs("iso").values
+        return len(steps)
+
+    few, many = steps_of(500), steps_of(1000)
+    assert many - few <= 10 * 500
 
 
 def test_the_search_for_similar_names_is_bounded(tmp_path, monkeypatch):

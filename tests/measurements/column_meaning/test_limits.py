@@ -27,6 +27,7 @@ def recording(signs="iso", declared="", **columns) -> Recording:
         ({"kappa": [-4.0, 4.0], "Fx": [-1.0, 1.0]}, "backwards: in percent? declare it: 'kappa [%]' (or 'kappa [1]')"),
         ({"kappa": [-15.0, 100.0]}, "kappa reaches 100: in percent? declare it: 'kappa [%]'"),
         ({"Fz": [0.9, 1.1]}, "no |Fz| is above 1.1 N: in kN?"),
+        ({"Fz": [5e6]}, "Fz reaches 5e+06 N: in another unit?"),
         ({"p": [83.0, 84.0]}, "p is about 83.5 Pa: in kPa?"),
         ({"p": [2.2, 2.2]}, "p is about 2.2 Pa: in bar?"),
         ({"p": [12.0, 14.0]}, "p is about 13 Pa: in psi?"),
