@@ -127,6 +127,11 @@ def test_damper_and_rim_add_to_the_spring_which_lifts_off(host_of, tires):
     assert host.get("Fz", "deflection") == pytest.approx([0.0, -0.001 * free])
 
 
+def test_a_tire_whose_file_has_no_damping_has_the_assumed_one(host_of):
+    """Its model has a coefficient of damping, which is 0 if it is not stated."""
+    assert host_of("fiala").get("VERTICAL_DAMPING")[0] == 50.0
+
+
 def test_the_road_scales_friction(host_of, tires):
     """As the tire's own scaling factors do."""
     host, other = host_of("mf61"), host_of("mf61")
