@@ -28,14 +28,19 @@ hypothesis.settings.load_profile("tirefmu")
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled_code(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Cache compiled libraries in a folder of the test session, shared by its workers, instead of the user's cache."""
-    folder = tmp_path_factory.getbasetemp()
+def compiled_code(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Cache compiled libraries and printed code in pytest's cache instead of the user's cache.
+
+    Entries are named by the digest of what they are made from, so that the next run uses them too. `--cache-clear`
+    removes them. `-p no:cacheprovider` gives each run an empty cache, shared by its workers.
+    """
+    cache, folder = getattr(pytestconfig, "cache", None), tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         folder = folder.parent
+    folder = cache.mkdir("compiled") if cache else folder / "compiled"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("TIREFMU_CACHE", str(folder / "compiled"))
-        yield folder / "compiled"
+        patch.setenv("TIREFMU_CACHE", str(folder))
+        yield folder
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -7,7 +7,6 @@ import json
 import pytest
 
 from tirefmu.batch.intervals import bootstrap, profile
-from tirefmu.boundary.errors import FitError
 from tirefmu.cli import main
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, read_recording, write_table
@@ -61,11 +60,3 @@ def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path
         assert text in out
         assert text in page
     assert "Profile likelihood" in page
-
-
-def test_a_cluster_that_does_not_answer_is_an_error(table):
-    pytest.importorskip("distributed")
-    recording = read_recording(table)
-    result = fit(recording, "mf96", iterations=1, **OPTIONS)
-    with pytest.raises(FitError, match="no scheduler answers"):
-        bootstrap(result, recording, 40, scheduler="tcp://127.0.0.1:1")

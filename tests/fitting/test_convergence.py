@@ -162,23 +162,3 @@ def test_a_solver_that_always_fails_reports_it(noisy, truth):
     assert solution.reason == "cost, constraints or derivatives are not finite"
     assert solution.detail == ", ".join(3 * ["Invalid_Number_Detected"])
     assert np.isfinite(solution.x).all()
-
-
-def test_rounding_errors_change_nothing(exact, truth):
-    """Emulates another processor in the worst case: the cost of exact data is rounding error."""
-
-    class Rounded(Problem):
-        def derivatives(self, x):
-            cost, gradient, matrix = super().derivatives(x)
-            wobble = 1e-14 * np.sin(1e9 * x)
-            return cost, gradient + wobble, matrix
-
-        def cost(self, x):
-            return super().cost(x) + 1e-25 * abs(float(np.sin(1e9 * x.sum())))
-
-    rounded = Rounded(exact.tire, exact.rows, exact.free, exact.weights, exact.scale)
-    everywhere = np.full(len(FREE), inf)
-    for factor in (0.98, 1.01, 1.02, 1.05):
-        solution = solve(rounded, truth * factor, -everywhere, everywhere, [])
-        assert solution.converged, (solution.reason, solution.detail)
-        np.testing.assert_allclose(solution.x, truth, atol=1e-6)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from tirefmu.boundary.errors import FitError, UnknownName
-from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import Constraint
 from tirefmu.fitting.problem.weighted_residuals import Problem
 from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
@@ -146,20 +145,6 @@ def test_a_stopped_search_returns_the_best_individual(problem, start, bounds):
 
 
 # ------------------------------------------------------------------ within a fit
-
-
-def test_a_fit_by_ioa_reports_its_method_and_its_end(known, make, tmp_path):
-    free = "\n".join(f"{name} = {{ guess = {START[name]} }}" for name in FREE)  # declared bounds
-    path = make.recipe(tmp_path, f'[[stage]]\nname = "side"\nchannels = ["Fy"]\n[stage.free]\n{free}\n')
-    recording = make.sideways(known, cambers=(0.0,))
-    found, stopped = (
-        fit([recording], "mf96", start=known, recipe=path, method="ioa", iterations=iterations, seed=1)
-        for iterations in (400, 3)
-    )
-    assert found.run.method == found.to_json()["method"] == "ioa"
-    assert found.channels[0].rmse < 5.0
-    assert (stopped.ok, stopped.stages[0].reason) == (False, LIMIT)
-    assert stopped.stages[0].iterations >= 3
 
 
 def test_every_stage_of_the_default_recipe_can_be_solved_by_it(known, make):

@@ -6,8 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.fitting import fit
 from tirefmu.fitting.data.initial_values import readings, starting_values
 from tirefmu.measurements import Noise
 from tirefmu.symbolic.models import model_named
@@ -94,8 +92,3 @@ def test_quantities_that_the_data_do_not_show_have_no_reading(make):
         assert set(readings(rows)) <= {"stiffness_x", "friction_x", "shift_x"}
     silent = table.assign(Fx=0.0, Fy=0.0, Mz=0.0)
     assert readings(silent) == {}
-
-
-def test_an_unknown_start(make, known):
-    with pytest.raises(UnknownName, match="unknown start 'feature': did you mean features"):
-        fit([make.sideways(known)], "mf96", start="feature")

@@ -112,13 +112,6 @@ def test_the_best_point_of_a_stopped_fit_satisfies_the_constraints(problem, star
     assert stopped.cost > free.cost
 
 
-def test_a_constraint_without_a_free_coefficient_does_not_stop_the_fit(problem, start, bounds):
-    impossible = Constraint("mu_x", 10.0, inf, ())
-    points = np.array([[0.0], [0.0], [0.0], [700.0]])
-    solution = solve(problem, start, *bounds(problem), [(impossible, points)])
-    assert solution.converged
-
-
 def test_too_few_iterations_are_a_result(problem, start, bounds):
     solution = solve(problem, start, *bounds(problem), [], max_iterations=1)
     assert not solution.converged

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.boundary.errors import UnknownName
-from tirefmu.fitting.problem.loss import LOSSES, loss_named, robust_scale
+from tirefmu.fitting.problem.loss import LOSSES, robust_scale
 from tirefmu.fitting.problem.weights import limits_of, noise_weights
 from tirefmu.measurements import ChannelNoise, Noise, Recording
 
@@ -44,11 +43,6 @@ def test_constants_give_95_percent_efficiency(name):
     v = np.abs(u) / loss.constant
     efficiency = np.mean(loss.slope(v)) ** 2 / np.mean((u * loss.weight(v)) ** 2)
     assert efficiency == pytest.approx(0.95, abs=0.01)
-
-
-def test_an_unknown_loss_suggests_the_nearest_name():
-    with pytest.raises(UnknownName, match="huber"):
-        loss_named("hubert")
 
 
 @pytest.mark.parametrize("name", ROBUST)

@@ -11,8 +11,10 @@ import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import FitError, TirefmuError, UnknownName
-from tirefmu.fitting import RECIPES, load_recipe
+from tirefmu.demo import SEED, bench_tire
+from tirefmu.fitting import RECIPES, fit, load_recipe
 from tirefmu.fitting.problem.recipe import Freed
+from tirefmu.measurements import Noise, VirtualBench, trento_program
 from tirefmu.symbolic.models import MODELS
 
 DEG = radians(1.0)
@@ -188,13 +190,9 @@ BROKEN = {
     "name =": "Invalid value",
     "name = 'x'": "{file}: stage is missing",
     "nam = 'x'": "{file}: unknown key 'nam': did you mean name?",
-    "[stage]\nname = 'one'": "{file}: stage is {name = 'one'}: expected a list of one or more tables",
     stage("chanels = ['Fx']"): "{file}: unknown key 'chanels' in stage[1]: did you mean channels?",
     stage("channels = ['FX']"): "unknown channel in {file}, stage 'one' 'FX': did you mean Fx?",
-    stage("channels = 'Fx'"): "stage[1].channels is 'Fx': expected a list of texts",
     stage("effects = ['camber_trust']"): "'camber_trust': did you mean camber_thrust?",
-    stage("rows = 'many'"): "stage[1].rows is 'many': expected a whole number",
-    stage("rows = 0"): "stage[1].rows is 0: expected a whole number of at least 1",
     stage("weights = 'noisy'"): "unknown word 'noisy' in stage[1].weights: did you mean noise?",
     stage("hold = ['Fz']"): "unknown held input without a condition in {file}, stage 'one' 'Fz'",
     stage("[stage.where]", "FZ = '220 +- 100 N'"): "unknown input in {file}, stage 'one' 'FZ': did you mean Fz?",
@@ -203,12 +201,8 @@ BROKEN = {
     stage("[stage.where]", "Fz = '220 +- 100 deg'"): "Fz: unit 'deg' measures angle, not force",
     stage("select = 'fz > 220 N'"): "stage 'one': select: where 'fz > 220 N': unknown name 'fz': did you mean Fz?",
     stage("select = 'Fz > 220 N and sweep == 1'"): "stage 'one': select: sweep is known in --where only",
-    stage("[stage.where]", "Fz = 220"): "stage[1].where.Fz is 220: expected a text",
     stage("[stage.free]", "PDYI = { guess = 1 }"): "unknown coefficient in {file}, stage 'one' 'PDYI'",
-    stage("[stage.free]", "PDY1 = 1"): "stage[1].free.PDY1 is 1: expected a table",
     stage("[stage.free]", "PDY1 = { gess = 1 }"): "unknown key 'gess' in stage[1].free.PDY1: did you mean guess?",
-    stage("[stage.free]", "PDY1 = { guess = 'two' }"): "stage[1].free.PDY1.guess is 'two': expected a number",
-    stage("[stage.free]", "PDY1 = { guess = nan }"): "stage[1].free.PDY1.guess is nan: expected a number",
     stage("[stage.free]", "PDY1 = { lower = 2, upper = 1 }"):
         "stage 'one', PDY1: bounds cross: lower 2 is above upper 1",
 }  # fmt: skip
@@ -239,3 +233,34 @@ def test_files_that_cannot_be_read(tmp_path):
             load_recipe(str(tmp_path / f"{name}.toml"), "mf96")
     with pytest.raises(UnknownName, match="unknown recipe 'jiont': did you mean joint"):
         load_recipe("jiont", "mf96")
+
+
+# --- The recipe and the program of the Trento report, on the virtual Hoosier; test_demo.py: the recipe joint is closer
+
+
+def test_the_report_recipe_reproduces_the_properties_of_the_report():
+    truth = bench_tire()
+    recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program())
+    nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
+    result = fit([recording], "mf96", recipe="trento", nominal=nominal)
+    assert result.status == "converged"
+    assert len(result.stages) == 13
+    report = result.in_signs("adapted-sae")
+    coefficients = {coefficient.name: coefficient for coefficient in report.coefficients}
+    # One load does not identify PKY2: it stays within the report's narrow bounds (there 4.98); the tire has 3.9.
+    assert 4.9 <= coefficients["PKY2"].value <= 5.1
+    # Bounds that the report ended at, too. The stage of QCZ1 has a flat valley with QBZ9 at its bound at the other end,
+    # of the same cost within 2e-4 of it. (The report's QEZ1 ended at the bound as well.)
+    at_bound = {name for name, coefficient in coefficients.items() if coefficient.at_bound}
+    assert "RVY3" in at_bound
+    assert at_bound & {"QCZ1", "QBZ9"}
+    # At exactly one load nothing that changes with load can be seen: these stay at the report's guess.
+    for name, guess in {"PVY4": 0.0, "QHZ4": 0.0, "QDZ9": 0.2}.items():
+        assert (coefficients[name].value, coefficients[name].determined) == (guess, False)
+    heavy = pd.DataFrame({"Fz": [1120.0]})
+    found, true = (tire.evaluate(heavy, signs="adapted-sae")["K_yalpha"][0] for tire in (result.tire, truth))
+    assert found > 1.15 * true
+    # The nominal slices are fitted as accurately as in the report.
+    stages = {stage.name: stage.r2_uncentred for stage in result.stages}
+    for name in ("FX0 pure", "FX0(Fz)", "FX0(gamma)", "FY0 pure", "FY0(Fz)", "FY0(gamma)", "FX combined"):
+        assert stages[name] > 0.99, name

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from tirefmu.boundary.errors import FitError
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.constraint_functions import measured_values
 from tirefmu.fitting.constraints.physical import chosen_constraints, grid, operating_range
+from tirefmu.measurements import Recording
+from tirefmu.tires import Tire
 
-from .known_tires import CHANNELS, NOMINAL, SIZES, known_tire, moved, recorded
+from .known_tires import CHANNELS, NOMINAL, PRESSURES, SIZES, known_tire, moved, recorded
 
 MODEL, ROWS = "mf96", 2500
 TRUTH = known_tire(MODEL)
@@ -64,3 +68,99 @@ def test_the_known_tires_satisfy_every_constraint(model):
             tire.symbolic_model, constraint, grid(constraint, ranges, nominal, density=2), tire.parameters()
         )
         assert constraint.distance(values).min() > 0, constraint.name
+
+
+# --------- MF5.2, MF6.1 and MF6.2: known tires recovered from data with pressure, with the constraints of these models
+
+
+LATER = ("mf52", "mf61", "mf62")
+
+
+def inputs(seed, n):
+    """Return sweeps of slip angle and of slip at held loads, inclinations and pressures, shuffled."""
+    rng = np.random.default_rng(seed)
+    combined = np.arange(n) % 2 == 1
+    return pd.DataFrame(
+        {
+            "kappa": np.where(combined, rng.uniform(-0.2, 0.2, n), 0.0),
+            "alpha": np.where(combined, rng.choice([0.0, -0.04, 0.08], n), rng.uniform(-0.2, 0.2, n)),
+            "gamma": rng.choice([0.0, 0.03, 0.06], n),
+            "Fz": rng.choice([600.0, 1200.0, 1800.0, 2600.0], n),
+            "p": rng.choice(PRESSURES, n),
+            "V": np.full(n, 11.2),
+        }
+    )
+
+
+def measured(tire, seed=0, n=1500, noise=0.0):
+    table = inputs(seed, n)
+    rng = np.random.default_rng(seed + 1)
+    forces = tire.forces(**{name: table[name].to_numpy() for name in table})
+    sizes = {"Fx": 1500.0, "Fy": 1500.0, "Mz": 30.0}
+    outputs = {name: forces[name] + noise * size * rng.normal(size=n) for name, size in sizes.items()}
+    return Recording(table.assign(**outputs), "adapted-sae", "made")
+
+
+@pytest.fixture(scope="module", params=LATER)
+def fitted(request):
+    return known_tire(request.param), fit([measured(known_tire(request.param), noise=0.01)], request.param)
+
+
+def test_the_tire_is_recovered_from_generic_values(fitted):
+    truth, result = fitted
+    assert result.ok, result.status
+    elsewhere = inputs(7, 2000)
+    arguments = {name: elsewhere[name].to_numpy() for name in elsewhere}
+    found, true = result.tire.in_signs("adapted-sae").forces(**arguments), truth.forces(**arguments)
+    for name in ("Fx", "Fy", "Mz"):
+        error = np.sqrt(np.mean((found[name] - true[name]) ** 2) / np.mean(true[name] ** 2))
+        assert error < 0.015, name  # the noise is 1 % of a typical force
+
+
+def test_nominal_values_are_set_and_noted(fitted):
+    truth, result = fitted
+    # The data's medians, not the true tire's: 1200 or 1800 N, of two digits.
+    assert result.tire.values["FNOMIN"] in (1200.0, 1800.0, 1500.0)
+    assert (result.tire.values["NOMPRES"], result.tire.values["INFLPRES"]) == (8.3e4, 8.3e4)
+    assert result.tire.values["LONGVL"] == 11.0
+    notes = "\n".join(result.notes)
+    for text in ("nominal load not given", "nominal pressure p0 not given: the median, 83000 Pa", "radius R0"):
+        assert text in notes
+    declarations = truth.symbolic_model.coefficients
+    assert not [c.name for c in result.coefficients if not declarations[c.name].fitted]
+    # No row has turn slip.
+    assert not [c.name for c in result.coefficients if declarations[c.name].section == "TURNSLIP_COEFFICIENTS"]
+    assert set(result.tire.ranges) == {"kappa", "alpha", "gamma", "Fz", "p"}
+    assert result.tire.ranges["p"] == (7e4, 9.7e4)
+
+
+def test_pressure_coefficients_are_found_and_constraints_verified_over_pressure(fitted):
+    truth, result = fitted
+    coefficients = {c.name: c for c in result.coefficients}
+    if "PPY3" in truth.symbolic_model.coefficients and "pressure_friction" in truth.symbolic_model.effects:
+        assert coefficients["PPY3"].value == pytest.approx(truth.values["PPY3"], abs=0.02)
+        assert coefficients["PPY3"].interval < 0.05
+    margins = {margin.constraint: margin for margin in result.margins}
+    expected = [c.text for channel in chosen_constraints(truth.model).values() for c in channel]
+    assert list(margins) == expected
+    assert {"K_xkappa > 0", "K_yalpha > 0", "D_t > 0", "E_y <= 1"} <= set(expected)
+    assert set(margins["mu_y > 0"].at) == {"Fz", "gamma", "p"}
+
+
+def test_the_scaling_recipe_adapts_a_tire_to_another_surface():
+    truth = known_tire("mf61")
+    icy = Tire("mf61", {**truth.values, "LMUX": 0.6, "LMUY": 0.55, "LKY": 0.8}, signs="adapted-sae")
+    result = fit([measured(icy)], "mf61", start=truth, recipe="scaling")
+    assert result.ok, result.status
+    values = result.tire.in_signs("adapted-sae").values
+    assert [values[n] for n in ("LMUX", "LMUY", "LKY")] == pytest.approx([0.6, 0.55, 0.8], rel=0.01)
+    unscaled = [
+        n for n, c in truth.symbolic_model.coefficients.items() if c.section in ("LATERAL_COEFFICIENTS", "VERTICAL")
+    ]
+    assert [values[n] for n in unscaled] == [truth.values[n] for n in unscaled]
+    assert {truth.symbolic_model.coefficients[c.name].section for c in result.coefficients} == {"SCALING_COEFFICIENTS"}
+
+
+def test_scaling_requires_a_start_tire():
+    with pytest.raises(FitError, match="recipe scaling scales a given tire"):
+        fit([measured(known_tire("mf61"), n=100)], "mf61", recipe="scaling")

@@ -116,18 +116,24 @@ def with_text(result, text):
     return changed
 
 
+def page_with(result, text):
+    name = figure_text(text)
+    shown = Figure("any", name, ((Panel(name, name),),), name)
+    return report_page(with_text(result, text), [shown], [("command", text)])
+
+
+@pytest.fixture(scope="module")
+def plain_page(side_fit):
+    return page_with(side_fit[0], "plain")
+
+
 @pytest.mark.parametrize("text", HOSTILE)
-def test_no_text_changes_the_page(side_fit, text):
-    result, _ = side_fit
-    pages = []
-    for word in ("plain", text):
-        name = figure_text(word)
-        shown = Figure("any", name, ((Panel(name, name),),), name)
-        pages.append(report_page(with_text(result, word), [shown], [("command", word)]))
+def test_no_text_changes_the_page(side_fit, plain_page, text):
+    page = page_with(side_fit[0], text)
     # The only code is the same in both pages: it draws charts.
-    contents, codes = zip(*(page.rsplit("<script>", 1) for page in pages), strict=True)
+    contents, codes = zip(*(text.rsplit("<script>", 1) for text in (plain_page, page)), strict=True)
     assert codes[0] == codes[1]
-    pages[1].encode("utf-8")
+    page.encode("utf-8")
     assert is_plain(contents[1])
     plain, shown = map(Skeleton, contents)
     assert shown.parts == plain.parts
@@ -136,10 +142,12 @@ def test_no_text_changes_the_page(side_fit, text):
     assert shown.text.count(visible(text)) >= 13  # all of it can be read
 
 
-def test_the_file_is_self_contained(side_fit, tmp_path):
+def test_the_file_of_a_result_is_self_contained(side_fit, tmp_path):
     result, recording = side_fit
     path = tmp_path / "report.html"
-    write_report(result, [recording], path)
+    result.report(path, recording)
+    with pytest.raises(FitError):
+        result.report(tmp_path / "none.html", [])
     assert [file.name for file in tmp_path.iterdir()] == ["report.html"]
     page = Page(path.read_text(encoding="utf-8"))
     images = [value for tag, name, value in page.attributes if (tag, name) == ("img", "src")]
@@ -147,19 +155,6 @@ def test_the_file_is_self_contained(side_fit, tmp_path):
     for _, name, value in page.attributes:
         if name in ("src", "href"):
             assert value.startswith(("data:image/png;base64,", "#")), value[:60]
-
-
-def test_a_result_writes_its_report_from_the_recordings(side_fit, tmp_path):
-    result, recording = side_fit
-    path = tmp_path / "report.html"
-    result.report(path, recording)
-    text = path.read_text(encoding="utf-8")
-    assert f"Fit of {result.tire.name or result.tire.model}" in text
-    assert recording.source in text
-    assert result.coefficients[0].name in text
-    with pytest.raises(FitError):
-        result.report(tmp_path / "none.html", [])
-    assert not (tmp_path / "none.html").exists()
 
 
 def test_curves_of_moments_are_behind_a_tab_and_printed(side_fit):

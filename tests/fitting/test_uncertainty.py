@@ -43,7 +43,7 @@ def test_intervals_have_their_nominal_coverage(known, stays, passes):
     In a quick sweep the noise is slower than the sweep: it changes offsets, not slopes.
     """
     inside, white = [], []
-    for seed in range(60):
+    for seed in range(40):
         problem = sweeps(known, correlated(np.random.default_rng(seed), stays), passes=passes)
         truth = np.array([known.values[name] for name in FREE]) / problem.scale
         _, gradient, matrix = problem.derivatives(truth)

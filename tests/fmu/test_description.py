@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tirefmu.fmu.description.model_description import Header, model_description
+from tirefmu.fmu.description.units import FACTORS, base_unit
 from tirefmu.fmu.description.variables import TIME, direct_feedthrough, variables
 from tirefmu.fmu.packaging.export import contents
 from tirefmu.tires import published
@@ -142,8 +145,8 @@ def test_characters_that_xml_cannot_contain_are_omitted(fmi):
 def test_states_that_a_tire_was_converted():
     tire = published("trento_hoosier")
     assert tire.signs == "adapted-sae"
-    for given, stated in ((tire, True), (tire.in_signs("iso"), False)):
-        text = contents(given, 3, "t")["modelDescription.xml"].decode()
+    for written, stated in ((tire, True), (tire.in_signs("iso"), False)):
+        text = contents(written, 3, "t")["modelDescription.xml"].decode()
         assert ("converted from adapted-sae signs" in text) == stated
 
 
@@ -161,3 +164,33 @@ def test_token_ties_tire_code_and_description(tires):
     ]
     assert token(tire) == token(tire)
     assert len({token(tire), *others}) == 4
+
+
+# ------------------------------------------------------------------ Units in SI base exponents
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [
+        ("1", {}),
+        ("N", {"kg": 1, "m": 1, "s": -2}),
+        ("N m", {"kg": 1, "m": 2, "s": -2}),
+        ("N/rad", {"kg": 1, "m": 1, "s": -2, "rad": -1}),
+        ("1/rad^2", {"rad": -2}),
+        ("Pa", {"kg": 1, "m": -1, "s": -2}),
+        ("1/Pa", {"kg": -1, "m": 1, "s": 2}),
+        ("m/s", {"m": 1, "s": -1}),
+        ("N/m", {"kg": 1, "s": -2}),
+        ("m/m", {}),
+        ("deg C", {"K": 1, "offset": 273.15}),
+    ],
+)
+def test_known_units(unit, expected):
+    assert base_unit(unit) == expected
+
+
+@given(st.sampled_from(sorted(FACTORS)), st.sampled_from(sorted(FACTORS)), st.integers(1, 4))
+def test_a_product_divided_by_itself_is_one(a, b, power):
+    product = f"{a}^{power} {b}"
+    assert base_unit(f"{product}/{product}") == {}
+    assert base_unit(f"1/{product}") == {name: -n for name, n in base_unit(product).items()}

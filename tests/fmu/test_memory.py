@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+import xml.etree.ElementTree as ET
+import zipfile
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tirefmu.boundary.errors import FmuError
@@ -95,3 +98,54 @@ def test_wheel_inputs_have_the_same_memory(tires, wheels):
     assert host.step(0.5, 0.5) == OK
     assert host.get("tread_heat")[0] < 0.96 * heat
     assert host.get("slip_growth")[0] < -0.9
+
+
+# --- Temperatures in an FMU: outputs in kelvin with start parameters, equal to the evaluation, independent of the step
+
+
+NODES = ("T_surface", "T_bulk", "T_carcass", "T_gas")
+
+
+@pytest.fixture
+def tire(tires):
+    return tires["heated"]
+
+
+@pytest.mark.parametrize("inputs", ["wheel", "hub"])
+def test_temperatures_with_other_inputs_are_those_of_the_evaluation(tire, hosts, inputs):
+    """With the slips, speed and load that the FMU has from the motion of the wheel, held for each step."""
+    host, shares = hosts("heated", 3, inputs), {"THPACT": 1.0, "THSHAREX": 1.0}
+    host.initialize()
+    assert host.set(**shares) == OK
+    speed, rows, nodes = "V_x" if inputs == "wheel" else "v_x", [], []
+    for i in range(40):
+        motion = {speed: 15.0 + np.sin(0.3 * i), "omega": 62.0 + 4.0 * np.sin(0.2 * i), "T_road": 300.0 + i}
+        motion |= {"V_y": np.sin(0.1 * i), "Fz": 1500.0 + 20.0 * i} if inputs == "wheel" else {"r_z": 0.243 - 1e-4 * i}
+        assert host.set(**motion) == OK
+        if i == 0:
+            assert host.call("ExitInitializationMode") == OK
+        named = dict(zip(("kappa", "alpha", "V", "Fz"), host.get("kappa", "alpha", "V_x", "Fz"), strict=True))
+        rows.append({"t": 0.02 * i, **named, "T_road": 300.0 + i})
+        nodes.append(host.get(*NODES))
+        assert host.step(0.02 * i, 0.02) == OK
+    evaluated = tire.with_values(**shares).evaluate(pd.DataFrame(rows), hold=True)
+    np.testing.assert_allclose(nodes, evaluated[list(NODES)], rtol=1e-9)
+    assert nodes[-1][0] > nodes[0][0] + 1.0
+
+
+def test_the_description_has_kelvin_and_degrees_celsius(fmus, hosts):
+    variables = hosts("heated", 3).variables
+    assert {variables[name].causality for name in NODES} == {"output"}
+    assert {variables[name].causality for name in ("T_ambient", "T_road")} == {"input"}
+    assert {variables[name].unit for name in (*NODES, "T_ambient", "T_road")} == {"K"}
+    assert {variables[name].initial for name in NODES} == {"exact"}
+    with zipfile.ZipFile(fmus["heated", 3]) as archive:
+        root = ET.fromstring(archive.read("modelDescription.xml"))
+    (offset,) = (e.get("offset") for e in root.iter("DisplayUnit") if e.get("name") == "degC")
+    assert float(offset) == -273.15
+
+
+def test_start_temperatures_can_be_set(hosts):
+    starts = dict(zip(NODES, (330.0, 325.0, 320.0, 310.0), strict=True))
+    host = hosts("heated", 3).start(alpha=0.1, Fz=1500.0, V=15.0, **starts)
+    np.testing.assert_allclose(host.get(*NODES), list(starts.values()), rtol=0, atol=1e-12)

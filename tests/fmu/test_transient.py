@@ -41,17 +41,6 @@ def test_conventions_reach_the_lengths_too(hosts, tires):
     assert distance(np.array(shown), expected[[*host.outputs, *SLIPS]].to_numpy()) < 1e-9
 
 
-def test_initialization_is_steady_and_stays_so(hosts, tires, lagging, fmi):
-    host = hosts(lagging, fmi)
-    host.initialize()
-    host.set(**STRAIGHT)
-    assert distance(host.forces(**POINT), steady(tires, lagging, **POINT)) < 1e-9
-    host.call("ExitInitializationMode")
-    for k in range(3):
-        assert distance(host.get(*host.outputs), steady(tires, lagging, **POINT)) < 1e-9
-        assert host.step(0.1 * k, 0.1) == OK
-
-
 def test_without_a_length_a_slip_acts_at_once(hosts, tires):
     host = hosts("rolling", 3).start()
     host.set(**POINT)
@@ -71,22 +60,3 @@ def test_a_serialized_slip_of_nan_is_rejected(rolling):
     bad = content[:position] + struct.pack("d", np.nan) + content[position + 8 :]
     assert rolling.deserialize(bad)[0] == ERROR
     assert rolling.log[-1] == "the bytes are not a serialized state of this FMU"
-
-
-def test_derivatives_hold_the_lagging_slips(hosts, tires, lagging, fmi):
-    host = hosts(lagging, fmi)
-    host.initialize()
-    host.set(**POINT)
-
-    def slopes():
-        return [host.derivative(host.outputs, [key], [1.0])[1] for key in ("kappa", "alpha", "Fz", "gamma", "PDY1")]
-
-    at_rest = slopes()
-    host.call("ExitInitializationMode")
-    lagging_slopes = slopes()
-    assert np.all(at_rest[0][:3] != 0.0)
-    assert not np.any(lagging_slopes[:2])
-    np.testing.assert_array_equal(lagging_slopes[2:], at_rest[2:])
-    # With other inputs they are derivatives at the lagged slips, not at the inputs.
-    host.set(kappa=0.3, alpha=0.3)
-    np.testing.assert_array_equal(slopes()[2:], at_rest[2:])

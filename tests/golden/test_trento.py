@@ -60,12 +60,6 @@ def test_every_column_from_every_language(rows, worksheet_tire, code):
     assert largest_error(ours, rows) < 1e-9
 
 
-def test_the_same_tire_written_in_iso(rows, worksheet_tire):
-    iso = worksheet_tire.in_signs("iso")
-    assert iso.values["PKY1"] == -worksheet_tire.values["PKY1"] < 0
-    assert largest_error(iso.evaluate(rows[INPUTS], signs="adapted-sae"), rows) < 1e-9
-
-
 def test_a_bench_table_in_sae(rows, worksheet_tire):
     bench = convert_signs(rows[INPUTS], "adapted-sae", "sae")
     assert (bench["Fz"] < 0).all()
@@ -73,12 +67,6 @@ def test_a_bench_table_in_sae(rows, worksheet_tire):
     # Forces and inputs are returned in sae; the named quantities are those of the formula in adapted SAE.
     assert largest_error(convert_signs(answer, "sae", "adapted-sae"), rows) < 1e-9
     pd.testing.assert_frame_equal(answer[INPUTS], bench)
-
-
-def test_forces_in_iso_are_the_mirrored_ones(rows, worksheet_tire):
-    answer = worksheet_tire.evaluate(rows[INPUTS], signs="iso")
-    for ours, theirs in {"Fx": rows["FX"], "Fy": -rows["FY"], "F_y0": -rows["FY0"], "M_z0": -rows["MZ0"]}.items():
-        assert np.max(np.abs(answer[ours] - theirs) / (1 + np.abs(theirs))) < 1e-9
 
 
 def test_the_published_tire_has_these_parameters_to_the_bit(worksheet_tire):

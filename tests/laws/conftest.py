@@ -51,8 +51,8 @@ def made_tire(model, seed):
 #: Ranges that exclude many of the drawn points; loads and pressures in units of the nominal ones.
 NARROW = {"kappa": (-0.2, 0.4), "alpha": (-0.2, 0.1), "gamma": (-0.05, 0.08), "Fz": (0.3, 1.2), "p": (0.9, 1.1)}
 MAGIC = ("mf96", "mf52", "mf61", "mf62")
-#: Two tires of models with common lines, four of them.
-MADE = [(model, seed) for model in MAGIC for seed in range(4 if model == "mf96" else 2)]
+#: Two tires of each: a coefficient that one of them has below its generic value is likely to be above it in the other.
+MADE = [(model, seed) for model in MAGIC for seed in range(2)]
 
 
 @pytest.fixture(params=[*MADE, ("fiala", 0), ("brush", 0)], ids=lambda p: f"{p[0]}-{p[1]}")

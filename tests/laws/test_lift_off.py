@@ -21,9 +21,9 @@ def with_each_load(tire, rows, loads):
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_no_force_without_load(tire, points, code):
-    rows = with_each_load(tire, points(tire, n=20), [0.0, -0.0, -1e-300, -1.0, -5000.0])
-    language, parameters = code_for(tire.model, code), tire.parameters()
+def test_no_force_without_load(model_tire, points, code):
+    rows = with_each_load(model_tire, points(model_tire, n=20), [0.0, -0.0, -1e-300, -1.0, -5000.0])
+    language, parameters = code_for(model_tire.model, code), model_tire.parameters()
     assert (language.forces(rows, parameters) == 0).all()
     quantities = dict(zip(language.quantities_names, language.quantities(rows, parameters), strict=True))
     quantities.pop("c_z", None)  # load per deflection: 0 divided by 0
@@ -31,20 +31,22 @@ def test_no_force_without_load(tire, points, code):
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_jacobians_stay_finite(tire, points, code):
-    rows, parameters = points(tire, n=8), tire.parameters()
-    rows = with_each_load(tire, rows, [0.0, -5000.0, 1e-9, 1e-6, 2e-6])
-    assert np.isfinite(code_for(tire.model, code).jacobian_parameters(rows, parameters)).all()
-    assert np.isfinite(code_for(tire.model, code).jacobian_inputs(rows, parameters)).all()
+def test_jacobians_stay_finite(model_tire, points, code):
+    rows, parameters = points(model_tire, n=8), model_tire.parameters()
+    rows = with_each_load(model_tire, rows, [0.0, -5000.0, 1e-9, 1e-6, 2e-6])
+    assert np.isfinite(code_for(model_tire.model, code).jacobian_parameters(rows, parameters)).all()
+    assert np.isfinite(code_for(model_tire.model, code).jacobian_inputs(rows, parameters)).all()
 
 
 @pytest.mark.parametrize("code", ["numpy", "casadi"])
-def test_a_vanishing_load_gives_finite_results(tire, points, code):
+def test_a_vanishing_load_gives_finite_results(model_tire, points, code):
     """With turn slip, too, where moments are divided by moments. C evaluates the same operations as NumPy."""
-    rows = with_each_load(tire, points(tire, n=8), [5e-324, 2.5e-293, 1e-200, 1e-155, 1e-130, 1e-101, 1e-99, 1e-60])
-    if "phit" in tire.inputs:
-        rows[tire.inputs.index("phit")] = 1.0
-    language, parameters = code_for(tire.model, code), tire.parameters()
+    rows = with_each_load(
+        model_tire, points(model_tire, n=8), [5e-324, 2.5e-293, 1e-200, 1e-155, 1e-130, 1e-101, 1e-99, 1e-60]
+    )
+    if "phit" in model_tire.inputs:
+        rows[model_tire.inputs.index("phit")] = 1.0
+    language, parameters = code_for(model_tire.model, code), model_tire.parameters()
     assert np.isfinite(language.forces(rows, parameters)).all()
     assert np.isfinite(language.jacobian_inputs(rows, parameters)).all()
     assert np.isfinite(language.jacobian_parameters(rows, parameters)).all()

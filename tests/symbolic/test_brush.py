@@ -10,7 +10,6 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
@@ -216,10 +215,3 @@ def test_default_physical_constraints_are_enforced():
                without_constraints=["friction_falling", "stiffness_saturating"])  # fmt: skip
     assert free.tire.values["NSTIFF"] == pytest.approx(1.4, rel=1e-3)
     assert free.tire.values["NMU"] == pytest.approx(0.2, rel=1e-3)
-
-
-def test_a_diagnosis_names_what_changes_with_load():
-    table = bench(made(NSTIFF=0.6, NMU=0.0, NPATCH=0.5), 1200, loads=[1500.0, 3000.0, 4500.0, 2200.0], noise=0.5)
-    result = diagnose(table, signs="iso", model="brush", nominal={"Fz0": 3000.0, "R0": 0.3, "p0": 2e5})
-    assert [effect.effect for effect in result.found] == ["load_stiffness"]
-    assert result.found[0].coefficients["NSTIFF"].value == pytest.approx(0.6, abs=0.05)

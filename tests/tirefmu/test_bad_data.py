@@ -31,22 +31,11 @@ def side_alone(table):
     return table[["t", "alpha", "gamma", "Fz", "Fy"]].iloc[: len(table) // 2]
 
 
-#: In addition to the inputs of docs/awkward_inputs.md, which `test_awkward_inputs.py` compares.
+#: In addition to the inputs of docs/awkward_inputs.md, which `test_awkward_inputs.py` compares, and to wrong signs and
+#: units (tests/measurements/column_meaning).
 REFUSED = {
     "outputs that were not measured": (lambda t: [t.assign(Fx=np.nan, Fy=np.nan, Mz=np.nan)], "a.csv: no measured"),
-    "all rows lifted": (
-        lambda t: [t.assign(Fz=0.0)],
-        "a.csv: Fz is 0 in every row: it was not measured: name its column (--columns Fz=NAME)",
-    ),
-    "load in lbf": (lambda t: [t.assign(Fz=t["Fz"] / 4.448)], "a.csv: the largest force over load is 6.89 (tires"),
     "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows excluded: standing (the wheel does not"),
-    "side force of the other sign": (
-        lambda t: [side_alone(t).assign(Fy=-side_alone(t)["Fy"])],
-        "a.csv: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae)",
-    ),
-    "moment of the other sign": (
-        lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles, in iso it rises: Mz has the",
-    ),
     "infinity in an output": (lambda t: [t.assign(Fx=t["Fx"].where(t.index != 7, np.inf))], "a.csv: line 9: Fx is inf"),
     "one row": (lambda t: [t.iloc[:1]], "is measured over a varying slip: nothing to fit"),
     "the second file is bad": (
@@ -58,13 +47,6 @@ REPORTED = {
         lambda t: [t.drop(columns="kappa").assign(Fx=0.1 * t["Fx"])], "a.csv: Fx is not fitted, kappa does not vary",
     ),
     "ten rows": (lambda t: [side_alone(t).iloc[::60]], "a.csv: 10 rows are fewer than a fit of one force needs"),
-    "two sizes of tires": (
-        lambda t: [side_alone(t), side_alone(sweeps(load=9.0, seed=1))], "two tires? the load reaches 900 N in a.csv",
-    ),
-    "a wild reading": (
-        lambda t: [side_alone(t).assign(Fy=t["Fy"].where(t.index != 70, 9e3))],
-        "a.csv: 1 of 600 rows excluded: outlier (a value is far from the running median of its channel)",
-    ),
 }  # fmt: skip
 
 
@@ -123,10 +105,3 @@ def test_a_tire_that_is_not_usable_is_written_with_exit_status_1(fitted):
     assert (outcome.status, verdict) == (1, "verdict: not usable")
     assert any(reason.startswith("  - a.csv: the slip stiffness of Fy differs by -") for reason in reasons)
     assert left == ["new.tir"]
-
-
-def test_good_data_give_no_message(fitted):
-    outcome, _ = fitted([side_alone(sweeps()).iloc[:300], side_alone(sweeps(seed=1)).iloc[300:].assign(p=80e3)])
-    shown = [line for line in outcome.out.splitlines() if line.startswith(("note: ", "warning: "))]
-    notes = [line for line in shown if "only one load" not in line]
-    assert notes == []

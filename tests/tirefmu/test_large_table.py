@@ -79,13 +79,6 @@ def test_the_result_is_that_of_the_table_in_memory(evaluated, counted, rows, tmp
     assert (tmp_path / "large.json").read_text() == (tmp_path / "whole.json").read_text()
 
 
-def test_only_a_part_is_read_at_a_time(rows, tmp_path):
-    write_table(rows, tmp_path / "in.parquet")
-    sizes = [len(part) for part in LargeTable.of(tmp_path / "in.parquet").parts()]
-    assert max(sizes) <= PART
-    assert sum(sizes) == ROWS
-
-
 def test_parts_are_those_of_the_file_in_any_order_of_requests(rows, tmp_path):
     """Two readers of one file do not disturb each other: the process reads from the requested row."""
     write_table(rows, tmp_path / "in.parquet")

@@ -176,13 +176,6 @@ def test_a_file_that_is_not_a_whole_tire(tmp_path, content, message):
     assert message in str(caught.value)
 
 
-def test_a_missing_file_and_a_folder(tmp_path):
-    with pytest.raises(TirError, match=r"none\.tir: cannot be read \(No such file or directory\)"):
-        read_tir(tmp_path / "none.tir")
-    with pytest.raises(TirError, match="cannot be read"):
-        read_tir(tmp_path)
-
-
 def test_a_failed_write_creates_no_file(tmp_path):
     tire = published("trento_hoosier")
     (tmp_path / "a_folder.tir").mkdir()

@@ -251,13 +251,6 @@ def test_lagged_slips_are_returned_in_the_signs_of_the_table(signs):
     np.testing.assert_allclose(-answer["Fy"], expected["Fy"], rtol=1e-10)
 
 
-@pytest.mark.parametrize("code", ["c", "casadi"])
-def test_every_language_lags_alike(code):
-    tire, table = lagging("mf52", "relax_mf"), recording()
-    expected, answer = tire.evaluate(table), tire.evaluate(table, code=code)
-    np.testing.assert_allclose(acting(answer), acting(expected), rtol=1e-12)
-
-
 def test_a_time_that_is_not_finite_is_rejected():
     table = recording()
     table.loc[3, "t"] = np.nan
@@ -270,23 +263,3 @@ def test_a_recording_without_rows_is_rejected():
     assert lagging("mf61", "relax_lat").evaluate(recording().iloc[:0]).shape[0] == 0
     row = lagging("mf61", "relax_lat").evaluate(recording().iloc[:1])
     assert row["alpha_lagged"].iloc[0] == pytest.approx(row["alpha"].iloc[0], rel=1e-15)
-
-
-@pytest.mark.parametrize("name", SIX)
-def test_at_the_nominal_load_the_length_is_the_constant_one(name):
-    at_nominal = recording().assign(Fz=BODY["FNOMIN"])
-    by_load, constant = (lagging(name, effect).evaluate(at_nominal) for effect in ("relax_load", "relax_lat"))
-    pd.testing.assert_frame_equal(by_load, constant, check_exact=True)
-    by_load, constant = (lagging(name, effect).evaluate(recording()) for effect in ("relax_load", "relax_lat"))
-    assert (by_load["alpha_lagged"] - constant["alpha_lagged"]).abs().max() > 1e-3
-
-
-def test_the_state_is_preserved_at_rest():
-    """The lagged slip is constant for any steering; loads still act immediately."""
-    tire = lagging("mf61", "relax_lat", "relax_lon")
-    table = recording()
-    table.loc[20:, "V"] = 0.0
-    answer = tire.evaluate(table)
-    rest = acting(answer)[21:]
-    np.testing.assert_allclose(rest, np.repeat(rest[:1], len(rest), axis=0), rtol=1e-13)
-    assert np.isfinite(answer.to_numpy()).all()

@@ -176,22 +176,6 @@ def test_real_levels(measured):
         assert levels(table["kappa"]) == []
 
 
-def test_real_levels_split_the_file_into_its_conditions(measured):
-    table = measured.with_signs("iso").table
-    conditions = [
-        table[
-            table["Fz"].between(load - 250.0, load + 250.0)
-            & table["gamma"].between(camber - radians(0.5), camber + radians(0.5))
-            & table["p"].between(pressure - 3e3, pressure + 3e3)
-        ]
-        for load in levels(table["Fz"])
-        for camber in levels(table["gamma"])
-        for pressure in levels(table["p"])
-    ]
-    assert all(len(rows) > 300 for rows in conditions)
-    assert sum(map(len, conditions)) > 0.99 * len(table)
-
-
 def test_real_segments_are_single_sweeps(measured):
     lengths = [segment.stop - segment.start for segment in measured.segments()]
     assert len(lengths) == {"cornering.mat": 48, "drivebrake.mat": 139}[measured.source]

@@ -77,15 +77,6 @@ def test_settling_extends_each_transition_and_starts_none(raw):
     assert all(settled[end + 1 : end + 51].all() for end in ends)
 
 
-def test_sweeps_between_the_transitions(raw):
-    found = phases(raw.recording)
-    sweeps = [phase for phase in found if phase.kind == "sweep"]
-    assert len(sweeps) == 12
-    assert {phase.moving for phase in sweeps} == {("alpha",)}
-    held = [(round(phase.held["Fz"], -1), round(np.degrees(phase.held["gamma"]))) for phase in sweeps]
-    assert held == [(load, camber) for camber in (0, 2, 4) for load in (250.0, 700.0, 1100.0, 1550.0)]
-
-
 @settings(max_examples=20)
 @given(
     stretches=st.lists(

@@ -3,6 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tirefmu.boundary.errors import DataError
 from tirefmu.measurements import (
@@ -11,10 +13,14 @@ from tirefmu.measurements import (
     VirtualBench,
     alpha_sweeps,
     concatenate,
+    coverage,
+    coverage_notes,
     exclude_rows,
     kappa_sweeps,
+    outliers,
     phases,
     read_recording,
+    small_tire_program,
     transitions,
     trento_program,
 )
@@ -123,3 +129,124 @@ def test_sweeps_of_few_samples_have_neither_steps_nor_outliers(rate):
     assert exclude_rows(recording).counts == {}
     kinds = {kind for phase in phases(recording) for kind in [phase.kind] if phase.rows.stop - phase.rows.start > 30}
     assert kinds <= {"sweep", "points"}
+
+
+# -------------- A value far from the running median of its channel is found in any row; a clean signal has no outliers
+
+
+#: Larger than any change in the raw run within 0.01 s.
+SPIKES = {"alpha": 0.1, "Fz": 1500.0, "p": 30e3, "V": 4.0, "T": 40.0, "Fy": 3000.0, "Mz": 60.0}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_noisy_bench_has_no_outliers(make_raw, seed):
+    assert outliers(make_raw(seed=seed).recording) == []
+
+
+def test_the_virtual_benches_have_none():
+    for tire, program in (("trento_hoosier", trento_program()), ("unicamp_small_tire", small_tire_program())):
+        assert outliers(VirtualBench(published(tire), seed=2).run(program)) == []
+
+
+@settings(max_examples=40)
+@given(
+    channel=st.sampled_from(list(SPIKES)),
+    rows=st.sets(st.integers(0, 1500), min_size=1, max_size=4),
+    sign=st.sampled_from([-1.0, 1.0]),
+    signs=st.sampled_from(["iso", "sae", "adapted-sae"]),
+)
+def test_every_spike_is_found_and_only_it(raw, channel, rows, sign, signs):
+    # At least ten rows apart: a running median of fifteen rows tolerates seven outliers, not eight.
+    at = sorted(row * 10 for row in rows)
+    table = raw.recording.table.copy()
+    table.loc[at, channel] += sign * SPIKES[channel]
+    spoilt = Recording(table, "iso", "a.csv").with_signs(signs)
+    found = outliers(spoilt)
+    assert [(reading.row, reading.channel) for reading in found] == [(row, channel) for row in at]
+    assert [reading.value for reading in found] == spoilt.table[channel].iloc[at].tolist()
+
+
+def test_missing_values_are_not_outliers_and_hide_none(raw):
+    table = raw.recording.table.copy()
+    table.loc[::3, "Fy"] = np.nan
+    table.loc[700, "Fy"] = 9e3
+    assert [(reading.row, reading.channel) for reading in outliers(Recording(table, "iso", "a.csv"))] == [(700, "Fy")]
+
+
+def test_a_coarse_sensor_has_none(raw):
+    speed = 11.2 + 0.003 * (np.random.default_rng(0).random(len(raw.recording)) < 0.1)
+    assert outliers(Recording(raw.recording.table.assign(V=speed), "iso", "a.csv")) == []
+
+
+def test_the_sentence():
+    time = np.arange(200) / 100.0
+    table = {"t": time, "Fy": np.where(np.arange(200) == 70, 900.0, 100.0)}
+    (reading,) = outliers(Recording(pd.DataFrame(table), "iso", "a.csv"))
+    assert str(reading) == "row 71: Fy is 900 N, the running median is 100"
+
+
+# ---------------------------------------- Each lack of information is reported once; a complete recording has no notes
+
+
+def sweep(rows=500, **columns):
+    angle = np.linspace(-0.2, 0.2, rows)
+    table = {"t": np.arange(rows) / 100.0, "alpha": angle, "Fz": np.where(np.arange(rows) < rows / 2, 500.0, 900.0)}
+    return Recording(pd.DataFrame({**table, "Fy": -900.0 * np.tanh(12.0 * angle), **columns}), "iso", "a.csv")
+
+
+@pytest.mark.parametrize(
+    ("tire", "program"), [("trento_hoosier", trento_program()), ("unicamp_small_tire", small_tire_program())]
+)
+def test_complete_programs_have_no_missing_conditions(tire, program):
+    recording = VirtualBench(published(tire), seed=5).run(program)
+    for signs in ("iso", "sae", "adapted-sae"):
+        assert coverage_notes(recording.with_signs(signs)) == []
+
+
+@pytest.mark.parametrize(
+    ("recording", "expected"),
+    [
+        (sweep(), []),
+        (sweep(alpha=0.02), ["a.csv: alpha stays at 0.02 rad: Fy shows no slip curve"]),
+        (sweep(kappa=0.0, Fx=np.linspace(-1, 1, 500)), ["a.csv: kappa stays at 0: Fx shows no slip curve"]),
+        (sweep(Fx=np.linspace(-1, 1, 500)), ["a.csv: kappa is missing: Fx shows no slip curve"]),
+        (sweep(Fz=900.0), ["a.csv: only one load (900 N): the influence of load cannot be determined"]),
+        (sweep(Mz=0.0), ["a.csv: Mz is 0 in every row: was it measured?"]),
+        (sweep(t=-np.arange(500.0)), ["a.csv: t runs backwards in 499 of 499 steps: the rows are not in the order of"]),
+        (sweep(rows=10), ["a.csv: 10 rows are fewer than a fit of one force needs"]),
+        (sweep(Fy=np.nan), []),
+    ],
+)
+def test_each_missing_condition_is_reported_once(recording, expected):
+    notes = coverage_notes(recording)
+    assert len(notes) == len(expected)
+    assert all(note.startswith(start) for note, start in zip(notes, expected, strict=True))
+
+
+def test_camber_alone_is_a_slip_of_the_side_force():
+    assert coverage_notes(sweep(alpha=0.0, gamma=np.linspace(-0.1, 0.1, 500))) == []
+
+
+def test_coverage_of_a_program():
+    recording = VirtualBench(published("trento_hoosier"), seed=1).run(alpha_sweeps([300.0, 900.0], [0.0, 0.05]))
+    found = {channel.channel: channel for channel in coverage(recording)}
+    assert found["alpha"].swept
+    assert found["Fz"].levels == pytest.approx((300.0, 900.0), rel=0.02)
+    assert found["gamma"].levels == pytest.approx((0.0, 0.05), abs=0.002)
+    assert str(found["Fz"]).startswith("Fz: held at 2 levels, ")
+    for channel in found.values():
+        assert all(channel.lowest <= level <= channel.highest for level in channel.levels)
+
+
+def test_no_rows_cover_nothing():
+    empty = Recording(pd.DataFrame({"alpha": [], "Fz": []}), "iso", "a.csv")
+    assert coverage(empty) == []
+    assert coverage_notes(empty) == []
+
+
+def test_measured_files_have_only_their_known_missing_conditions(data_folder):
+    both = [read_recording(data_folder / f"{name}.mat") for name in ("cornering", "drivebrake")]
+    assert [coverage_notes(recording) for recording in both] == [
+        ["cornering.mat: kappa stays at 0: Fx shows no slip curve"],
+        [],
+    ]

@@ -83,12 +83,6 @@ def test_seeded():
     assert first["t"].equals(other["t"])
 
 
-def test_recording_one_more_channel_changes_no_other():
-    with_speed = VirtualBench(BrushedTire()).run(alpha_sweeps([900.0])).table
-    without = VirtualBench(BrushedTire()).run(alpha_sweeps([900.0], held={})).table
-    pd.testing.assert_frame_equal(with_speed[list(without)], without)
-
-
 def test_a_new_channel_leaves_the_recording_of_a_seed():
     """The streams of the channels that existed first, by their number then."""
     program = alpha_sweeps([900.0])
