@@ -29,18 +29,17 @@ from .interval import BALANCE, Added, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Deviations of the balance, per load: at the start (the second one if the first one does not converge), and the
-#: smallest one (the error of the integration).
-START_DEVIATIONS, MIN_DEVIATION = (0.02, 0.1), 1e-3
+#: Deviations of the balance, per load: at the start, and the smallest one (the error of the integration).
+START_DEVIATION, MIN_DEVIATION = 0.02, 1e-3
 #: Longest step of an unknown in the standard deviations of the car file, and of the logarithm of a deviation.
 LONGEST_STEP = 1.0
 #: Largest deviation of an unknown: one that reaches it contradicts the car file.
 LARGEST = 10.0
 #: Residual in standard deviations beyond which it has less weight, as that of Huber.
 OUTLYING = 3.0
-#: Most steps of the unknowns, most steps of the states for given unknowns, relative decrease that ends the latter,
-#: smallest part of a step that is tried.
-ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 40, 12, 1e-7, 1e-2
+#: Most steps of the unknowns, most steps of the states for given unknowns, predicted relative decrease that ends the
+#: latter, smallest part of a step that is tried.
+ROUNDS, MAX_STEPS, TOLERANCE, SHORTEST = 60, 50, 1e-7, 1e-2
 #: The estimate ends at a step of an unknown in its standard deviations and of the logarithm of a deviation below the
 #: first number, or at a step below 1 that gains less than the second one in the logarithm of the posterior.
 SETTLED, FLAT = 0.1, 0.05
@@ -126,36 +125,41 @@ class Estimate(Posterior):
 
 def estimated(
     grid: Grid, interval: Interval, unknowns: Unknowns, start: FloatArray, log: Log, car: Car,
-    forces: Forces = no_forces, near: Estimate | None = None, deviation: float = START_DEVIATIONS[0],
+    forces: Forces = no_forces, near: Estimate | None = None,
 ) -> tuple[Grid, Estimate]:  # fmt: skip
     """Return the grid with the estimated steering, and the estimate from initial states, shape (n_nodes, n_states).
 
     Steps of the unknowns and of the deviations of all residuals decrease one criterion: minus the logarithm of the
-    posterior, integrated over the states.
+    posterior, integrated over the states. The deviations wait until a step of the unknowns is not shortened: far from
+    the optimum, the errors of the unknowns are none of the forces, and a long log would never leave a large deviation.
 
     `forces`: added to those of the tires, for a fixed motion in each round. `near`: an estimate without them, from
-    which this one starts. `deviation`: of the balance at the start.
+    which this one starts.
     """
     n_balance = len(BALANCE)
     z, floor = np.zeros(len(unknowns)), np.ones(len(interval.residuals))
     floor[-n_balance:] = MIN_DEVIATION
-    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, deviation)])
+    deviations = np.concatenate([floor[:-n_balance], np.full(n_balance, START_DEVIATION)])
     if near:
         start, z, deviations = near.states, near.z, near.deviations
     added = forces(grid, start, z)
     z = np.concatenate([z, np.zeros(added.columns.shape[2])])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
-    converged = False
+    converged, arrived, part, last = False, near is not None, 1.0, np.zeros(len(z))
     for _ in range(ROUNDS):
         slope = _volume_slope(grid, interval, at, added.tires(z))
         change, change_z = at.factor.step(z + slope, z, LONGEST_STEP)
         widening = np.maximum(np.clip(at.excess(), -LONGEST_STEP, LONGEST_STEP), np.log(floor / at.deviations))
         widening[len(MEASURED) : -n_balance] = 0.0  # errors of the integration
-        size = max(np.abs(change_z / np.sqrt(np.diag(at.posterior.covariance))).max(), np.abs(widening).max())
+        arrived = arrived or bool(np.abs(change_z).max() < (1.0 - 1e-9) * LONGEST_STEP)
+        widening *= arrived
+        step = change_z / np.sqrt(np.diag(at.posterior.covariance))
+        size = max(np.abs(step).max(), np.abs(widening).max())
         if size < SETTLED:
             converged = True
             break
-        share, gain = 3.0, -np.inf
+        part, last = _part(part, last, step), step
+        share, gain = 3.0 * part, -np.inf
         while not gain > 0.0 and share > SHORTEST:
             share /= 3.0
             to = at.deviations * np.exp(share * widening)
@@ -184,6 +188,17 @@ def estimated(
     return grid, Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
                           outputs=outputs.with_columns(added.columns.shape[2]), weights=weights,
                           evidence=float(evidence), converged=converged)  # fmt: skip
+
+
+def _part(part: float, last: FloatArray, step: FloatArray) -> float:
+    """Return the part of a step to be taken, from that of the last one.
+
+    A step that reverses the last one shows by how much that was too long (Aitken's relaxation, as in Kuettler and Wall,
+    Computational Mechanics 43, 2008): what is linearized in each round, steering, weights and curvature, would else
+    make the steps alternate.
+    """
+    turn = step - last
+    return min(1.0, 2.0 * part) if last @ step >= 0.0 else -part * float(last @ turn / (turn @ turn))
 
 
 def _weights(residual: FloatArray) -> FloatArray:
@@ -239,16 +254,15 @@ def _solved(
         except np.linalg.LinAlgError:  # rounding made the matrix indefinite
             damping = 100.0 * damping
             continue
+        if factor.gradient @ factor.solved_gradient < 2.0 * TOLERANCE * linear.cost(z):
+            break
         moved = states - factor.solved_gradient.reshape(states.shape)
         tried = at(moved)
-        gain = linear.cost(z) - tried.cost(z)
-        if gain >= 0.0:
+        if tried.cost(z) <= linear.cost(z):
             states, linear, damping = moved, tried, max(damping / 10, 1e-9)
-            if gain < TOLERANCE * linear.cost(z):
-                break
         else:
             damping = max(damping, 1e-6) * 30
-    factor = _Factor(grid, linear, n, max(damping, 1e-9))
+    factor = _Factor(grid, linear, n, 1e-9)  # the determinant of a damped matrix would be none of the posterior
     # The density of the next motion that the balance gives, and those of the sensors, have the deviations as scales.
     density = np.log(np.abs(np.linalg.det(linear.jacobian[:, -len(BALANCE) :, n + 1 : n + 3]))).sum()
     density -= np.sum((linear.values != 0.0) * np.log(deviations), axis=0)[: -len(BALANCE)].sum()
