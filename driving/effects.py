@@ -20,7 +20,7 @@ from .estimate import Estimate
 from .inputs.car import Car
 from .inputs.grid import Grid
 from .inputs.unknowns import AXLES, FACTORS, Unknowns
-from .interval import BODY, OUTPUTS, Added
+from .interval import BODY, OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,8 +28,6 @@ FloatArray = npt.NDArray[np.float64]
 INPUTS = frozenset({"kappa", "alpha", "Fz", "V", "t", "Fy", "distance"})
 #: Prior standard deviation of the logarithm of a coefficient without a declared spread.
 SCALE_SPREAD = 0.7
-#: Step of a coefficient for its derivative, in its standard deviations.
-STEP = 0.02
 #: Smallest change of a force, per static load, that is a change: that of rounding is none.
 MIN_CHANGE = 1e-5
 
@@ -121,15 +119,10 @@ class Missing:
             result[axle] = replace(tire, added=added, values=values).in_signs("iso")
         return result
 
-    def forces(self, motion: Motion, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> Added:
-        """Return the side forces that the effect adds, linear about u."""
+    def side_forces(self, motion: Motion, u: FloatArray, factors: Mapping[str, Mapping[str, float]]) -> FloatArray:
+        """Return the side forces that the effect adds, per static load, shape (n, 2)."""
         without = motion.side_forces({axle: scaled(tire, factors[axle]) for axle, tire in self.tires.items()})
-        at = motion.side_forces(self.on(u, factors)) - without
-        columns = [
-            (motion.side_forces(self.on(u + STEP * unit, factors)) - without - at) / STEP for unit in np.eye(len(u))
-        ]
-        stacked = np.nan_to_num(np.stack(columns, axis=2))
-        return Added(np.nan_to_num(at) - stacked @ u, stacked)
+        return np.nan_to_num(motion.side_forces(self.on(u, factors)) - without)
 
 
 def scaled(tire: Tire, factors: Mapping[str, float]) -> Tire:

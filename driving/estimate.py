@@ -25,7 +25,7 @@ from .inputs.car import Car
 from .inputs.grid import MEASURED, Grid, with_steering
 from .inputs.log import Log
 from .inputs.unknowns import Unknowns
-from .interval import BALANCE, Added, Interval, Linear
+from .interval import BALANCE, MOTION, Added, Interval, Linear
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -51,7 +51,8 @@ Forces = Callable[[Grid, FloatArray, FloatArray], Added]
 
 def no_forces(grid: Grid, states: FloatArray, z: FloatArray) -> Added:
     """Return no added forces."""
-    return Added(np.zeros((len(grid.t), len(BALANCE))), np.zeros((len(grid.t), len(BALANCE), 0)))
+    shape = len(grid.t), len(BALANCE)
+    return Added(np.zeros(shape), np.zeros((*shape, 0)), np.zeros((*shape, len(MOTION))))
 
 
 @dataclass(frozen=True)
@@ -143,9 +144,9 @@ def estimated(
     if near:
         start, z, deviations = near.states, near.z, near.deviations
     added = forces(grid, start, z)
-    z = np.concatenate([z, np.zeros(added.columns.shape[2])])
+    z = np.concatenate([z, np.zeros(added.further)])
     at = _solved(grid, interval, added, start, z, deviations, np.ones((len(grid.t), len(floor))))
-    converged, arrived, part, last = False, near is not None, 1.0, np.zeros(len(z))
+    converged, arrived, part, last = False, False, 1.0, np.zeros(len(z))
     for _ in range(ROUNDS):
         slope = _volume_slope(grid, interval, at, added.tires(z))
         change, change_z = at.factor.step(z + slope, z, LONGEST_STEP)
@@ -186,7 +187,7 @@ def estimated(
     weights = (at.weights / at.deviations / scale)[:, -n_balance:]
     parts, evidence = vars(_posterior(grid, factor)), -at.criterion - np.linalg.slogdet(at.factor.schur)[1] / 2
     return grid, Estimate(**parts, states=at.states, z=z, deviations=at.deviations, residuals=linear,
-                          outputs=outputs.with_columns(added.columns.shape[2]), weights=weights,
+                          outputs=outputs.with_columns(added.further), weights=weights,
                           evidence=float(evidence), converged=converged)  # fmt: skip
 
 
@@ -245,7 +246,8 @@ def _solved(
 
     def at(states: FloatArray) -> Linear:
         linear = evaluated(interval.residual_chunk, grid, states, of_tires, data)
-        return added.residuals(linear, z).weighted(weights / deviations)
+        ends = states[grid.left], states[grid.right]
+        return added.residuals(linear, z, *ends).weighted(weights / deviations)
 
     linear, damping = at(states), 1e-9
     for _ in range(MAX_STEPS):

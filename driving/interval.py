@@ -291,25 +291,32 @@ class Linear:
 
 @dataclass(frozen=True)
 class Added:
-    """Side forces per static load beyond the tires': `offset`, shape (n, 2), and `columns`, shape (n, 2, n_u).
+    """Side forces per static load beyond the tires', linear in the last unknowns and in the motion.
 
-    The columns are for further unknowns u, the last ones of z, whose prior is the standard normal distribution.
-    `correction`, shape (n, n_residuals): added to all residuals.
+    `offset`, shape (n, 2). `columns`, shape (n, 2, n_last): by the last unknowns, of which `further` are none of tires
+    and car; their prior is the standard normal distribution. `slopes`, shape (n, 2, 3): by `MOTION` in the middle of an
+    interval. `correction`, shape (n, n_residuals): added to all residuals.
     """
 
     offset: FloatArray
     columns: FloatArray
+    slopes: FloatArray
+    further: int = 0
     correction: FloatArray | float = 0.0
 
     def tires(self, z: FloatArray) -> FloatArray:
-        """Return the unknowns before u."""
-        return z[: len(z) - self.columns.shape[2]]
+        """Return the unknowns of tires and car."""
+        return z[: len(z) - self.further]
 
-    def residuals(self, of_tires: Linear, z: FloatArray) -> Linear:
+    def residuals(self, of_tires: Linear, z: FloatArray, left: FloatArray, right: FloatArray) -> Linear:
         """Return residuals, per static load, with these forces, from those without them."""
-        n = self.columns.shape[2]
-        linear = of_tires.with_columns(n)
+        linear, n, last, moving = of_tires.with_columns(self.further), left.shape[1], self.columns.shape[2], len(MOTION)
+        middle = (left + right)[:, :moving] / 2
         linear.values[:] += self.correction
-        linear.values[:, -len(BALANCE) :] -= self.offset + self.columns @ z[len(z) - n :]
-        linear.jacobian[:, -len(BALANCE) :, linear.jacobian.shape[2] - n :] = -self.columns
+        forces = self.offset + self.columns @ z[len(z) - last :] + np.einsum("kim,km->ki", self.slopes, middle)
+        balance = slice(-len(BALANCE), None)
+        linear.values[:, balance] -= forces
+        linear.jacobian[:, balance, linear.jacobian.shape[2] - last :] -= self.columns
+        for first in (0, n):
+            linear.jacobian[:, balance, first : first + moving] -= self.slopes / 2
         return linear
