@@ -152,7 +152,8 @@ def effect_columns(
     candidates = candidates_for(library["front"])
     for name, candidate in candidates.items():
         # Where the simpler effect is a candidate, the more general one is a refinement of it.
-        if candidate.contains in candidates or "Fy" not in candidate.channels or not set(candidate.requires) <= INPUTS:
+        simpler, slow = candidate.contains in candidates, candidate.rate > 1.0 / np.median(np.diff(motion.t))
+        if simpler or slow or "Fy" not in candidate.channels or not set(candidate.requires) <= INPUTS:
             continue
         for missing, size in (pair for form in candidate.forms for pair in _of_form(name, form, library)):
             added = motion.side_forces(missing.on(size, factors)) - without

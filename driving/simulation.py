@@ -18,6 +18,7 @@ import numpy.typing as npt
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.coupled import Coupled
 from tirefmu.fmu.simulation.simulate import instances
+from tirefmu.measurements.units import GRAVITY
 from tirefmu.symbolic.vehicle.quantities import CORNERS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
@@ -32,8 +33,8 @@ from .interval import BODY, OUTPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Length of a piece, s; longest Heun step, s.
-HORIZON, MAX_STEP = 2.0, 0.01
+#: Length of a piece, s; longest Heun step, s, and in the shorter time constant of lateral speed and yaw rate.
+HORIZON, MAX_STEP, MAX_SHARE = 2.0, 0.01, 0.5
 #: kappa, alpha, Fz, V and states of effects, shape (4, n) each, and the length of the step that follows with these
 #: inputs, s (0: none); the answer is Fx and Fy, shape (2, 4, n).
 TireForces = Callable[[Mapping[str, FloatArray], float], FloatArray]
@@ -80,7 +81,8 @@ def simulated(
     kappa = estimate.outputs.values[:, [OUTPUTS.index(f"kappa_{axle}") for axle in AXLES]][rows].repeat(2, axis=2)
     state = estimate.states[grid.left[rows[:, 0]], 1:3].T
     acceleration = np.zeros((2, len(rows)))
-    substeps = int(np.ceil(grid.step / MAX_STEP - 1e-9))
+    longest = min(MAX_STEP, MAX_SHARE * _shortest_time(p, tires, float(speed[grid.left[rows]].min())))
+    substeps = int(np.ceil(grid.step / longest - 1e-9))
     h = grid.step / substeps
     past = {} if fmus else states_of(motion_of(grid, estimate, unknowns, car), tires)
     with fmu_forces(tires, len(rows)) if fmus else nullcontext(code_forces(tires)) as forces:
@@ -102,6 +104,19 @@ def simulated(
                 [mean[1], (state[0] - before[0]) / grid.step + mean[1] * (ends[0] + ends[1]) / 2, mean[0]], axis=1
             )
     return VehicleSimulation(motion, _errors(motion, grid, estimate, unknowns, car), fmus)
+
+
+def _shortest_time(p: Mapping[str, float], tires: Mapping[str, Tire], speed: float) -> float:
+    """Return the shorter time constant of lateral speed and yaw rate on the cornering stiffness of the tires, s."""
+    arms = p["cg_to_front"], p["cg_to_rear"]
+    loads = [GRAVITY * p["mass"] * arm / p["wheelbase"] / 2 for arm in arms[::-1]]
+    ends = [
+        tires[axle].forces(alpha=[-1e-3, 1e-3], Fz=Fz, code="numpy")["Fy"]
+        for axle, Fz in zip(AXLES, loads, strict=True)
+    ]
+    stiffness = [abs(float(Fy[1] - Fy[0])) / 1e-3 for Fy in ends]  # of both wheels
+    turning = sum(C * arm**2 for C, arm in zip(stiffness, arms, strict=True)) / p["yaw_inertia"]
+    return speed / max(sum(stiffness) / p["mass"], turning)
 
 
 def _rates(
