@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from scipy.integrate import cumulative_trapezoid
 
 from tirefmu.diagnosis.diagnose import with_library
 from tirefmu.diagnosis.probing.candidates import candidates_for, counts_from_neutral
@@ -47,8 +48,10 @@ class Motion:
     def evaluated(self, tires: Mapping[str, Tire]) -> list[pd.DataFrame]:
         """Return forces and states of each axle: rows of its left wheel, then of its right wheel."""
         tables = []
+        distance = cumulative_trapezoid(self.inputs["V"], self.t, initial=0.0)
         for i, axle in enumerate(AXLES):
-            wheels = {name: values[2 * i : 2 * i + 2].ravel() for name, values in self.inputs.items()}
+            inputs = {**self.inputs, "distance": distance}
+            wheels = {name: values[2 * i : 2 * i + 2].ravel() for name, values in inputs.items()}
             tables.append(tires[axle].evaluate(pd.DataFrame({"t": np.tile(self.t, 2), **wheels}), signs="iso"))
         return tables
 

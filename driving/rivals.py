@@ -122,10 +122,12 @@ def explanations(
             compared.append(explanation)
             powers.append(power)
     logs = np.array([_evidence(explanation, unknowns) for explanation in compared])
-    best = compared[int(np.argmax(logs))]
+    # All rivals are compared under one likelihood, that of the best one.
+    first = int(np.argmax(logs))
+    best = compared[first]
     residuals = best.estimate.residuals.values[:, -len(BALANCE) :].T
     length = np.mean([correlation_length(row, best.grid.segment) for row in residuals])
-    logs = (logs - logs[0]) * powers / length + [_log_prior(explanation.missing) for explanation in compared]
+    logs = (logs - logs[0]) * powers[first] / length + [_log_prior(explanation.missing) for explanation in compared]
     share = np.exp(logs - logs.max())
     ranked = zip(compared, share / share.sum(), strict=True)
     return sorted(
